@@ -81,10 +81,10 @@ def test_values_are_brought_into_their_ranges():
         ([1.0], "must be a table, got list"),
         ({"volume": 1.0}, "there is no slider 'volume'; there are level, direction, mass"),
         ({"level": "1"}, "'level' must be a finite number, got '1'"),
-        ({"level": True}, "'level' must be a finite number, got 'True'"),
-        ({"level": float("nan")}, "'level' must be a finite number, got 'nan'"),
-        ({"level": float("inf")}, "'level' must be a finite number, got 'inf'"),
-        ({"level": None}, "'level' must be a finite number, got 'None'"),
+        ({"level": True}, "'level' must be a finite number, got True"),
+        ({"level": float("nan")}, "'level' must be a finite number, got nan"),
+        ({"level": float("inf")}, "'level' must be a finite number, got inf"),
+        ({"level": None}, "'level' must be a finite number, got None"),
     ],
 )
 def test_values_that_are_none_are_refused(values, words):

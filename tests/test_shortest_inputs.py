@@ -92,7 +92,7 @@ def test_a_response_along_which_nothing_moves_is_said(method, tmp_path, monkeypa
 @pytest.mark.parametrize("value", [10**400, -(10**400), float("nan"), True, "1", None, [1.0]])
 def test_a_slider_takes_finite_numbers_alone(value):
     sliders = sliders_of(wr.load_system("sdof_shaker"), wr.HalfSine(peak=1.0, duration=0.01, direction="z"))
-    with pytest.raises(ValueError, match="`level` must be a finite number, got "):
+    with pytest.raises(ValueError, match="the value of 'level' must be a finite number, got "):
         checked_values(sliders, json.loads(json.dumps({"level": value})))
 
 

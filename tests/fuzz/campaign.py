@@ -31,7 +31,10 @@ import numpy as np
 
 from wirerope_mj.foundation.errors import WireRopeError
 
-TARGETS = ("models", "isolators", "scenarios", "records", "cycles", "folders")
+TARGETS = (
+    "models", "isolators", "scenarios", "records", "cycles", "folders", "phrases", "limits", "vary", "levels", "missions",
+    "layouts", "responses", "requests", "studies", "returns", "commands",
+)  # fmt: skip
 
 LIMIT = 20.0
 """An input that takes longer hangs [s]."""

@@ -4,7 +4,7 @@ import math
 import re
 from dataclasses import dataclass
 
-from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS, in_si
 
@@ -42,7 +42,7 @@ class PayloadLimit:
 
     def __post_init__(self) -> None:
         one_of("kind", self.kind, SIZES)
-        values = tuple(float(value) for value in self.values)
+        values = tuple(finite("values", value) for value in self.values)
         if len(values) not in SIZES[self.kind]:
             few, many = SIZES[self.kind]
             raise ValueError(f"`values` of {self.kind} must be {few} or {many} numbers, got {len(values)}.")
@@ -54,6 +54,13 @@ class PayloadLimit:
     def judged(self) -> dict[str, float]:
         """Limits by what they hold for: "" (the norm), "x", "y", "z" or "-x", "+x", ..; those of zero are left out."""
         return {axis: value for axis, value in zip(_LABELS[len(self.values)], self.values, strict=True) if value}
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise ValueError(f"{short(text)!r} is no number.") from None
 
 
 def limit_from_text(text: str) -> PayloadLimit:
@@ -70,7 +77,7 @@ def limit_from_text(text: str) -> PayloadLimit:
         one_of("kind", kind, SIZES)
         if unit not in _KNOWN[kind]:
             raise ValueError(f"{unit!r} is no unit of {kind}; known are {', '.join(_KNOWN[kind])}.")
-        values = tuple(in_si(float(number), _KNOWN[kind][unit]) for number in numbers.split())
+        values = tuple(in_si(_number(number), _KNOWN[kind][unit]) for number in numbers.split())
         return PayloadLimit(kind=kind, name=name, values=values)
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error} It is written like {_EXAMPLES}.") from None

@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.phrases import UNITS, Phrase, parse_phrase
@@ -34,6 +35,8 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
         made = [spoken.make(phrase, direction, n, begun) for n, direction in enumerate(directions)]
     except ValueError as error:
         raise ValueError(f'{kind} "{short(text)}": {error} It is written like "{spoken.example}".') from None
+    except ConvergenceError as error:
+        raise ConvergenceError(f'{kind} "{short(text)}": {error}') from None
     return sum(made[1:], start=made[0])
 
 

@@ -10,6 +10,7 @@ from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import moving_bodies, varied
 from wirerope_mj.foundation.arguments import finite
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.units import significant
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.mounts.isolator import Isolator
@@ -95,7 +96,10 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
     for key, value in values.items():
         if key not in known:
             raise ValueError(f"there is no slider {str(key)[:40]!r}; there are {', '.join(known)}.")
-        number = finite(key, value)
+        try:
+            number = finite(key, value)
+        except ValueError:
+            raise ValueError(f"the value of {key!r} must be a finite number, got {quoted(value, 40)}.") from None
         checked[key] = min(max(number, known[key].minimum), known[key].maximum)
     return checked
 

@@ -10,6 +10,10 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
 
 
+STEEPEST = 50.0
+"""Exponent at the most: with a larger one amplitudes of micrometres do a damage that is no number any more."""
+
+
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Cycles(Brief):
     """Cycles of a history.
@@ -37,9 +41,13 @@ class Cycles(Brief):
             constant: C, in the unit of the history to the power b; 1: a damage to be compared with others of that unit only.
 
         Raises:
-            ValueError: one of them is not positive.
+            ValueError: one of them is not positive, or the exponent is that of no fatigue curve.
         """
         b, c = positive("exponent", exponent), positive("constant", constant)
+        if b > STEEPEST:
+            raise ValueError(
+                f"`exponent` of a fatigue curve must be at most {STEEPEST:g}, got {b:g}: those of metals are 3 to 15."
+            )
         return float(np.sum(self.counts * (0.5 * self.ranges) ** b) / c)
 
     def equivalent_amplitude(self, exponent: float) -> float:

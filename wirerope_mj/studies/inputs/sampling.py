@@ -62,8 +62,8 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
 def _require_memory(variants: int, columns: int) -> None:
     """Raise BudgetError if the table of inputs is larger than memory."""
     require_memory(
-        f"the inputs of {variants:.4g} variants",
-        variants * (columns + 1) * _OF_A_NUMBER,
+        f"the inputs of {float(min(variants, 10**300)):.4g} variants",
+        float(min(variants, 10**300)) * (columns + 1) * _OF_A_NUMBER,
         "Compute fewer `variants`: a probability of exceedance p is known to sqrt(p / variants).",
     )
 

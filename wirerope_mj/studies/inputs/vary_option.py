@@ -70,7 +70,8 @@ def _made(name: str, kind: str, positional: Sequence[Any], named: dict[str, Any]
     try:
         inspect.signature(_KINDS[kind]).bind(*positional, **named)
     except TypeError as error:
-        raise ValueError(f"{name!r}: {error}; it is written {_signature(kind)}.") from None
+        fault = str(error).replace("positional arguments", "values").replace("an unexpected keyword", "an unknown")
+        raise ValueError(f"{name!r}: {fault}; it is written {_signature(kind)}.") from None
     try:
         distribution: Distribution = _KINDS[kind](*positional, **named)
     except ValueError as error:
