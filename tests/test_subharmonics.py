@@ -67,5 +67,6 @@ def test_the_circle_is_left_and_entered_again_along_the_branch(system, once):
     (event,) = branch.bifurcations
     assert event.kind == "Neimark-Sacker"
     assert (event.before, event.after) == (2, 0)
-    assert event.frequency == pytest.approx(0.1003, abs=1e-4)
+    # 0.09968 Hz with steps for 1e-6; 128 steps move the multiplier by 4e-4, and with it the crossing by 2e-4
+    assert event.frequency == pytest.approx(0.0997, abs=3e-4)
     assert "stability is regained" in event.description

@@ -21,7 +21,6 @@ from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stabilit
 from wirerope_mj.dynamics.periodic.observe import ranges
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
 from wirerope_mj.dynamics.periodic.track import Drive
-from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.arrays import Array
 
 CHANGE = 0.25
@@ -29,10 +28,6 @@ CHANGE = 0.25
 
 CORRECTIONS = 10
 """Corrector iterations of one point."""
-
-MANY = 13
-"""Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and turn
-has 12 without its mounts' states."""
 
 UNCLEAR = 0.1
 """Component of a unit tangent whose sign may change between two points."""
@@ -72,7 +67,6 @@ class Continuation:
         """Prepare to follow `parameter` with the `other` one fixed; `unit` of ln p counts as one unit of arclength."""
         self.search, self.flow, self.parameter = search, search.flow, parameter
         self.other, self.periods, self.unit, self.tolerance = other, periods, unit, tolerance
-        self._variational = variational_of(search.flow) if search.coordinates.size >= MANY else None
 
     def drive(self, value: float, steps: int | None = None) -> Drive:
         """Return the base's sine at a value of the parameter."""
@@ -99,7 +93,8 @@ class Continuation:
 
     def _matrix(self, motion: Shot, value: float) -> Array:
         """Return the derivative of the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
-        phi = self._variational.matrix(motion) if self._variational is not None else None
+        variational = self.search.variational
+        phi = variational.matrix(motion) if variational is not None else None
         if phi is None:
             phi = monodromy(self.flow, motion)
         moved = self.drive(value * math.exp(DIFFERENCE * self.unit), motion.track.drive.steps)

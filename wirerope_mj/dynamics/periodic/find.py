@@ -7,13 +7,16 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.dynamics.periodic.coordinates import Coordinates
+from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.kernel_flow import flow_of
 from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stability, wide_monodromy
 from wirerope_mj.dynamics.periodic.observe import ranges, travel_exceeded
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
-from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, shot
+from wirerope_mj.dynamics.periodic.scaled_states import ScaledStates
+from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, monodromy, shot
 from wirerope_mj.dynamics.periodic.smoothing import smoothed
 from wirerope_mj.dynamics.periodic.track import Drive, Steps
+from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.engine.control.state import STATE
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import check_direction
@@ -31,6 +34,10 @@ SETTLING = (20, 60, 240)
 
 ITERATIONS = 20
 """Newton iterations of one attempt: four times what a smooth start takes."""
+
+MANY = 13
+"""Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and turn
+has 12 without its mounts' states."""
 
 WIDTHS = 4
 """Times that the width of smoothed laws is set by the motion that was found with the last one."""
@@ -105,7 +112,12 @@ def _require_state(system: System, guess: State) -> None:
 
 
 class OrbitSearch:
-    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped."""
+    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped.
+
+    Attributes:
+        scaled: whether derivatives and multipliers are those of the variational equation, see `ScaledStates.serve`.
+        variational: the variational equation along a motion; None where a system of few unknowns does without.
+    """
 
     def __init__(
         self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
@@ -115,6 +127,8 @@ class OrbitSearch:
         self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
         stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
         self.flow = flow_of(self.coordinates, stepped)
+        self.scaled = ScaledStates(stepped).serve
+        self.variational = variational_of(self.flow) if self.scaled or self.coordinates.size >= MANY else None
 
     def adapt(self, motion: Shot) -> bool:
         """Smooth the laws over their fraction of this motion's velocity; return whether the width changed much."""
@@ -123,6 +137,11 @@ class OrbitSearch:
         before, wanted = self.flow.width, self.smoothing * ranges(self.system, motion.track).rate
         self.flow.smooth(wanted)
         return abs(wanted - before) > SAME_WIDTH * wanted
+
+    def derivative(self, flow: Flow, at: Shot) -> Array:
+        """Return the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
+        phi = self.variational.matrix(at) if self.scaled and self.variational is not None else None
+        return monodromy(flow, at) if phi is None else phi
 
     def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
         """Return a sine with the steps that the accuracy asks for."""
@@ -157,10 +176,14 @@ class OrbitSearch:
         for _ in range(WIDTHS):
             changed = self.adapt(motion)
             start = shot(self.flow, motion.x, drive) if changed else motion
-            motion = close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS)
+            motion = self.closed(start, tolerance)
             if not changed:
                 break
         return motion
+
+    def closed(self, start: Shot, tolerance: float) -> Shot:
+        """Return the motion that Newton's method closes from `start`, or the best that was found."""
+        return close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS, derivative=self.derivative)
 
     def _settled(self, x: Array, drive: Drive, number: int) -> Array:
         """Return the unknowns after a number of the base's periods."""
@@ -196,7 +219,8 @@ class OrbitSearch:
             raise SimulationError(
                 f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2 {over}. Lower the acceleration."
             )
-        judged = stability(self.flow, motion, wide_monodromy(self.flow, motion))
+        phi = self.variational.matrix(motion) if self.scaled and self.variational is not None else None
+        judged = stability(self.flow, motion, wide_monodromy(self.flow, motion) if phi is None else phi)
         return self.orbit(motion, judged, tolerance, settling)
 
     def orbit(self, motion: Shot, judged: FloquetStability, tolerance: float, settling: str) -> PeriodicOrbit:

@@ -12,10 +12,10 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
-from wirerope_mj.dynamics.periodic.find import ITERATIONS, OrbitSearch
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
-from wirerope_mj.dynamics.periodic.shooting import close, shot
+from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
@@ -79,7 +79,7 @@ class GrowingBranch:
             if (value - options.stop) * options.sign > 0.0:
                 return None
             start = shot(self.search.flow, last.shot.x, self.path.drive(value))
-            motion = close(self.search.flow, start, tolerance=options.tolerance, iterations=ITERATIONS)
+            motion = self.search.closed(start, options.tolerance)
             if motion.residual <= options.tolerance:
                 self.gaps.append((last.parameter, value))
                 return self.path.point(motion, value, before=None, sign=towards)
@@ -137,7 +137,7 @@ class GrowingBranch:
     def _at(self, x: Array, value: float, before: Array | None) -> Point:
         """Return the point of a motion that has been found before."""
         start = shot(self.search.flow, x, self.path.drive(value))
-        motion = close(self.search.flow, start, tolerance=self.options.tolerance, iterations=ITERATIONS)
+        motion = self.search.closed(start, self.options.tolerance)
         return self.path.point(motion, value, before=before, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:

@@ -9,6 +9,7 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.coordinates import Coordinates
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
+from wirerope_mj.dynamics.periodic.scaled_states import ScaledStates
 from wirerope_mj.dynamics.periodic.stepping import go, look_around
 from wirerope_mj.dynamics.periodic.track import Drive, Track
 from wirerope_mj.engine.control.layout import MAX_STEPS
@@ -20,6 +21,9 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.mounts.laws.kernels import SMOOTHED
+
+RATE = 6
+"""Place of the deflection's rate in a mount's record, behind deflection and force."""
 
 
 def flow_of(coordinates: Coordinates, system: System) -> Flow:
@@ -35,6 +39,7 @@ class KernelFlow(Flow):
         self._equations: Equations = equations(system)
         self._beyond: MujocoFlow | None = None
         self._within = ExitStack()
+        self._carried = self._steep(ScaledStates(system))
         self._nowhere = np.zeros((0, coordinates.carried(1.0, 1.0)[coordinates.moving].size))
 
     @property
@@ -82,14 +87,14 @@ class KernelFlow(Flow):
         return Track(end=ends[0], sensors=values, qpos=qpos, qvel=qvel, act=act, drive=drive)
 
     def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
-        """Write how accelerations and rates change beside a motion at the start of every step.
+        """Write how accelerations, rates and deflections change beside a motion at the start of every step.
 
         False if some of these states touch something or stand at a limit.
 
         Args:
             track: the motion.
             moves: displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a).
-            wanted: accelerations and rates that are, counted one behind the other, (n_wanted,).
+            wanted: `addresses` of those that are, (n_wanted,).
             factors: of their changes, (n_wanted,).
             out: takes the changes in its last rows and first columns, (n_t, n_rows, n or more).
         """
@@ -107,6 +112,36 @@ class KernelFlow(Flow):
         self.passes += (1 + len(moves)) * len(places)
         return not group.memory[e.lay[at.FAILED]].any()
 
+    def addresses(self, free: Integers, deflected: Integers) -> Integers:
+        """Return where the kernel keeps accelerations of free coordinates, and rates of the internal states.
+
+        For the states in `deflected` it is the deflection of their axis.
+        """
+        lay = self._equations.lay
+        states = lay[at.RATES] + np.arange(self.model.na)
+        states[deflected] = self._records(deflected)[0]
+        return np.concatenate([lay[at.RHS] + free, states])
+
+    def _records(self, states: Integers) -> tuple[Integers, Integers]:
+        """Return for some states where the deflection of their axis is recorded, and where its parameters begin, (n,) each."""
+        lay = self._equations.lay
+        axes = lay[lay[at.AXES] :][: 3 * at.AXIS_COLUMNS * lay[at.N_MOUNTS]].reshape(-1, at.AXIS_COLUMNS)
+        owner = np.repeat(np.arange(len(axes)), np.where(axes[:, 0] >= 0, axes[:, 3], 0))
+        firsts = np.repeat(axes[:, 2], np.where(axes[:, 0] >= 0, axes[:, 3], 0))
+        within = np.arange(owner.size) - np.searchsorted(owner, owner)
+        row = np.empty(owner.size, dtype=np.int64)
+        row[firsts + within] = owner
+        mount, axis = np.divmod(row[states], 3)
+        return lay[at.RECORD] + at.RECORD_SIZE * mount + axis, lay[at.PARAMETERS] + axes[row[states], 1]
+
+    def _steep(self, scaled: ScaledStates) -> Integers:
+        """Return the states that are carried in closed form, as `go` wants them, (n, 4)."""
+        lay, chosen = self._equations.lay, np.flatnonzero(scaled.steep & ~scaled.smoothed)
+        states = scaled.states[chosen]
+        record, parameters = self._records(states)
+        rows = lay[at.NQ] + lay[at.NV] + states
+        return np.column_stack([record, record + RATE, parameters + scaled.offsets[chosen], rows])
+
     def _go(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
         """Return the ends of at most WIDTH copies, NaN where one went astray, and why it did, 0 if it did not."""
         part = self.coordinates
@@ -119,7 +154,7 @@ class KernelFlow(Flow):
         positions, rates = motion.displacement(begins) @ slides, motion.velocity(begins) @ slides
         go(
             e.lay, e.fix, group.numbers, group.states, group.memory, positions[np.newaxis], rates[np.newaxis],
-            motion.acceleration(half)[np.newaxis], h, track, values,
+            motion.acceleration(half)[np.newaxis], h, self._carried, len(starts), track, values,
         )  # fmt: skip
         self.taken += drive.steps * len(starts)
         full[:, part.moving] = group.states[:, : len(starts)].T

@@ -1,5 +1,6 @@
 """Shooting: the start of a motion that repeats itself, by Newton's method on the period map."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -69,7 +70,8 @@ def shot(flow: Flow, x: Array, drive: Drive, scale: Array | None = None) -> Shot
 def monodromy(flow: Flow, at: Shot) -> Array:
     """Return the derivative of the scaled end by the scaled start, (n_x, n_x), its columns integrated in parallel.
 
-    It is that of the map as it is stepped, on which Newton's method and the folds of a branch depend.
+    It is that of the map as it is stepped, on which Newton's method and the folds of a branch depend; of no use where a law's
+    slope has no derivative at zero, see `wirerope_mj.dynamics.periodic.scaled_states`.
     """
     starts = at.x + DIFFERENCE * np.diag(at.scale)
     ends = flow.ends(starts, at.track.drive)
@@ -89,13 +91,20 @@ def least_solution(matrix: Array, right: Array) -> Array:
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
 
 
-def close(flow: Flow, first: Shot, *, tolerance: float, iterations: int) -> Shot:
+def close(
+    flow: Flow,
+    first: Shot,
+    *,
+    tolerance: float,
+    iterations: int,
+    derivative: Callable[[Flow, Shot], Array] = monodromy,
+) -> Shot:
     """Return the periodic motion near `first`, or the best that was found."""
     now = first
     for iteration in range(iterations):
         if now.residual <= tolerance or not np.isfinite(now.residual):
             break
-        phi = monodromy(flow, now)
+        phi = derivative(flow, now)
         if not np.isfinite(phi).all():
             break
         step = least_solution(np.eye(now.gap.size) - phi, now.gap)

@@ -4,14 +4,18 @@ import numpy as np
 
 from wirerope_mj.engine.control.layout import MAX_STEPS
 from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.forces import deflect
+from wirerope_mj.engine.kernel.links import place_links
 from wirerope_mj.engine.kernel.observe import measure
 from wirerope_mj.engine.kernel.steps import base_at, forward, place_base, shift, take_step, watch
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, rows, table
+from wirerope_mj.mounts.laws.cubic import position, reversals
+from wirerope_mj.mounts.laws.power import ORDER, carry_power
 
 
 @njit
-def go(structure, shared, numbers, states, memory, positions, rates, motion, h, track, values):
+def go(structure, shared, numbers, states, memory, positions, rates, motion, h, carried, lanes, track, values):
     """Step all lanes along with a base that moves alike in all of them.
 
     Args:
@@ -24,12 +28,18 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
         rates: of the driven slides, alike.
         motion: accelerations of the base at all half steps, (1, 2 n_steps + 1, 3).
         h: length of a step [s].
+        carried: states with n < 1, for each where its deflection stands in the memory, where its rate does, its first
+            parameter in the numbers, and its row among the states, (n_carried, 4). A step's stages sample the slope of these
+            states, which has no derivative where they are zero: the map of a period would be rough to 1e-4 of itself. They are
+            carried from the start of a step to its end in closed form, along the deflection between both.
+        lanes: number of those that are looked at.
         track: takes the first lane's state at the start of the first steps, (n_kept, n_state).
         values: takes its sensor values, (n_kept, n_values).
     """
     lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     which = np.zeros(WIDTH, dtype=np.int64)
     steps = (motion.shape[1] - 1) // 2
+    before, c, a = np.empty((carried.shape[0], 3, lanes)), np.empty(ORDER + 1), np.empty(ORDER + 1)
     for step in range(steps):
         if step % MAX_STEPS == 0:
             place_base(lay, fix, states, which, positions, rates, step // MAX_STEPS)
@@ -42,14 +52,45 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
             for i in range(values.shape[1]):
                 values[step, i] = lane(work[lay[at.VALUES] + i], 0)
         middle, end = base_at(motion, which, True, 2 * step + 1), base_at(motion, which, True, 2 * step + 2)
+        for i in range(carried.shape[0]):
+            for number in range(lanes):
+                before[i, 0, number] = memory[carried[i, 0], number]
+                before[i, 1, number] = memory[carried[i, 1], number]
+                before[i, 2, number] = states[carried[i, 3], number]
         take_step(lay, fix, num, y, work, middle, end, h)
+        if carried.shape[0] > 0:
+            place_links(lay, fix, y, work)
+            deflect(lay, fix, num, work)
+            for i in range(carried.shape[0]):
+                for number in range(lanes):
+                    x0, v0, z0 = before[i, 0, number], before[i, 1, number], before[i, 2, number]
+                    x1, v1 = memory[carried[i, 0], number], memory[carried[i, 1], number]
+                    if abs(x1 - x0) < np.inf and abs(z0) < np.inf:
+                        first = carried[i, 2]
+                        p = numbers[first : first + 4, number]
+                        states[carried[i, 3], number] = carried_along(p, x0, v0, x1, v1, h, z0, c, a)
     forward(lay, fix, num, y, work, base_at(motion, which, True, 2 * steps))
     watch(lay, fix, y, work)
 
 
 @njit
+def carried_along(p, x0, v0, x1, v1, h, z0, c, a):
+    """Return Bouc-Wen's state after a step along the cubic through deflections and rates, from one reversal to the next."""
+    z = np.array([z0])
+    cubic, one, two = reversals(x0, x1, v0, v1, h)
+    last = x0
+    for instant in (one, two):
+        if 0.0 < instant < h:
+            here = position(cubic, instant)
+            carry_power(p, 0, last, here, z, 0, c, a)
+            last = here
+    carry_power(p, 0, last, x1, z, 0, c, a)
+    return z[0]
+
+
+@njit
 def look_around(structure, shared, numbers, states, memory, track, moves, motion, wanted, factors, out):
-    """Write how accelerations and rates of the internal states change beside the instants of a motion.
+    """Write how accelerations and rates change beside the instants of a motion.
 
     Args:
         structure: `lay` of the equations.
@@ -60,7 +101,7 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
         track: states of the motion, (n_instants, n_state).
         moves: by how much lanes lie beside it: tangents of configuration, velocities, states, (n_groups, n_tangent, WIDTH).
         motion: accelerations of the base at the instants, (1, n_instants, 3).
-        wanted: accelerations and rates that are, counted one behind the other, (n_wanted,).
+        wanted: addresses in the memory of what is looked at, accelerations and rates, (n_wanted,).
         factors: of their changes, (n_wanted,).
         out: takes the changes behind other rows, (n_instants, n_others + n_wanted, n_groups, WIDTH).
     """
@@ -73,50 +114,75 @@ def look_around(structure, shared, numbers, states, memory, track, moves, motion
             y[i] = track[k, i]
             work[lay[at.START] + i] = track[k, i]
         forward(lay, fix, num, y, work, base)
-        keep_rates(lay, work, unmoved)
+        for i in range(wanted.size):
+            work[unmoved + i] = work[wanted[i]]
         for group in range(groups):
             for i in range(moves.shape[1]):
                 work[moved + i] = move[group * moves.shape[1] + i]
             shift(lay, y, work, moved, 1.0)
             forward(lay, fix, num, y, work, base)
             watch(lay, fix, y, work)
-            keep_rates(lay, work, moved)
             for i in range(wanted.size):
-                change = factors[i] * (work[moved + wanted[i]] - work[unmoved + wanted[i]])
+                change = factors[i] * (work[wanted[i]] - work[unmoved + i])
                 result[(k * out.shape[1] + others + i) * groups + group] = change
 
 
 @inlined
-def keep_rates(lay, work, section):
-    """Write accelerations and rates of the internal states to a section."""
-    for i in range(lay[at.NV]):
-        work[section + i] = work[lay[at.RHS] + i]
-    for i in range(lay[at.N_STATES]):
-        work[section + lay[at.NV] + i] = work[lay[at.RATES] + i]
+def weigh(n, weights, work, source, target):
+    """Write a column times the weights of its rows."""
+    for i in range(n):
+        work[target + i] = weights[i] * work[source + i]
 
 
 @inlined
-def add_slope(n, first, column, value, entry, width, work, source, target, start, weight, h):
+def slope_of(i, first, column, value, entry, width, work, source):
+    """Return a row of A times the column at `source`."""
+    slope = 0.0 * work[source]
+    for e in range(first[i], first[i + 1]):
+        slope = slope + value[entry + width * i + column[e]] * work[source + column[e]]
+    return slope
+
+
+@inlined
+def add_slope(n, first, column, value, entry, width, scale, gain, decay, work, source, target, start, weight, h):
     """Add A times the columns at `source` to the sum, weighted; write to `target` where it leads from `start` over h."""
+    weighed = 4 * n
+    weigh(n, scale, work, source, weighed)
     for i in range(n):
-        slope = 0.0 * work[source]
-        for e in range(first[i], first[i + 1]):
-            slope = slope + value[entry + width * i + column[e]] * work[source + column[e]]
+        slope = slope_of(i, first, column, value, entry, width, work, weighed)
+        slope = gain[i] * slope + decay[i] * work[source + i]
         work[i] = work[i] + weight * slope
         work[target + i] = work[start + i] + h * slope
 
 
+@inlined
+def turn_round(n, first, column, value, entry, width, scale, turns, waits, work, here):
+    """Multiply the columns at `here` where states turn round, at the time at which they do: until then and back w' = dv."""
+    weigh(n, scale, work, here, 4 * n)
+    for i in range(n):
+        if turns[i] != 1.0:
+            ahead = waits[i] * slope_of(i, first, column, value, entry, width, work, 4 * n)
+            work[here + i] = turns[i] * (work[here + i] + ahead) - ahead
+
+
 @njit
-def go_along(begin, columns, matrix, h, phi, room):
-    """Solve d/dt phi = A phi in place by RK4 over pairs of the samples of A, the first behind the last; their number is even.
+def go_along(begin, columns, matrix, h, scale, gain, decay, turns, waits, phi, room):
+    """Solve d/dt phi = gain A (scale phi) + decay phi in place by RK4 over pairs of the samples of A, row by row.
+
+    The first sample is behind the last; their number is even. Before each pair rows are multiplied by what they turn by.
 
     Args:
         begin: where the rows' entries that are not zero begin in `columns`, (n + 1,).
         columns: of these entries.
         matrix: A, (n_samples, n, n_columns), of the columns the first n.
         h: time between two samples [s].
+        scale: at the three samples of every pair, (n_pairs, 3, n); all of them see `Slopes`.
+        gain: alike.
+        decay: alike.
+        turns: before every pair and behind the last, (n_pairs + 1, n).
+        waits: alike.
         phi: columns of the solution, (n_groups, n, WIDTH).
-        room: to work in, (4 n, WIDTH).
+        room: to work in, (5 n, WIDTH).
     """
     first, column, value, work = table(begin), table(columns), table(matrix), rows(room)
     samples, n, width = matrix.shape
@@ -126,14 +192,18 @@ def go_along(begin, columns, matrix, h, phi, room):
         for i in range(n):
             work[here + i] = solution[i]
         for k in range(0, samples, 2):
+            s, g, d = scale[k // 2], gain[k // 2], decay[k // 2]
             a, b, c = k * size, (k + 1) * size, (k + 2) % samples * size
+            turn_round(n, first, column, value, a, width, s[0], turns[k // 2], waits[k // 2], work, here)
             for i in range(n):
                 work[i] = 0.0
-            add_slope(n, first, column, value, a, width, work, here, one, here, 1.0, h)
-            add_slope(n, first, column, value, b, width, work, one, other, here, 2.0, h)
-            add_slope(n, first, column, value, b, width, work, other, one, here, 2.0, 2.0 * h)
-            add_slope(n, first, column, value, c, width, work, one, other, here, 1.0, 0.0)
+            add_slope(n, first, column, value, a, width, s[0], g[0], d[0], work, here, one, here, 1.0, h)
+            add_slope(n, first, column, value, b, width, s[1], g[1], d[1], work, one, other, here, 2.0, h)
+            add_slope(n, first, column, value, b, width, s[1], g[1], d[1], work, other, one, here, 2.0, 2.0 * h)
+            add_slope(n, first, column, value, c, width, s[2], g[2], d[2], work, one, other, here, 1.0, 0.0)
             for i in range(n):
                 work[here + i] = work[here + i] + h / 3.0 * work[i]
+        last = samples // 2
+        turn_round(n, first, column, value, 0, width, scale[last - 1, 2], turns[last], waits[last], work, here)
         for i in range(n):
             solution[i] = work[here + i]

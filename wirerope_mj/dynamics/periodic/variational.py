@@ -9,7 +9,8 @@ linear equation
 needs forward passes only, at the start of every step. The kernel makes one for each unknown. MuJoCo makes two for each free
 coordinate and a few for all states together: a state's effect on the accelerations follows from the force it adds and the
 mount's deflection gradient, which is force and motion of the same virtual work. The equation is integrated by RK4 over pairs of
-steps, so that its three instants are sampled ones.
+steps, so that its three instants are sampled ones. States that follow Bouc-Wen's equation are scaled by their slope, see
+`wirerope_mj.dynamics.periodic.scaled_states`: their rows are those of the rates of their deflections.
 """
 
 import os
@@ -25,6 +26,7 @@ from mujoco.batch import Batch
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.kernel_flow import KernelFlow
 from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
+from wirerope_mj.dynamics.periodic.scaled_states import ScaledStates, Slopes
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
 from wirerope_mj.dynamics.periodic.smoothing import set_width
 from wirerope_mj.dynamics.periodic.stepping import go_along
@@ -63,7 +65,8 @@ class Variational(ABC):
     """The matrix A(t) along a motion, and the monodromy matrix it gives."""
 
     def __init__(self, flow: Flow) -> None:
-        self._free, self._model = flow.coordinates.free, flow.model
+        self._flow, self._free, self._model = flow, flow.coordinates.free, flow.model
+        self.scaled = ScaledStates(flow.system)
 
     def matrix(self, at_shot: Shot) -> Array | None:
         """Return the scaled monodromy matrix, (n_x, n_x); None where it does not serve.
@@ -78,11 +81,20 @@ class Variational(ABC):
         a[:, q, v] = np.diag(scale[v] / scale[q])
         turning = _turning(self._model, track.qvel)[:, self._free[:, np.newaxis], self._free]
         a[:, q, q] = turning * (scale[q] / scale[q, np.newaxis])
-        return _integrate(a, track.drive.duration / track.drive.steps)
+        # The rate of a scaled state's deflection is d/dt(G dq) = G dv + (G' + G turning) dq, times the slope at zero.
+        rows, step = 2 * nf + self.scaled.states, track.drive.duration / track.drive.steps
+        gradient = a[:, rows, q] * self.scaled.alpha[:, np.newaxis]
+        change = (np.roll(gradient, -1, axis=0) - np.roll(gradient, 1, axis=0)) / (2.0 * step)
+        a[:, rows, q], a[:, rows, v] = change + gradient @ a[:, q, q], gradient * (scale[v] / scale[q])
+        slopes = self.scaled.along(track, self._flow.width, 2 * nf)
+        return _integrate(a, step, slopes)
 
     @abstractmethod
     def _fill(self, at_shot: Shot, out: Array) -> bool:
-        """Write the rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more), unless it does not serve."""
+        """Write the rows of velocities and states into the scaled A, (n_steps, n_x, n_x or more), unless it does not serve.
+
+        In the rows of scaled states stands how their deflection follows the configuration, G, and nothing else.
+        """
 
 
 class KernelVariational(Variational):
@@ -93,11 +105,12 @@ class KernelVariational(Variational):
         self.flow = flow
 
     def _fill(self, at_shot: Shot, out: Array) -> bool:
-        nv, scale = self._model.nv, at_shot.scale
-        wanted = np.concatenate([self._free, nv + np.arange(self._model.na)])
+        nv, nf, scale = self._model.nv, self._free.size, at_shot.scale
+        moved = np.concatenate([self._free, nv + self._free, 2 * nv + np.arange(self._model.na)])
         moves = np.zeros((scale.size, 2 * nv + self._model.na))
-        moves[np.arange(scale.size), np.concatenate([self._free, nv + wanted])] = DIFFERENCE * scale
-        factors = 1.0 / (DIFFERENCE * scale[self._free.size :])
+        moves[np.arange(scale.size), moved] = DIFFERENCE * scale
+        factors = 1.0 / (DIFFERENCE * scale[nf:])
+        wanted = self.flow.addresses(self._free, self.scaled.states)
         return self.flow.look_around(at_shot.track, moves, wanted, factors, out)
 
 
@@ -191,7 +204,10 @@ class MujocoVariational(Variational):
                 a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[
                     :, group.states
                 ] / unit
-        out[instants, :, : scale.size] = a * (scale / scale[:, np.newaxis])
+        a[:, 2 * nf + self.scaled.states] = 0.0
+        a[:, 2 * nf + self.scaled.states, q] = gradient[:, self.scaled.mounts, self.scaled.axes]
+        a *= scale / scale[:, np.newaxis]
+        out[instants, :, : scale.size] = a
 
     def _inverse_mass(self, qpos: Array) -> Array:
         data = self._data
@@ -221,7 +237,7 @@ def _turning(model: mujoco.MjModel, qvel: Array) -> Array:
     return turning
 
 
-def _integrate(derivative: Array, step: float) -> Array:
+def _integrate(derivative: Array, step: float, slopes: Slopes) -> Array:
     """Return the solution of d/dt phi = A phi from the unit matrix, over samples of A, (n_t, n, n or more), n_t even.
 
     Most of A is zero: a mount's states do not depend on those of the others.
@@ -229,6 +245,11 @@ def _integrate(derivative: Array, step: float) -> Array:
     _, n, width = derivative.shape
     rows, columns = np.nonzero((derivative[:, :, :n] != 0.0).any(axis=0))
     begin = np.searchsorted(rows, np.arange(n + 1))
-    phi = np.ascontiguousarray(np.eye(n, width).reshape(n, -1, WIDTH).swapaxes(0, 1))
-    go_along(begin, np.ascontiguousarray(columns), derivative, step, phi, np.empty((4 * n, WIDTH)))
-    return phi.swapaxes(0, 1).reshape(n, -1)[:, :n]
+    phi = np.zeros((n, width))
+    phi[:, :n] = np.diag(1.0 / slopes.begin)
+    phi = np.ascontiguousarray(phi.reshape(n, -1, WIDTH).swapaxes(0, 1))
+    go_along(
+        begin, np.ascontiguousarray(columns), derivative, step, slopes.scale, slopes.gain, slopes.decay, slopes.turns,
+        slopes.waits, phi, np.empty((5 * n, WIDTH)),
+    )  # fmt: skip
+    return phi.swapaxes(0, 1).reshape(n, -1)[:, :n] * slopes.end[:, np.newaxis]
