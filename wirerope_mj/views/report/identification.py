@@ -111,8 +111,8 @@ def correlation_table(result: Identification) -> Table:
 
 def law_lines(result: Identification) -> list[str]:
     """Return the names of the laws and their own parameters with their units, those of an isolator file, one text each."""
-    scales = [f"{name} scale, " for name in result.scales] or [""] * len(result.law.components)
-    return [scale + _one_law(law, result) for scale, law in zip(scales, result.law.components, strict=True)]
+    first = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
+    return [before + _one_law(law, result) for before, law in zip(first, result.law.components, strict=True)]
 
 
 def _one_law(law: Law, result: Identification) -> str:
