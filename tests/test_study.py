@@ -197,13 +197,13 @@ def test_an_isolator_without_spread_has_no_specimens():
         table_study({"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": bare})
 
 
-@pytest.mark.parametrize("parameter", ["k", "laws", "laws[1]"])
-def test_laws_in_parallel_do_not_vary(parameter):
+@pytest.mark.parametrize("parameter", ["k", "laws", "laws[1]", "laws[2].k"])
+def test_of_laws_in_parallel_one_is_named(parameter):
     laws = [wr.KelvinVoigt(k=1e5, c=1e2), wr.Stop(gap_below=0.03, k=1e6)]
     isolators = {"wr12_400": wr.Isolator(name="a", axial=wr.Parallel(laws=laws))}
     vary = {f"mount/m1/axial/{parameter}": wr.Normal(1, 0.1, relative=True)}
     with pytest.raises(
-        wr.ModelError, match="mount 'm1' has several laws on its axial axis, which do not vary. Make the one"
+        wr.ModelError, match=r"mount 'm1' has 2 laws on its axial axis; name a parameter of one, laws\[0\]"
     ):
         table_study(vary, isolators=isolators)
 

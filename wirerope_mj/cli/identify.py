@@ -5,6 +5,7 @@ import shutil
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 from rich.markup import escape
 
@@ -26,9 +27,10 @@ from wirerope_mj.views.report import check_pdf
 from wirerope_mj.views.report.identification import (
     findings,
     identification_content,
-    law_text,
+    law_lines,
     loop_table,
     parameter_table,
+    scale_tables,
     stage_table,
 )
 
@@ -58,6 +60,7 @@ class Request:
     beside: Path | None = None
     join: Path | None = None
     elements: int | None = None
+    scales: int | Literal["auto"] = 1
     start: Path | None = None
     force: bool = False
     accept_unconverged: bool = False
@@ -89,7 +92,7 @@ def identify_command(request: Request) -> int:
     loops = [loop for one in tests.values() for loop in one]
     result = identify(
         loops, law=kind, start=start, fixed=fixed, free=request.free, beside=known_law, constraint=request.constraint,
-        elements=request.elements or _ELEMENTS,
+        elements=request.elements or _ELEMENTS, scales=request.scales,
     )  # fmt: skip
     fits = fitted_loops(result)
     isolator = identified_isolator(
@@ -212,6 +215,8 @@ def _write_report(
     from wirerope_mj.views.report import report_html
 
     kinds = " and ".join(law.name for law in result.law.components)
+    if result.scales:
+        kinds = f"{result.law.components[0].name} on {len(result.scales)} scales"
     sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + list(warnings)
     content = identification_content(
         result, fits, title=f"{request.name or request.out.stem}, {request.axis}: {kinds}", sources=sources,
@@ -232,8 +237,8 @@ def _print(
     screen.print(
         f"[bold]{escape(name)}[/], {request.axis}: {_count(len(fits), 'loop')} of {_count(len(tests), 'file')}"
     )
-    print_lines([law_text(result)])
-    for table in (parameter_table(result), loop_table(fits), stage_table(result)):
+    print_lines(law_lines(result))
+    for table in (parameter_table(result), *scale_tables(result), loop_table(fits), stage_table(result)):
         print_table(table)
     print_lines([*findings(result, fits), *warnings])
 

@@ -21,6 +21,7 @@ def identify_records(
     beside: Path | None = None,
     join: Path | None = None,
     elements: Integer | None = None,
+    scales: Literal["1", "2", "3", "auto"] = "1",
     start: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
     accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
@@ -49,6 +50,8 @@ def identify_records(
         join: isolator file to which the law is added, or in which it takes the place of that axis' law: other axes, limits and
             geometry stay. One axis after the other makes the isolator whole.
         elements: Jenkin elements of a masing law; 5 by default.
+        scales: of friction, of a Bouc-Wen law or one of Ni's: so many sets in parallel with one spring and one asymmetry;
+            auto: as many as amplitudes left out support.
         start: law file or isolator file from which a search in three stages begins, besides those from a grid.
         force: replace an isolator file and a report that are there.
         accept_unconverged: write the isolator even of a fit that did not converge.
@@ -60,7 +63,8 @@ def identify_records(
         raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
     request = Request(
         files=files, law=law, out=out, axis=axis, report=report, name=name, constraint=constraint, fix=fix or (),
-        free=free or (), beside=beside, join=join, elements=elements, start=start, force=force,
+        free=free or (), beside=beside, join=join, elements=elements,
+        scales="auto" if scales == "auto" else int(scales), start=start, force=force,
         accept_unconverged=accept_unconverged, pdf=pdf,
     )  # fmt: skip
     return identify_command(request)

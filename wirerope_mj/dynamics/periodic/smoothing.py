@@ -11,8 +11,8 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import with_other_laws
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws.kernels import SMOOTHED
-from wirerope_mj.mounts.laws.smoothed import Smoothed, smoothable
+from wirerope_mj.mounts.laws.kernels import PARALLEL, SMOOTHED
+from wirerope_mj.mounts.laws.smoothed import with_width
 
 
 def smoothed(system: System, width: float) -> System:
@@ -23,16 +23,16 @@ def smoothed(system: System, width: float) -> System:
     """
     if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
         raise ValueError(
-            "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state."
+            "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."
         )
     return with_other_laws(system, lambda isolator: _smoothed(isolator, width))
 
 
 def _smoothed(isolator: Isolator, width: float) -> Isolator:
     axes: dict[str, Any] = {
-        axis: Smoothed(law=law, width=width)
+        axis: with_width(law, width)
         for index, (axis, law) in enumerate(isolator.axes.items())
-        if law is not None and smoothable(law) and index not in isolator.coupled_axes
+        if law is not None and index not in isolator.coupled_axes
     }
     return replace(isolator, **axes)
 
@@ -44,7 +44,14 @@ def width_indices(system: System) -> npt.NDArray[np.int64]:
     layout, parameters = int(numbers[1]), int(numbers[2])
     first = layout + int(model.numeric_data[layout + at.AXES])
     rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
-    return np.asarray(parameters + rows[rows[:, 0] == SMOOTHED, 1], dtype=np.int64)
+    found = []
+    for law, at_law in rows[:, :2].astype(int).tolist():
+        first = parameters + at_law
+        found += [first] if law == SMOOTHED else []
+        parts = int(model.numeric_data[first]) if law == PARALLEL else 0
+        for part in model.numeric_data[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
+            found += [first + part[1]] if part[0] == SMOOTHED else []
+    return np.array(found, dtype=np.int64)
 
 
 def set_width(batch: Batch, indices: npt.NDArray[np.int64], width: float) -> None:

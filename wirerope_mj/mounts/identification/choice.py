@@ -11,12 +11,10 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.identification.families import require_law
 from wirerope_mj.mounts.identification.identify import identify
+from wirerope_mj.mounts.identification.left_out import amplitude_groups, criterion, group_error
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
-
-SAME = 0.05
-"""Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer."""
 
 USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, AsymmetricBoucWen, Masing)
 """The laws that are compared if none are named: from three parameters up."""
@@ -129,7 +127,7 @@ def compare_laws(
         require_law(kind, f"laws[{index}]")
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
     measured = prepare(order, weights=weights)
-    groups = _amplitudes(measured)
+    groups = amplitude_groups(measured)
     rows = [_row(kind, order, measured, groups, elements, weights, leave_out) for kind in laws]
     least = min(row.criterion for row in rows)
     rows = [
@@ -138,22 +136,6 @@ def compare_laws(
     ]
     sizes = np.array([np.mean([measured[index].amplitude for index in group]) for group in groups])
     return LawComparison(rows=tuple(rows), amplitudes=sizes, weights=weights)
-
-
-def normalised_error(law: Law, loop: MeasuredLoop) -> float:
-    """Return the root mean square of a law's force minus the measured one over that of the latter, both without means."""
-    return float(np.std(loop.model_force(law) - loop.force) / np.std(loop.force))
-
-
-def _amplitudes(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
-    """Return the indices of the loops of each amplitude; the loops are in the order of their amplitudes."""
-    groups: list[list[int]] = []
-    for index, loop in enumerate(loops):
-        if groups and loop.amplitude <= (1.0 + SAME) * loops[groups[-1][0]].amplitude:
-            groups[-1].append(index)
-        else:
-            groups.append([index])
-    return groups
 
 
 def _row(
@@ -182,12 +164,12 @@ def _row(
         except ValueError as failure:
             why_not = str(failure)
             continue
-        left_out[number] = _error(other.law, measured, group)
+        left_out[number] = group_error(other.law, measured, group)
         converged = converged and other.converged
     free = len(fit.uncertainty.free)
     return LawRow(
-        law=kind.name, free=free, criterion=_criterion(fit, free), behind=math.inf,
-        errors=np.array([_error(fit.law, measured, group) for group in groups]),
+        law=kind.name, free=free, criterion=criterion(fit, free), behind=math.inf,
+        errors=np.array([group_error(fit.law, measured, group) for group in groups]),
         errors_left_out=left_out, converged=converged, message=fit.message, fit=fit, why_not_left_out=why_not,
     )  # fmt: skip
 
@@ -203,18 +185,3 @@ def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights
         return again(start=fit.law, grid=False)
     except ValueError:
         return again()
-
-
-def _error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Return the normalised error of the loops of one amplitude."""
-    return float(np.sqrt(np.mean([normalised_error(law, loops[index]) ** 2 for index in group])))
-
-
-def _criterion(fit: Identification, free: int) -> float:
-    """Return N ln(S / N) + p ln N, S the weighted squares that are left; the loops' means are the same for every law."""
-    count, squares = 0, 0.0
-    for loop, residual in zip(fit.loops, fit.residuals, strict=True):
-        newtons = residual * 0.5 * float(np.ptp(loop.force))
-        squares += loop.force.size * (newtons / loop.weight) ** 2
-        count += loop.force.size
-    return count * math.log(max(squares, 1e-300) / count) + free * math.log(count)

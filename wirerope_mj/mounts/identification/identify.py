@@ -2,15 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Literal
 
 import numpy as np
 
 from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.how_many_scales import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
 from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
+from wirerope_mj.mounts.identification.scale_loops import ScaleLoop
+from wirerope_mj.mounts.identification.scale_starts import scale_starts
+from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 from wirerope_mj.mounts.identification.stages import Method, Stage, run_stages
 from wirerope_mj.mounts.identification.start import grid_starts
@@ -22,7 +28,7 @@ from wirerope_mj.mounts.identification.sufficient import (
     require_movement,
 )
 from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Stop
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
 
 STARTS = 2
 """Best points of the grid from which a search begins, beside the best one for each pattern of signs."""
@@ -47,6 +53,7 @@ def identify(
     loops: Sequence[Loop],
     *,
     law: type[Law] = AsymmetricBoucWen,
+    scales: int | Literal["auto"] = 1,
     extra_residuals: Sequence[Residual] = (),
     start: Law | None = None,
     fixed: Mapping[str, float] | None = None,
@@ -72,6 +79,9 @@ def identify(
     Args:
         loops: closed cycles of at least one amplitude.
         law: class of the law; any rate-independent one without wear.
+        scales: of friction, 1 to 3, of a Bouc-Wen law or one of Ni's: so many sets in parallel with one spring, asymmetry and
+            sigma, yield deflections apart by a factor of three at least, n of each at least 0.5; the law returned is a
+            `Parallel`, the large scale first. "auto": as many as the Bayesian criterion and amplitudes left out support.
         extra_residuals: functions of a law that return further residuals, over their own noise relative to that of the loops;
             dynamic measurements join the loops through them.
         start: law at which a search begins too.
@@ -96,20 +106,49 @@ def identify(
             the residual; names what and why.
     """
     require_loops(loops)
+    require_scales(law, scales, start=start, beside=beside)
     require_options(method, data, constraint, noise, grid, start, fixed or {}, extra_residuals)
+    if isinstance(scales, str):
+        search = partial(
+            identify, law=law, extra_residuals=extra_residuals, fixed=fixed, free=free, constraint=constraint, data=data,
+            weights=weights, noise=noise,
+        )  # fmt: skip
+
+        def fit(some: Sequence[Loop], count: int, begin: Identification | None) -> Identification:
+            if begin is None:
+                return search(some, scales=count, profiles=False)
+            return search(some, scales=count, start=begin.law, grid=False, method="time", profiles=False)
+
+        count, tried = supported_scales(loops, fit, weights=weights)
+        return replace(search(loops, scales=count, profiles=profiles), scale_rows=tried)
+    names = SCALES[scales]
     measured = prepare(loops, weights=weights, stop=law is Stop and beside is None)
     require_dissipation(measured)
     sides: Mapping[str, float] = {}
     if law is Stop:
         measured, sides = closing(measured, beside)
-    family = family_of(law, len(start.stiffness) if isinstance(start, Masing) else elements)
+    measured = [ScaleLoop.of(loop) for loop in measured] if names else measured
+    elements = len(start.stiffness) if isinstance(start, Masing) else elements
+    family = scales_family(law, names) if names else family_of(law, elements)
     coordinates = family.coordinates(replace(scales_of(measured), **sides))
-    unknowns = unknowns_of(law, beside_known(family, beside), coordinates, dict(fixed or {}), free, constraint, start)
+    unknowns = unknowns_of(
+        Parallel if names else law,
+        beside_known(family, beside),
+        coordinates,
+        dict(fixed or {}),
+        free,
+        constraint,
+        start,
+    )
     require_amplitudes(measured, unknowns, data)
     full = joined(loop_residual(measured, data), extra_residuals)
     starts = [("given", family.read(start))] if start is not None else []
     if grid:
-        points = grid_starts(unknowns.family, unknowns.coordinates, measured, unknowns.fixed, count=STARTS)
+        points = (
+            scale_starts(unknowns, measured, names, count=STARTS)
+            if names
+            else grid_starts(unknowns.family, unknowns.coordinates, measured, unknowns.fixed, count=STARTS)
+        )
         starts += [("grid", values) for values in points]
     ends: list[_End] = []
     failures: list[str] = []
@@ -129,7 +168,8 @@ def identify(
     if not ends:
         raise ValueError(failures[0] if failures else f"no {law.name} law could be evaluated on these loops.")
 
-    return _result(unknowns, measured, *_best(unknowns, measured, full, ends, noise, profiles, data))
+    result = _result(unknowns, measured, *_best(unknowns, measured, full, ends, noise, profiles, data))
+    return replace(result, scales=names)
 
 
 def _best(

@@ -72,6 +72,6 @@ def _both(before: str, now: str) -> str:
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:
     """Return the assumptions of a fit, one text each."""
     texts = [f"{text}: given, not fitted" for text in given]
-    if isinstance(result.law, AsymmetricBoucWen):
+    if isinstance(result.law.components[-1], AsymmetricBoucWen):
         texts.append("b = e: of b and c only the product c ln b acts on the force")
     return [*texts, "the force's zero: the mean of each loop's force was free, so that the law has no force unloaded"]

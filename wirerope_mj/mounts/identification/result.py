@@ -9,11 +9,31 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
+from wirerope_mj.mounts.identification.scales import yield_deflection
 from wirerope_mj.mounts.identification.stages import Stage
 from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.identification.validity import measured_range, validity_of
 from wirerope_mj.mounts.isolator import MeasuredRange
 from wirerope_mj.mounts.laws import Law
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScaleRow:
+    """A number of scales of friction that was tried.
+
+    Attributes:
+        count: of scales.
+        free: number of free parameters.
+        criterion: Bayesian information criterion of all loops; infinite if there is no fit.
+        left_out: error at the amplitude left out over its force's root mean square, geometric mean over the amplitudes [-].
+        why_not: why there is no fit; empty if there is.
+    """
+
+    count: int
+    free: int
+    criterion: float
+    left_out: float
+    why_not: str = ""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -33,6 +53,8 @@ class Identification(Summarised):
         evaluations: of the residual in all.
         started: "given" or "grid": the best start.
         loops: as they were fitted, smallest first.
+        scales: names of the scales of friction, in the order of the law's components; empty for one scale.
+        scale_rows: numbers of scales that were tried, if the data were to say how many.
     """
 
     law: Law
@@ -47,6 +69,8 @@ class Identification(Summarised):
     evaluations: int
     started: str
     loops: tuple[MeasuredLoop, ...]
+    scales: tuple[str, ...] = ()
+    scale_rows: tuple[ScaleRow, ...] = ()
 
     certainty, open_combinations = Renamed("uncertainty"), Renamed("non_identifiable")
 
@@ -57,7 +81,12 @@ class Identification(Summarised):
             for p in self.parameters.values()
         }
         error = f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops"
-        return f"Identification of {type(self.law).__name__}: {ended}, {error}", lines
+        kind = (
+            f"{len(self.scales)} scales of {type(self.law.components[0]).__name__}"
+            if self.scales
+            else type(self.law).__name__
+        )
+        return f"Identification of {kind}: {ended}, {error}", lines
 
     @property
     def measured(self) -> MeasuredRange:
@@ -78,18 +107,26 @@ class Identification(Summarised):
         """The amplitudes and deflections for which the law is valid, as text."""
         return validity_of(self.law, self.loops)
 
+    @property
+    def yields(self) -> str:
+        """The yield deflection of every scale of friction, as text; empty for one scale."""
+        pairs = zip(self.scales, self.law.components, strict=False)
+        return ", ".join(f"{name} scale {1e3 * yield_deflection(one):.3g} mm" for name, one in pairs)
+
     def __str__(self) -> str:
         """The law, its error, its parameters with units and errors, what is not identifiable, and its range of validity."""
         lines = [
             repr(self.law),
             f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops; "
             f"{'converged' if self.converged else 'NOT CONVERGED'}, {self.message}",
-            f"{'parameter':12s}{'value':>14s}{'standard error':>16s}  unit",
+            f"{'parameter':18s}{'value':>14s}{'standard error':>16s}  unit",
         ]
         for p in self.parameters.values():
             error = "given" if p.fixed else f"{p.standard_error:.2g}"
             note = "  at its bound" if p.at_bound else ""
-            lines.append(f"{p.name:12s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
+            lines.append(f"{p.name:18s}{p.value:14.6g}{error:>16s}  {p.unit}{note}")
+        if self.scales:
+            lines.append(f"yield deflections: {self.yields}")
         lines += [f"not identifiable: {text}" for text in self.non_identifiable]
         if self.not_told_from_zero:
             lines.append(f"not told from zero: {', '.join(self.not_told_from_zero)}")

@@ -13,6 +13,7 @@ from wirerope_mj.mounts.identification.coordinates import Family
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import Identification, identify
 from wirerope_mj.mounts.identification.measured import require_loops
+from wirerope_mj.mounts.identification.scales import scales_family
 from wirerope_mj.mounts.isolator import Spread
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
 
@@ -99,6 +100,7 @@ def identify_specimens(
     specimens: Sequence[Sequence[Loop]],
     *,
     law: type[Law] = AsymmetricBoucWen,
+    scales: int = 1,
     shared: Sequence[str] = (),
     elements: int = 5,
     weights: str = "range",
@@ -112,6 +114,7 @@ def identify_specimens(
     Args:
         specimens: the loops of each specimen.
         law: class of the law.
+        scales: of friction, as in `identify`; parameters are then named "laws[0].alpha" and so on.
         shared: coordinates of the search, such as "n" or "sigma", that all specimens have in common: fitted to all loops
             together, then fixed.
         elements: Jenkin elements of a Masing law.
@@ -134,7 +137,7 @@ def identify_specimens(
     if len(specimens) < FEWEST:
         raise ValueError(f"`specimens` must hold the loops of {FEWEST} at least, got {len(specimens)}.")
     every = [loop for loops in specimens for loop in loops]
-    nominal = identify(every, law=law, elements=elements, weights=weights)
+    nominal = identify(every, law=law, scales=scales, elements=elements, weights=weights)
     for name in shared:
         if name not in nominal.parameters:
             raise ValueError(f"`shared` names {name!r}; {law.name} is searched for by {', '.join(nominal.parameters)}.")
@@ -144,7 +147,7 @@ def identify_specimens(
         try:
             # Specimens are alike: each begins at what fits all of them.
             one = identify(
-                loops, law=law, start=nominal.law, fixed=fixed, elements=elements, weights=weights,
+                loops, law=law, scales=scales, start=nominal.law, fixed=fixed, elements=elements, weights=weights,
                 method="time", grid=False,
             )  # fmt: skip
         except ValueError as failure:
@@ -154,7 +157,8 @@ def identify_specimens(
         raise ValueError(
             "`specimens` do not differ: all give the same law to the last digit. Is one given several times?"
         )
-    return _scatter(nominal, each, elements)
+    family = scales_family(law, nominal.scales) if nominal.scales else family_of(law, elements)
+    return _scatter(nominal, each, family)
 
 
 def joint_spread(axes: Mapping[str, SpecimenFits]) -> Spread:
@@ -175,10 +179,10 @@ def joint_spread(axes: Mapping[str, SpecimenFits]) -> Spread:
     return Spread(parameters=tuple(names), covariance=tuple(tuple(float(one) for one in row) for row in covariance))
 
 
-def _scatter(nominal: Identification, each: Sequence[Identification], elements: int) -> SpecimenFits:
+def _scatter(nominal: Identification, each: Sequence[Identification], family: Family) -> SpecimenFits:
     """Return the specimens from their fits."""
     tables = [own_parameters(fit.law) for fit in each]
-    errors = [_own_errors(fit, family_of(type(fit.law), elements)) for fit in each]
+    errors = [_own_errors(fit, family) for fit in each]
     centre = own_parameters(nominal.law)
     names = [name for name in centre if len({table[name] for table in tables}) > 1]
     values = np.array([[table[name] for name in names] for table in tables])
@@ -198,8 +202,14 @@ def _scatter(nominal: Identification, each: Sequence[Identification], elements: 
 
 
 def own_parameters(law: Law) -> dict[str, float]:
-    """Return a law's own parameters by the names of its isolator file; those of a list are named "stiffness[0]" and so on."""
+    """Return a law's own parameters by the names of its isolator file.
+
+    Those of a list are named "stiffness[0]" and so on, those of several laws in parallel "laws[0].alpha".
+    """
     values: dict[str, float] = {}
+    if len(law.components) > 1:
+        each = [own_parameters(one) for one in law.components]
+        return {f"laws[{index}].{name}": value for index, own in enumerate(each) for name, value in own.items()}
     for name, value in law.to_dict().items():
         if isinstance(value, list | tuple):
             values |= {f"{name}[{index}]": float(one) for index, one in enumerate(value)}

@@ -35,6 +35,7 @@ class EnhancedDryFriction(Law):
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
+    yield_powers: ClassVar[Mapping[str, float]] = {"u_c": 1.0}
 
     k: float
     d: float
@@ -100,6 +101,7 @@ class Masing(Law):
     kernel: ClassVar[int] = MASING
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
     force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
+    yield_powers: ClassVar[Mapping[str, float]] = {"stiffness": -1.0}
 
     stiffness: Sequence[float]
     slip_force: Sequence[float]

@@ -124,6 +124,11 @@ class Hysteresis(Law):
         return tuple(name for name in self.force_powers if name not in _ELASTIC)
 
     @property
+    def yield_powers(self) -> Mapping[str, float]:  # type: ignore[override]
+        """Those of all slopes of z: z is the same function of the deflection over the factor."""
+        return {name: -1.0 for name in ("alpha", "beta", "gamma") if hasattr(self, name)}
+
+    @property
     def z_max(self) -> float:
         """Bound of z, (alpha / (beta + gamma))^(1/n) [N], thesis (3.19); infinite if beta + gamma <= 0."""
         return (self.alpha / self._total) ** (1.0 / self.n) if self._total > 0.0 else math.inf

@@ -38,6 +38,8 @@ class Law(ABC):
     """True if a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
     force_powers: ClassVar[Mapping[str, float]]
     """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
+    yield_powers: ClassVar[Mapping[str, float]] = {}
+    """Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction."""
     options: ClassVar[Mapping[str, type]] = {}
     """Parameters that are no numbers but choices, and their types."""
     lists: ClassVar[tuple[str, ...]] = ()
@@ -182,12 +184,23 @@ class Law(ABC):
         """
         return self._in_another_unit(factor, self.damping_parameters)
 
-    def _in_another_unit(self, factor: float, names: Iterable[str]) -> Self:
-        """Return the law with some parameters multiplied by the factor to their power of force."""
+    def with_yield(self, factor: float) -> Self:
+        """Return the law whose friction builds up over `factor` times the deflection, to the same force.
+
+        A law without `yield_powers` stays as it is.
+
+        Raises:
+            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        """
+        return self._in_another_unit(factor, self.yield_powers, self.yield_powers)
+
+    def _in_another_unit(self, factor: float, names: Iterable[str], powers: Mapping[str, float] | None = None) -> Self:
+        """Return the law with some parameters multiplied by the factor to a power, that of force if none is given."""
         positive("factor", factor)
+        powers = self.force_powers if powers is None else powers
         values: dict[str, Any] = {}
         for name in names:
-            value, ratio = getattr(self, name), factor ** self.force_powers[name]
+            value, ratio = getattr(self, name), factor ** powers[name]
             values[name] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
         return replace(self, **values)
 

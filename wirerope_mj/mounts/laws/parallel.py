@@ -1,5 +1,6 @@
 """Several laws on one axis."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from itertools import accumulate
@@ -11,6 +12,17 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
 
 PARALLEL = 14
+
+
+FACTORS = ("stiffness", "friction", "yield")
+"""Factors on all laws of an axis: on all their forces, on those of friction, on the deflection over which it builds up."""
+
+
+def part_of(name: str) -> tuple[int, str]:
+    """Return 0 and "alpha" for the parameter "laws[0].alpha" of one of several laws; ValueError for other names."""
+    if match := re.fullmatch(r"laws\[(\d+)\]\.(.+)", name):
+        return int(match[1]), match[2]
+    raise ValueError(f"a parameter of one of several laws is called laws[0].NAME, got {name!r}.")
 
 
 def _sum_of(name: str, doc: str) -> Any:
@@ -116,8 +128,34 @@ class Parallel(Law):
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
     def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
-        """Return whether there are no columns: a study does not vary laws in parallel."""
+        """Return whether there are no columns: each entry has to be tried."""
         return not columns
+
+    def with_yield(self, factor: float) -> Self:
+        """Return the laws whose friction builds up over `factor` times the deflection."""
+        return replace(self, laws=tuple(law.with_yield(factor) for law in self.laws))
+
+    def parameter(self, name: str) -> Any:
+        """Return a parameter of one of the laws, "laws[0].alpha", or 1 for a factor on all of them."""
+        if name in FACTORS:
+            return 1.0
+        number, own = part_of(name)
+        return self.laws[number].parameter(own)
+
+    def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the laws with new values of parameters and factors, named as in `parameter`."""
+        own: dict[int, dict[str, Any]] = {}
+        for name, value in values.items():
+            if name not in FACTORS:
+                number, key = part_of(name)
+                own.setdefault(number, {})[key] = value
+        varied = replace(
+            self, laws=tuple(replace(law, **law.completed(own.get(number, {}))) for number, law in enumerate(self.laws))
+        )
+        varied = varied.scaled(values["stiffness"]) if "stiffness" in values else varied
+        varied = varied.with_damping(values["friction"]) if "friction" in values else varied
+        varied = varied.with_yield(values["yield"]) if "yield" in values else varied
+        return {"laws": varied.laws}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the laws as they stand in an isolator file."""

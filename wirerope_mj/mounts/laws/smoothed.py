@@ -9,6 +9,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.parallel import Parallel
 
 SMOOTHED = 10
 
@@ -83,3 +84,11 @@ class Smoothed(Law):
 def smoothable(law: Law) -> bool:
     """Return whether a law has one state whose rate is a slope times the velocity."""
     return law.smoothable and law.rate_independent and law.n_states == 1
+
+
+def with_width(law: Law, width: float) -> Law:
+    """Return a law smoothed over a velocity [m/s], of several in parallel each that can be; the law itself if none can."""
+    if isinstance(law, Parallel):
+        laws = tuple(with_width(one, width) for one in law.laws)
+        return replace(law, laws=laws) if laws != law.laws else law
+    return Smoothed(law=law, width=width) if smoothable(law) else law

@@ -8,6 +8,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.centres import centre_of_mass
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
+from wirerope_mj.mounts.laws.parallel import FACTORS
 from wirerope_mj.studies.inputs.body_columns import bodies_of
 from wirerope_mj.studies.inputs.shift import WORLD
 
@@ -24,11 +25,12 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
             if isinstance(law, Parallel):
-                lines.append(f"  {axis}: several laws, which do not vary")
-                continue
-            values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
-            values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
-            lines.append(f"  mount/NAME/{axis}/PARAMETER  value [SI] or factor; {law.name}: {values}")
+                lines.append(
+                    f"  {', '.join(f'mount/NAME/{axis}/{factor}' for factor in FACTORS)}  factor on all its laws"
+                )
+                lines += [_law_line(f"{axis}/laws[{number}].PARAMETER", one) for number, one in enumerate(law.laws)]
+            else:
+                lines.append(_law_line(f"{axis}/PARAMETER", law))
         devices = [system.mounts[mount].written for mount in mounts]
         if any(device.stiffening is not None for device in devices):
             lines.append("  mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50  value or factor")
@@ -44,6 +46,13 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
     lines += [f"motion {motion.description}:", "  motion/level  factor"]
     lines += ["  motion/azimuth, motion/elevation  values [deg]"] if _can_turn(system, motion) else []
     return lines
+
+
+def _law_line(name: str, law: Law) -> str:
+    """Return the line of one law's parameters."""
+    values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
+    values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
+    return f"  mount/NAME/{name}  value [SI] or factor; {law.name}: {values}"
 
 
 def _bodies(system: System) -> list[str]:

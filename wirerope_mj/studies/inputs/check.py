@@ -12,6 +12,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.studies.inputs.column import Draft, InputColumn
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker, Row
@@ -79,6 +80,8 @@ def _law_valid(system: System, mount: str, axis: str, parameters: dict[str, Any]
     law = isolator.axes[axis]
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
     if coupled and (isolator.coupling != "loop" or parameters.keys() & _SHARED_IN_A_LOOP):
+        return False
+    if isinstance(law, Parallel):  # its laws are made with numbers, not with columns of them
         return False
     return law is not None and law.certainly_valid(law.completed(parameters))
 

@@ -14,6 +14,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
+from wirerope_mj.mounts.laws.parallel import FACTORS, part_of
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
@@ -33,7 +34,10 @@ def _stops(system: System) -> list[str]:
 
 
 class LawParameter(ValueOrFactor):
-    """Parameter of a law; its key is the axis and the parameter."""
+    """Parameter of a law; its key is the axis and the parameter.
+
+    Of several laws in parallel it is "laws[0].alpha", or a factor on all of them: "stiffness", "friction" or "yield".
+    """
 
     form = "mount/NAME/AXIS/PARAMETER"
     pattern = re.compile(rf"mount/(.*)/({'|'.join(AXES)})/([^/]*)")
@@ -60,10 +64,16 @@ class LawParameter(ValueOrFactor):
                 f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
             )
         if isinstance(law, Parallel):
-            raise ModelError(
-                f"`vary`: {name!r}: mount {mount!r} has several laws on its {axis} axis, which do not vary. Make the one that "
-                "varies a mount of its own between the same sites."
-            )
+            if parameter in FACTORS:
+                return 1.0
+            try:
+                number, parameter = part_of(parameter)
+                law = law.laws[number]
+            except (ValueError, IndexError):
+                raise ModelError(
+                    f"`vary`: {name!r}: mount {mount!r} has {len(law.laws)} laws on its {axis} axis; name a parameter of one, "
+                    f"laws[0].alpha to laws[{len(law.laws) - 1}].alpha, or a factor on all: {', '.join(FACTORS)}."
+                ) from None
         names = [key for key in law.to_dict() if key != "law" and key not in law.options]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
         if parameter not in names + [f"{key}[{n}]" for key, value in lists.items() for n in range(len(value))]:

@@ -78,6 +78,27 @@ def stage_table(result: Identification) -> Table:
     return Table(title="Stages of the best fit", columns=columns, rows=rows)
 
 
+def scale_tables(result: Identification) -> list[Table]:
+    """Return the table of the numbers of scales that were tried, if there is one."""
+    if not result.scale_rows:
+        return []
+    least = min(row.criterion for row in result.scale_rows)
+    columns = [
+        Column("scales", align="left"),
+        Column("free parameters"),
+        Column("BIC behind", "", ".0f"),
+        Column("error left out", "%", ".3g"),
+        Column("note", align="left"),
+    ]
+    rows: list[list[Cell]] = []
+    for row in result.scale_rows:
+        taken = "taken" if row.count == max(len(result.scales), 1) else ""
+        known: list[Cell] = [str(row.free), row.criterion - least, row.left_out] if not row.why_not else ["-", "-", "-"]
+        rows.append([str(row.count), *known, row.why_not or taken])
+    title = "Number of scales; left out is the error at an amplitude that the fit has not seen, geometric mean of all"
+    return [Table(title=title, columns=columns, rows=rows)]
+
+
 def correlation_table(result: Identification) -> Table:
     """Return the table of correlations of the free parameters."""
     free = result.uncertainty.free
@@ -88,9 +109,10 @@ def correlation_table(result: Identification) -> Table:
     return Table(title="Correlations", columns=[Column("parameter", align="left"), *map(Column, free)], rows=rows)
 
 
-def law_text(result: Identification) -> str:
-    """Return the law's name and its own parameters with their units, those of an isolator file."""
-    return " and ".join(_one_law(law, result) for law in result.law.components)
+def law_lines(result: Identification) -> list[str]:
+    """Return the names of the laws and their own parameters with their units, those of an isolator file, one text each."""
+    first = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
+    return [before + _one_law(law, result) for before, law in zip(first, result.law.components, strict=True)]
 
 
 def _one_law(law: Law, result: Identification) -> str:
@@ -117,12 +139,19 @@ def _meanings(result: Identification) -> list[str]:
         "reversal": "reversal: length over which a stop's force turns from pressing to letting go",
         "x1": "x1: deflection at which the first element slips; x2/x1 ..: how much further the next ones do",
     }
+    if result.scales:
+        known = {"sigma": known["sigma"], "c_ln_b": known["c_ln_b"]}
+        scales = " and ".join(f"_{name} those of the {name} scale" for name in result.scales)
+        first = f"names that end with {scales}: z_max its largest force, x_y the deflection at which it yields"
+        ratios = "x_y_large/small and the like: how many times farther one scale yields than the other"
+        return [f"{first} ({result.yields})", ratios, *(known[name] for name in known if name in result.parameters)]
     return [text for name, text in known.items() if name in result.parameters]
 
 
 def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
     """Return how the fit ended, what is not identifiable, where the law is valid, and whether its residuals are noise."""
     texts = [f"{'converged' if result.converged else 'NOT CONVERGED'}: {result.message}"]
+    texts += [f"yield deflections: {result.yields}"] if result.scales else []
     texts += [f"not identifiable: {text}" for text in result.non_identifiable]
     if not result.non_identifiable:
         texts.append("the data identify every free parameter")
@@ -156,7 +185,8 @@ def identification_content(
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
         "from all starts."
     )
-    parameters: list[Block] = [Paragraph(text=f"Law: {law_text(result)}"), parameter_table(result)]
+    parameters: list[Block] = [*(Paragraph(text=f"Law: {text}") for text in law_lines(result)), parameter_table(result)]
+    parameters += scale_tables(result)
     parameters += [Listing(items=tuple(meanings))] if meanings else []
     return ReportContent(
         title=title,
