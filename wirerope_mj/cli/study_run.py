@@ -9,8 +9,9 @@ from typing import Any
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.screen import console, print_table, print_warnings
 from wirerope_mj.cli.study_tables import print_search, print_study
+from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
@@ -61,6 +62,7 @@ def compute_and_print(
     if by is not None and by not in names:
         raise ValueError(f"`--by`: {unknown_measure(by, names)}")
     limits = [limit_of_text(text, names) for text in limit or ()]
+    print_warnings(model_warnings(study.base))
     print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)
