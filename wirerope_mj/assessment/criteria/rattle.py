@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -49,7 +49,7 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         moved = between_points(response, name)
         length = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
         verdicts += _judge(name, *length, _sampled_sides(response.time, moved), stated[name], "between two points")
-    return tuple(verdicts)
+    return tuple(one_each(verdicts))
 
 
 def between_points(response: Response, name: str) -> Array:
