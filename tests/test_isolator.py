@@ -117,7 +117,7 @@ def test_rated_travel_is_given_below_and_above_zero():
 WRONG = [
     ("name", None, r"f\.toml: `name` is missing"),
     ("name", 3, r"f\.toml: `name` must be a string"),
-    ("colour", "red", r"f\.toml: `colour` is not known; the file takes name, coupling, roll, shear, axial"),
+    ("colour", "red", r"f\.toml: `colour` is not known; the file takes name, coupling, free, roll, shear, axial"),
     ("axial", 3, r"f\.toml: \[axial\] must be a table, got 3"),
     ("axial/law", None, r"\[axial\] `law` is missing; the laws are .*bouc-wen, .*kelvin-voigt, .*ozdemir"),
     ("axial/law", "hooke", r"\[axial\] there is no law 'hooke'; the laws are asymmetric-bouc-wen, bouc-wen"),

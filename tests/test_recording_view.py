@@ -10,13 +10,13 @@ import numpy as np
 import pytest
 from made_up_floor import floor_response
 
-from wirerope_mj.assessment.criteria import EXCEEDED, judge
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.over_time import used_limits
 from wirerope_mj.assessment.criteria.sentences import against_limit
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording import loops, record_rerun, show
-from wirerope_mj.views.recording.documents import peaks_markdown
+from wirerope_mj.views.recording.documents import peaks_markdown, verdict_markdown
 from wirerope_mj.views.recording.events import events_of, first_above, main_instants
 from wirerope_mj.views.recording.graphs import drawn
 from wirerope_mj.views.recording.letters import known_letters
@@ -100,6 +100,17 @@ def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
         assert passed.level == peak.level == "ERROR"
         assert passed.time <= peak.time == row.time
     assert "exceeded" in peaks_markdown(response, selection)
+
+
+def test_what_is_nearest_to_its_limit_may_be_a_static_load():
+    """Loads at rest do not change over time, and have no lane; the answer names them nevertheless."""
+    response = floor_response()
+    load = Verdict(criterion="static load in compression, relaxed", subject="m07", value=2.6e3, limit=2e3, unit="N")
+    selection = select(response, (*judge(response), load))
+    words = verdict_markdown(selection)
+    assert "farthest beyond: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words
+    lines = verdict_lines(response, selection.verdicts)
+    assert "m07 has most of its rated static load: 130.0 % (static load in compression, relaxed): exceeded." in lines
 
 
 def test_nothing_is_judged_where_nothing_is_rated():

@@ -337,6 +337,16 @@ def test_the_simulation_of_a_candidate_agrees_with_its_own_energy():
     assert -np.interp(run.sag, -path, force) == pytest.approx(50.0 * G, rel=1e-3)
 
 
+def test_the_margin_of_a_simulated_candidate_holds_its_static_load():
+    sheet = Worksheet(mass=275.0, mounts=1, shock=wr.VelocityStep(velocity=0.2, direction="z"))  # rated for 2869 N
+    candidate = judge(PARTS["WR16-400"], sheet)
+    assert isinstance(candidate, Candidate)
+    run = simulate_candidate(candidate, sheet)
+    static = 2869.0 / (275.0 * G) - 1.0
+    assert run.travel_utilisation < 1.0 / (1.0 + static)  # the load is what governs
+    assert run.margin == pytest.approx(static, rel=1e-9)
+
+
 def test_simulated_modes_take_the_axes_that_they_name():
     sheet = Worksheet(
         mass=100.0, mounts=1, shock=wr.VelocityStep(velocity=0.5, direction="z"), loading="45", direction="45"

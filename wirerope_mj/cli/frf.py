@@ -8,10 +8,11 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
-from wirerope_mj.cli.screen import console, print_lines
+from wirerope_mj.cli.screen import console, print_lines, print_warnings
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.orders import OrderBand, order_statements
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
+from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import plain
@@ -37,6 +38,7 @@ def frf_command(
 ) -> int:
     """Compute a frequency response, write its folder, print its peaks and events; return the exit code."""
     system = load_system(model)
+    print_warnings(model_warnings(system))
     folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
     check_target(folder, force=force, kind=KIND, marks=MARKS)
     watched = sys.stderr.isatty()

@@ -9,11 +9,11 @@ from rich.markup import escape
 
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
 from wirerope_mj.assessment.criteria.tested import untested
-from wirerope_mj.cli.screen import console, print_lines, print_table
+from wirerope_mj.cli.screen import console, print_lines, print_table, print_warnings
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.dynamics.modes.travel import reached_in, travel_utilisation
-from wirerope_mj.engine.statics import History
+from wirerope_mj.engine.statics import History, model_warnings
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_writable
@@ -51,6 +51,7 @@ def modes_command(
         check_writable(target)
     else:
         check_target(target, force=force, kind=KIND, marks=MARKS)
+    print_warnings(model_warnings(system))
     small = modes(system, history=history)
     large = [modes(system, history=history, amplitude=size / 1e3) for size in amplitudes_mm]
     if alone:
@@ -86,17 +87,16 @@ def print_modes(name: str, small: Modes, large: Sequence[Modes]) -> None:
     print_lines(
         [
             small.stability.description,
-            "Damping in brackets. x, y, z: fraction of the moving mass that takes part.",
+            "Damping in brackets. x, y, z: fraction that takes part of the mass that can move along it.",
         ]
     )
 
 
 def print_ddam(small: Modes, ship: Ship, location: Location) -> None:
     """Print modal weight and design acceleration of every mode along the directions in which it takes part."""
-    mass = sum(payload.mass for payload in small.payloads.values())
     rows: list[Row] = []
     for number, frequency in enumerate(small.frequencies):
-        weights = mass * STANDARD_GRAVITY * small.participation[number]
+        weights = STANDARD_GRAVITY * small.moving_mass * small.participation[number]
         cells: list[Cell] = [str(number + 1), float(frequency)]
         for weight, direction in zip(weights, _SHIP_AXES, strict=True):
             there = frequency > 0.0 and weight > LEAST_WEIGHT * weights.sum()

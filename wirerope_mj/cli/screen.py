@@ -77,5 +77,12 @@ def print_lines(lines: Iterable[str], indent: str = "  ") -> None:
         screen.print(f"{indent}{line}", soft_wrap=True, markup=False)
 
 
+def print_warnings(warnings: Iterable[str]) -> None:
+    """Print what a model says that is perhaps not meant, before anything that rests on it."""
+    screen = console()
+    for warning in warnings:
+        screen.print(Text(f"warning: {plain_lines(warning)}", style="yellow"), soft_wrap=True)
+
+
 def _text(text: str, tone: str = "") -> Text:
     return Text(plain_lines(text), style=_STYLES.get(tone, ""))

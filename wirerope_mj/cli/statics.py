@@ -19,21 +19,25 @@ def statics(model: str, *, json: Path | None = None) -> int:
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
+    from wirerope_mj.cli.screen import print_warnings
     from wirerope_mj.cli.statics_tables import print_statics
     from wirerope_mj.dynamics.modes import modes
-    from wirerope_mj.engine.statics import static_table
+    from wirerope_mj.engine.statics import model_warnings, static_table
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.atomic_files import check_writable
 
     if json is not None:
         check_writable(json)
     system = load_system(model)
+    warnings = model_warnings(system)
+    print_warnings(warnings)
     table = static_table(system)
     verdicts = static_load_verdicts(table)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
     print_statics(system.name, table, verdicts, stability)
     if json is not None:
         content = table.to_dict() | {
+            "model_warnings": list(warnings),
             "verdicts": [verdict.to_dict() for verdict in verdicts],
             "stability": {history: values.to_dict() for history, values in stability.items()},
         }

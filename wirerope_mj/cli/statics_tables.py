@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator, Sequence
 
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.sentences import static_load_lines
 from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.modes import TippingStability
 from wirerope_mj.engine.statics import Sag, StaticTable
@@ -90,13 +91,7 @@ def _sentences(
         )
     for history, reason in table.missing.items():
         yield f"{history}: {reason}"
-    judged = [verdict for verdict in verdicts if verdict.utilisation is not None]
-    if judged:
-        worst = max(judged, key=lambda verdict: verdict.utilisation or 0.0)
-        yield (
-            f"{worst.subject} has most of its rated static load: {100 * (worst.utilisation or 0.0):.1f} % "
-            f"({worst.criterion}): {worst.verdict}."
-        )
+    yield from static_load_lines(verdicts)
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
     for verdict in verdicts:
         if verdict.limit is None:

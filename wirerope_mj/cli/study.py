@@ -191,7 +191,8 @@ def _limits(scenario: Scenario, given: Sequence[str]) -> list[str]:
     can, cannot = limits_of(scenario)
     if cannot:
         text = (
-            f"a study does not judge {'; '.join(cannot)}: it keeps no clearances, and no accelerations along an axis."
+            f"a study does not judge {'; '.join(cannot)}: it keeps peaks, and of clearances those of points alone, and no "
+            "accelerations along an axis."
         )
         warnings.warn(text, StudyWarning, stacklevel=2)
     names = {text.partition("=")[0].strip() for text in given}

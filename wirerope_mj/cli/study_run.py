@@ -9,12 +9,13 @@ from typing import Any
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.screen import console, print_table, print_warnings
 from wirerope_mj.cli.study_tables import print_search, print_study
+from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs_file import STUDY
-from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.measures import measure_names, unjudged_limits
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
 from wirerope_mj.studies.results.stated_file import read_stated, write_stated
 from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
@@ -61,6 +62,10 @@ def compute_and_print(
     if by is not None and by not in names:
         raise ValueError(f"`--by`: {unknown_measure(by, names)}")
     limits = [limit_of_text(text, names) for text in limit or ()]
+    print_warnings(model_warnings(study.base))
+    if unjudged := unjudged_limits(study.base):
+        text = f"a study does not judge {', '.join(unjudged)}: it keeps peaks, and of clearances those of points"
+        print_warnings([f"{text}. Name points at the corners."])
     print_table(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)

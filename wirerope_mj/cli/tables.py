@@ -20,7 +20,7 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.assessment.criteria.sentences import rule_lines
-from wirerope_mj.cli.screen import console, print_table
+from wirerope_mj.cli.screen import console, print_table, print_warnings
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
@@ -44,6 +44,7 @@ def print_verdict(scenario: Scenario, response: Response, judged: JudgedRun, *, 
     """Print peaks against limits, how they were computed, and how long that took [s]."""
     out, verdicts = console(), judged.verdicts
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
+    print_warnings(judged.model_warnings)
     print_table(_accelerations(scenario, response, verdicts))
     _print_random(judged)
     if response.scene.isolating:

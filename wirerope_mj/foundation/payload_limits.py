@@ -20,7 +20,10 @@ _KNOWN = {"acceleration": ACCELERATION_UNITS, "clearance": LENGTH_UNITS}
 _EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
 _TEXT = re.compile(r"\s*(\w+)/(.+?)\s*=\s*([-+.\deE\s]+?)\s*([^\d\s.+-][^\s]*)\s*")
 
-_LABELS = {1: ("",), 3: ("x", "y", "z"), 6: ("-x", "+x", "-y", "+y", "-z", "+z")}
+SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
+"""Ways that a clearance limits, in the order of its six values."""
+
+_LABELS = {1: ("",), 3: ("x", "y", "z"), 6: SIDES}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +57,12 @@ class PayloadLimit:
     def judged(self) -> dict[str, float]:
         """Limits by what they hold for: "" (the norm), "x", "y", "z" or "-x", "+x", ..; those of zero are left out."""
         return {axis: value for axis, value in zip(_LABELS[len(self.values)], self.values, strict=True) if value}
+
+    @property
+    def ways(self) -> dict[str, float]:
+        """Limits of a clearance along each of `SIDES`; those of zero are left out."""
+        values = self.values if len(self.values) == len(SIDES) else tuple(v for v in self.values for _ in range(2))
+        return {side: value for side, value in zip(SIDES, values, strict=True) if value}
 
 
 def _number(text: str) -> float:

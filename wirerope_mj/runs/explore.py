@@ -131,7 +131,7 @@ class Exploration:
             seconds=perf_counter() - began,
             exact=exact,
             passing=passing,
-            warnings=tuple(dict.fromkeys(str(warning.message) for warning in caught)),
+            warnings=tuple(dict.fromkeys((*judged.model_warnings, *(str(warning.message) for warning in caught)))),
         )
 
 

@@ -14,6 +14,7 @@ from wirerope_mj.runs.stored_scenario import is_run, stored_scenario
 from wirerope_mj.studies.inputs.available import available_lines
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, signatures
+from wirerope_mj.studies.measures import payload_points
 from wirerope_mj.studies.study import Study
 
 VARIANTS = 256
@@ -95,10 +96,20 @@ def what_can_vary(scenario: Scenario) -> str:
 def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     """Return the scenario's limits that a study can judge, as `--limit` takes them, and those that it cannot.
 
-    A study has the norm of an acceleration in its table; it has no clearance, and no acceleration along an axis.
+    A study has the norm of an acceleration in its table, and how far points move each way; it has no acceleration along an
+    axis, and no clearance of a body's corners or between two points.
     """
-    can = [one for one in scenario.limits if one.kind == "acceleration" and set(one.judged) == {""}]
-    return [_text(one) for one in can], [_text(one) for one in scenario.limits if one not in can]
+    points = payload_points(load_system(scenario.model_source(), isolators=scenario.isolators))
+    can: list[str] = []
+    cannot: list[str] = []
+    for one in scenario.limits:
+        if one.kind == "acceleration" and set(one.judged) == {""}:
+            can.append(_text(one))
+        elif one.kind == "clearance" and one.name in points:
+            can += [f"displacement/{one.name}/{side} = {value:.12g} m" for side, value in one.ways.items()]
+        else:
+            cannot.append(_text(one))
+    return can, cannot
 
 
 def _text(limit: PayloadLimit) -> str:

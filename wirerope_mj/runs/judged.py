@@ -10,7 +10,7 @@ from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_rand
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.assessment.criteria.tested import untested_line
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.statics import StaticTable, static_table
+from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import WireRopeError
@@ -28,12 +28,14 @@ class JudgedRun:
         random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
             else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
         untested: a sentence on the mounts that leave what their laws were identified from; "" where none does.
+        model_warnings: what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`.
     """
 
     statics: StaticTable | Absent
     verdicts: tuple[Verdict, ...]
     random: tuple[Verdict, ...] | Absent = ()
     untested: str = ""
+    model_warnings: tuple[str, ...] = ()
 
     @property
     def headline(self) -> str:
@@ -54,6 +56,7 @@ def judged_run(system: System, response: Response) -> JudgedRun:
         verdicts=(*judge(response, statics=known), *limited),
         random=random,
         untested=untested_line(isolators, response),
+        model_warnings=model_warnings(system),
     )
 
 

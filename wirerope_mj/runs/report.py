@@ -100,6 +100,7 @@ def report_page(
         verdicts=judged.verdicts,
         random=judged.random,
         untested=judged.untested,
+        model_warnings=judged.model_warnings,
         versions=content.get("versions", {}),
         selection=selection or select(response, judged.verdicts),
     )

@@ -27,6 +27,7 @@ def summary_content(
         "name": name,
         "motion": motion.description,
         "record_warnings": list(record_warnings(motion)),
+        **({"model_warnings": list(judged.model_warnings)} if judged.model_warnings else {}),
         **summary(response, judged.verdicts),
         **_random_content(judged),
         **({"untested": judged.untested} if judged.untested else {}),

@@ -9,6 +9,8 @@ import numpy as np
 from wirerope_mj.engine.response.peaks import Peak, Peaks
 from wirerope_mj.engine.statics.result import forces_at_rest
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
@@ -21,9 +23,10 @@ NAN = math.nan
 def measure_names(system: System) -> list[str]:
     """Return the names of all measures, the columns of the table between inputs and status."""
     bodies, points = payload_bodies(system), payload_points(system)
-    names = ["acceleration", "travel", "static_load", "fragility", "mounts", "struck"]
+    names = ["acceleration", "travel", "static_load", "fragility", "clearance", "mounts", "struck"]
     names += [f"acceleration/{name}" for name in (*bodies, *points)]
     names += [f"displacement/{name}" for name in points]
+    names += [f"displacement/{name}/{side}" for name in points for side in SIDES]
     for name, mount in system.mounts.items():
         if not mount.isolator.is_stop:
             names += [f"deflection/{name}/{rating}" for rating in RATINGS]
@@ -39,22 +42,27 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     utilisation of a rated travel [-] of any mount; travel/MOUNT: of one; deflection/MOUNT/compression, tension, shear and
     roll [m], all positive; force/MOUNT: largest norm [N]. static_load: largest utilisation of a rated static load [-] of any
     mount at rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
-    displacement/POINT: largest norm relative to the base [m]. fragility: largest utilisation [-] of an acceleration that the
-    model states as a limit. mounts: number of mounts that are fitted and have not failed, stops left out, of which
-    force/MOUNT alone is kept. struck: number of pairs of geoms, such as a stop and its pad, that came together, and of stops
-    of mounts that closed. NaN where nothing is rated or stated.
+    displacement/POINT: largest norm relative to the base [m]; displacement/POINT/-x, +x and so on: how far that way.
+    fragility: largest utilisation [-] of an acceleration that the model states as a limit. clearance: of a clearance that it
+    states of a point; those of bodies and between two points need every sample, and are not judged. mounts: number of mounts
+    that are fitted and have not failed, stops left out, of which force/MOUNT alone is kept. struck: number of pairs of geoms,
+    such as a stop and its pad, that came together, and of stops of mounts that closed. NaN where nothing is rated or stated.
     """
     bodies, points = payload_bodies(system), payload_points(system)
-    at = {name: peaks.bodies[name].acceleration for name in bodies}
-    at |= {name: peaks.points[name].acceleration for name in points}
-    result = {"acceleration": _largest(at[name].value for name in bodies)}
-    result |= dict.fromkeys(("travel", "static_load", "fragility"), NAN)
+    of_bodies = {name: peaks.bodies[name].acceleration for name in bodies}
+    of_points = {name: peaks.points[name].acceleration for name in points}
+    at = of_bodies | of_points
+    result = {"acceleration": _largest(peak.value for peak in of_bodies.values())}
+    result |= dict.fromkeys(("travel", "static_load", "fragility", "clearance"), NAN)
     isolators = {id(mount.isolator): mount.isolator for mount in system.mounts.values()}  # few, and asked once each
     fitted = {key: acts(isolator) and not isolator.is_stop for key, isolator in isolators.items()}
     result["mounts"] = float(sum(fitted[id(mount.isolator)] for mount in system.mounts.values()))
     result["struck"] = float(len(peaks.struck))
     result |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
     result |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
+    moved = {name: peaks.points[name].relative_displacement for name in points}
+    sides = {name: sides_of(peak.minimum, peak.maximum) for name, peak in moved.items()}
+    result |= {f"displacement/{name}/{side}": float(value) for name, of in sides.items() for side, value in of.items()}
     result.update(zip(_force_names(tuple(system.mounts)), [m.force.value for m in peaks.mounts.values()], strict=True))
     judged = tuple(name for name, mount in system.mounts.items() if not mount.isolator.is_stop)
     reached, used = _travel(system, peaks, judged, isolators)
@@ -62,8 +70,31 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     result.update(zip(_judged_names(judged), [*reached, *used, *loads], strict=True))
     for measure, values in (("travel", used), ("static_load", loads)):
         result[measure] = _largest([value for value in values if not math.isnan(value)])
-    result["fragility"] = _fragility(system, at)
+    result["fragility"] = _fragility(system, (of_bodies, of_points))
+    result["clearance"] = _largest(float(used) for used in clearances_used(system, sides))
     return result
+
+
+def sides_of(lowest: Array, highest: Array) -> dict[str, Array]:
+    """Return how far something went along -x, +x, -y, +y, -z, +z by these names, >= 0, from its extremes (..., 3) [m]."""
+    ways = {"-": np.maximum(-lowest, 0.0), "+": np.maximum(highest, 0.0)}
+    return {side: ways[side[0]][..., "xyz".index(side[1])] for side in SIDES}
+
+
+def clearances_used(system: System, sides: Mapping[str, Mapping[str, Array]]) -> list[Array]:
+    """Return the utilisations of the clearances that a model states of points, by how far each point went each way."""
+    return [
+        sides[limit.name][side] / allowed
+        for limit in system.limits
+        if limit.kind == "clearance" and limit.name in sides
+        for side, allowed in limit.ways.items()
+    ]
+
+
+def unjudged_limits(system: System) -> list[str]:
+    """Return the limits of a model that no measure judges: clearances of bodies' corners and between two points."""
+    points = payload_points(system)
+    return [f"{one.kind}/{one.name}" for one in system.limits if one.kind == "clearance" and one.name not in points]
 
 
 def payload_bodies(system: System) -> list[str]:
@@ -117,16 +148,16 @@ def _static_loads(
     return [NAN if one is None else one for one in used]
 
 
-def _fragility(system: System, at: dict[str, Peak]) -> float:
-    """Return the largest utilisation of a stated acceleration limit."""
+def _fragility(system: System, places: Sequence[Mapping[str, Peak]]) -> float:
+    """Return the largest utilisation of a stated acceleration limit; a body and a point of one name must both bear it."""
     utilisations = []
     for limit in system.limits:
-        if limit.kind != "acceleration" or limit.name not in at:
+        if limit.kind != "acceleration":
             continue
-        peak = at[limit.name]
-        extremes = [max(-float(low), float(high)) for low, high in zip(peak.minimum, peak.maximum, strict=True)]
-        sizes = {"": peak.value, **dict(zip("xyz", extremes, strict=True))}
-        utilisations += [sizes[axis] / allowed for axis, allowed in limit.judged.items()]
+        for peak in (at[limit.name] for at in places if limit.name in at):
+            extremes = [max(-float(low), float(high)) for low, high in zip(peak.minimum, peak.maximum, strict=True)]
+            sizes = {"": peak.value, **dict(zip("xyz", extremes, strict=True))}
+            utilisations += [sizes[axis] / allowed for axis, allowed in limit.judged.items()]
     return _largest(utilisations)
 
 

@@ -1,6 +1,7 @@
 """Measures of many variants of one structure at once, from the kernel's memory: those of `wirerope_mj.studies.measures`."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,7 +13,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
-from wirerope_mj.studies.measures import payload_bodies, payload_points
+from wirerope_mj.studies.measures import clearances_used, payload_bodies, payload_points, sides_of
 
 Flags = npt.NDArray[np.bool_]
 
@@ -62,7 +63,7 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
     n = len(extremes.value)
     channels = _channels(system)
     accelerations = {name: extremes.value[:, channel] for name, channel in channels["acceleration"].items()}
-    bodies = [accelerations[name] for name in payload_bodies(system)]
+    bodies = [extremes.value[:, channel] for channel in channels["body"].values()]
     isolators = [mount.isolator for mount in system.mounts.values()]
     judged = [number for number, isolator in enumerate(isolators) if not isolator.is_stop]
     names = [name for name, isolator in zip(system.mounts, isolators, strict=True) if not isolator.is_stop]
@@ -76,13 +77,17 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
         "acceleration": _largest(np.array(bodies).reshape(-1, n).T),
         "travel": _largest(used),
         "static_load": _largest(loads),
-        "fragility": _fragility(system, extremes, channels["acceleration"]),
+        "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
         "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))),
         "struck": extremes.struck,
     }
     result |= {f"acceleration/{name}": values for name, values in accelerations.items()}
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
+    ways = {c: sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
+    sides = {name: ways[channel] for name, channel in channels["displacement"].items()}
+    result |= {f"displacement/{name}/{side}": values for name, of in sides.items() for side, values in of.items()}
+    result["clearance"] = _largest(np.array(clearances_used(system, sides)).reshape(-1, n).T)
     for number, name in enumerate(names):
         result |= {f"deflection/{name}/{rating}": values[:, number] for rating, values in reached.items()}
         result |= {f"travel/{name}": used[:, number], f"static_load/{name}": loads[:, number]}
@@ -98,6 +103,8 @@ def _channels(system: System) -> dict[str, dict[str, int]]:
     of_bodies = {name: i for i, name in enumerate(subjects.body_names) if name in bodies}
     return {
         "acceleration": of_bodies | of_points,
+        "body": of_bodies,
+        "point": of_points,
         "displacement": {name: channel + 1 for name, channel in of_points.items()},
         "deflection": {name: first + 2 * i for i, name in enumerate(mounts)},
         "force": {name: first + 2 * i + 1 for i, name in enumerate(mounts)},
@@ -122,13 +129,13 @@ def _static_loads(limits: list[float | None], forces: Array | None, judged: list
     return np.where(stands, np.maximum(-axial, 0.0) / rated, math.nan)
 
 
-def _fragility(system: System, extremes: Extremes, channels: dict[str, int]) -> Array:
+def _fragility(system: System, extremes: Extremes, places: Sequence[Mapping[str, int]]) -> Array:
     utilisations = []
     for limit in system.limits:
-        if limit.kind != "acceleration" or limit.name not in channels:
+        if limit.kind != "acceleration":
             continue
-        channel = channels[limit.name]
-        sizes = np.maximum(-extremes.lowest[:, channel], extremes.highest[:, channel])
-        by_axis = {"": extremes.value[:, channel], **dict(zip("xyz", sizes.T, strict=True))}
-        utilisations += [by_axis[axis] / allowed for axis, allowed in limit.judged.items()]
+        for channel in (channels[limit.name] for channels in places if limit.name in channels):
+            sizes = np.maximum(-extremes.lowest[:, channel], extremes.highest[:, channel])
+            by_axis = {"": extremes.value[:, channel], **dict(zip("xyz", sizes.T, strict=True))}
+            utilisations += [by_axis[axis] / allowed for axis, allowed in limit.judged.items()]
     return _largest(np.array(utilisations).reshape(-1, len(extremes.value)).T)

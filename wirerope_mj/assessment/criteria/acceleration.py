@@ -8,7 +8,7 @@ import scipy
 
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -50,7 +50,7 @@ def acceleration_verdicts(
                 peak = _filtered(response.time, history, cutoff)
                 note = f"below {cutoff:.6g} Hz (Butterworth, second order, forward and backward)"
                 verdicts += _judge(name, peak, stated.get(name), note)
-    return tuple(verdicts)
+    return tuple(one_each(verdicts))
 
 
 def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list[Verdict]:

@@ -17,7 +17,8 @@ from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
 AT_REST = 1e-3 * STANDARD_GRAVITY
 """Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g."""
 
-_CRITERION = "static load in compression"
+STATIC_LOAD = "static load in compression"
+"""Criterion on static loads, before the history if there is one."""
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -31,7 +32,7 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     unsettled = "" if max(start, default=0.0) < AT_REST else "the run does not begin at rest in equilibrium"
     return tuple(
         _static(
-            _CRITERION,
+            STATIC_LOAD,
             mount.name,
             read_start(response, f"mounts/{mount.name}/force/roll", 3),
             mount.static_load,
@@ -47,7 +48,7 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     Not judged where no load is rated, where the mount hangs, and where it carries more across its axis than along it.
     """
     return tuple(
-        _static(f"{_CRITERION}, {history}", name, mount.force, mount.static_load)
+        _static(f"{STATIC_LOAD}, {history}", name, mount.force, mount.static_load)
         for history, sag in table.sags.items()
         for name, mount in sag.listed.items()
     )
@@ -57,7 +58,7 @@ def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     """Return for each history without an equilibrium that its static loads are not judged, and why."""
     return tuple(
         Verdict(
-            criterion=f"{_CRITERION}, {history}",
+            criterion=f"{STATIC_LOAD}, {history}",
             subject="every mount",
             value=math.nan,
             limit=None,

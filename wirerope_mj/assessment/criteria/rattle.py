@@ -8,7 +8,7 @@ import numpy as np
 from wirerope_mj.assessment.between_samples import peak_between
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -51,7 +51,7 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         length = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
         sides = _sampled_sides(response.time, moved, rate)
         verdicts += _judge(name, *length, sides, stated[name], "between two points", sampled_text(response.time))
-    return tuple(verdicts)
+    return tuple(one_each(verdicts))
 
 
 def between_points(response: Response, name: str) -> Array:

@@ -3,9 +3,10 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.contact import closing_text
+from wirerope_mj.assessment.criteria.mount_load import STATIC_LOAD
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
 from wirerope_mj.assessment.criteria.travel import BOTTOMING, COMBINED
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict, most_used
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator.travel import RATINGS
@@ -26,7 +27,17 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
         response: of a run.
         verdicts: what `judge` returns of it.
     """
-    return _payload_lines(verdicts) + _travel_lines(response, verdicts) + contact_lines(response)
+    lines = _payload_lines(verdicts) + _travel_lines(response, verdicts)
+    return lines + static_load_lines(verdicts) + contact_lines(response)
+
+
+def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return which mount has most of its rated static load; nothing where none is judged."""
+    worst = most_used(row for row in verdicts if row.criterion.startswith(STATIC_LOAD))
+    if worst is None:
+        return []
+    used = 100.0 * (worst.utilisation or 0.0)
+    return [f"{worst.subject} has most of its rated static load: {used:.1f} % ({worst.criterion}): {worst.verdict}."]
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:

@@ -84,6 +84,22 @@ class Verdict:
         }
 
 
+def one_each(verdicts: Iterable[Verdict]) -> list[Verdict]:
+    """Return verdicts, of several by one criterion on one name, as of a body and a point of that name, the largest alone."""
+    largest: dict[tuple[str, str], Verdict] = {}
+    for row in verdicts:
+        key = row.criterion, row.subject
+        if key not in largest or row.value > largest[key].value:
+            largest[key] = row
+    return list(largest.values())
+
+
+def most_used(verdicts: Iterable[Verdict]) -> Verdict | None:
+    """Return the verdict with the largest utilisation; None if nothing is judged."""
+    judged = [row for row in verdicts if row.utilisation is not None]
+    return max(judged, key=lambda row: row.utilisation or 0.0, default=None)
+
+
 def smallest_margin(verdicts: Iterable[Verdict]) -> float:
     """Return the smallest margin of what is judged; infinite if nothing is."""
     return min((verdict.margin for verdict in verdicts if verdict.margin is not None), default=math.inf)

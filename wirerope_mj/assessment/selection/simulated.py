@@ -69,7 +69,7 @@ class SimulatedShock:
         travel: largest deflection from the sagged position along the shock [m]: what the worksheet calls dynamic travel.
         deflection: largest deflection from the unloaded position along the shock [m], on the side where the part is rated.
         acceleration: peak of the payload [m/s^2].
-        verdicts: rated travel (by `deflection`), room (by `travel`) and acceleration.
+        verdicts: rated travel (by `deflection`), room (by `travel`), acceleration, and static load.
     """
 
     candidate: Candidate
@@ -133,7 +133,7 @@ def _simulated_shock(
         travel=travel,
         deflection=deflected,
         acceleration=acceleration,
-        verdicts=_verdicts(candidate.part, rated, worksheet, deflected, travel, acceleration),
+        verdicts=(*_verdicts(candidate.part, rated, worksheet, deflected, travel, acceleration), candidate.verdicts[0]),
         response=response,
     )
 

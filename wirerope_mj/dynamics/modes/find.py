@@ -69,6 +69,7 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     scaled = np.stack([springs.scaled(shapes[:, i]) for i in order], axis=1)
     whole = np.zeros((system.model.nv, order.size))
     whole[rest.free] = scaled
+    participation, moving_mass = participation_of(system, rest, scaled)
     return Modes(
         frequencies=np.where((values[order] < 0.0) & bool(static.free), 0.0, frequency_of(values[order])),
         damping_ratio=damping[order],
@@ -77,7 +78,8 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
         shapes=whole,
         payloads=payload_shapes(system, rest, scaled),
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
-        participation=participation_of(system, rest, scaled),
+        participation=participation,
+        moving_mass=moving_mass,
         descriptions=_with_fate(descriptions_of(system, rest, scaled), values[order]),
         history=history,
         amplitude=amplitude,

@@ -14,6 +14,9 @@ from wirerope_mj.foundation.arrays import Array
 NAMED = 0.15
 """Fraction of the kinetic energy from which a component of the motion is named."""
 
+_NOTHING = 1e-9
+"""Fraction of the model's mass below which what can move along an axis is rounding."""
+
 _TRANSLATIONS = ("sway x", "sway y", "bounce z")
 _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
 
@@ -40,19 +43,22 @@ def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, Pay
     return result
 
 
-def participation_of(system: System, rest: AtRest, shapes: Array) -> Array:
-    """Return the fraction of the moving mass that takes part along x, y and z in each mode, (n_modes, 3).
+def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array, Array]:
+    """Return fractions of the mass that takes part along x, y, z in each mode, (n_modes, 3), and that mass [kg], (3,).
 
-    (phi^T M r)^2 / (phi^T M phi m), with M r the inertia forces of a unit acceleration of the base and m the moving mass.
+    With f = M r the inertia forces of a unit acceleration of the base, (phi^T f)^2 / (phi^T M phi m), where m = f^T M^-1 f is
+    what all motions that joints leave can bring along: of a free body its mass, of a guided one nothing across its guide.
     """
     model = system.model
-    force, whole = np.zeros((rest.free.size, 3)), 0.0
+    force = np.zeros((rest.free.size, 3))
     for mover in movers_of(system):
         for body in mover.bodies:
             force += model.body_mass[body] * _jacobians(model, rest, body).centre.T
-            whole += float(model.body_mass[body])
     modal = np.einsum("nj,nk,kj->j", shapes, rest.mass, shapes)
-    return np.asarray((shapes.T @ force) ** 2 / (modal[:, None] * whole))
+    moving = np.einsum("na,na->a", force, np.linalg.solve(rest.mass, force))
+    effective = (shapes.T @ force) ** 2 / modal[:, None]
+    with_mass = moving > _NOTHING * model.body_mass.sum()
+    return np.where(with_mass, effective / np.where(with_mass, moving, 1.0), 0.0), np.where(with_mass, moving, 0.0)
 
 
 def descriptions_of(system: System, rest: AtRest, shapes: Array) -> tuple[str, ...]:

@@ -49,7 +49,9 @@ class Modes(Summarised):
         shapes: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still.
         payloads: motion of every payload.
         mounts: deflection of every mount in its axes, (n_modes, 3).
-        participation: fraction of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1.
+        participation: fraction of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1, or
+            to 0 where joints let nothing move along it.
+        moving_mass: what can move along x, y and z [kg], (3,).
         descriptions: of each mode, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does.
         history: which equilibrium it is about.
         amplitude: largest deflection of any mount [m]; None: vanishing.
@@ -67,6 +69,7 @@ class Modes(Summarised):
     payloads: dict[str, PayloadShape]
     mounts: dict[str, Array]
     participation: Array
+    moving_mass: Array
     descriptions: tuple[str, ...]
     history: History
     amplitude: float | None
@@ -105,6 +108,7 @@ class Modes(Summarised):
         return {
             "history": self.history,
             "amplitude_m": self.amplitude,
+            "moving_mass_kg": self.moving_mass.tolist(),
             "modes": [
                 {
                     "word": description,

@@ -1,6 +1,7 @@
 """Equilibrium of a system under its own weight."""
 
 from wirerope_mj.engine.statics.find import equilibrium as equilibrium
+from wirerope_mj.engine.statics.plausible import model_warnings as model_warnings
 from wirerope_mj.engine.statics.result import Equilibrium as Equilibrium
 from wirerope_mj.engine.statics.result import History as History
 from wirerope_mj.engine.statics.result import MountLoad as MountLoad

@@ -33,6 +33,7 @@ class Isolator(Brief):
         coupling: None for independent axes; "biaxial": roll and shear share one hysteretic force, see
             `BiaxialBoucWen`; "loop": roll and axial share one and an elastic energy, as in a loop of rope,
             see `wirerope_mj.mounts.laws.LoopBoucWen`.
+        free: axes without a law along which the device is meant to let its payload go; of others a model warns.
         loop: the elastic energy of the coupling "loop".
         rotation: stiffness against turning; None = the mount turns freely.
         stiffening: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it.
@@ -48,6 +49,7 @@ class Isolator(Brief):
     shear: Law | None = None
     axial: Law | None = None
     coupling: str | None = None
+    free: tuple[str, ...] = ()
     loop: LoopCoupling | None = None
     rotation: Rotation | None = None
     stiffening: Stiffening | None = None
@@ -68,6 +70,7 @@ class Isolator(Brief):
         if not any(self.axes.values()):
             raise ValueError(f"the isolator must have a law on at least one axis of {', '.join(AXES)}.")
         self._require_coupling()
+        self._require_free()
         for name, kind in (("limits", Limits), ("provenance", Provenance), ("validity", Validity)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
@@ -95,6 +98,16 @@ class Isolator(Brief):
         if (self.coupling == "loop") != (self.loop is not None):
             has = "there is none" if self.loop is None else f"`coupling` is {self.coupling!r}"
             raise ValueError(f"`coupling` 'loop' and its table `loop` need each other; {has}.")
+
+    def _require_free(self) -> None:
+        """Raise ValueError if what is meant to be free is no axis, or has a law."""
+        if not isinstance(self.free, list | tuple):
+            raise ValueError(f"`free` must be a list of axes, got {self.free!r}.")
+        for axis in self.free:
+            one_of("free", axis, AXES)
+            if self.axes[axis] is not None:
+                raise ValueError(f"`free` names {axis}, which has a law: leave one of them out.")
+        object.__setattr__(self, "free", tuple(self.free))
 
     def _require_travel(self) -> None:
         """Raise ValueError if a law does not hold as far as its axis' rated travel."""
@@ -179,6 +192,8 @@ class Isolator(Brief):
         content: dict[str, Any] = {"name": self.name}
         if self.coupling is not None:
             content["coupling"] = self.coupling
+        if self.free:
+            content["free"] = list(self.free)
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
         for name in ("loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread", "validity"):
             part = getattr(self, name)

@@ -20,7 +20,7 @@ from wirerope_mj.mounts.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 AXES = ("roll", "shear", "axial")
 """Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
 
-_KEYS = ("name", "coupling")
+_KEYS = ("name", "coupling", "free")
 _PARTS = {
     "loop": LoopCoupling,
     "rotation": Rotation,

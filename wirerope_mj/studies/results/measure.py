@@ -13,7 +13,7 @@ from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.unknown_measure import unknown_measure
 
-HEADLINES = ("travel", "acceleration", "fragility")
+HEADLINES = ("travel", "acceleration", "fragility", "clearance")
 """Measures that are looked at first, in this order."""
 
 STRUCK = "struck"
@@ -25,6 +25,7 @@ _QUANTITIES = {
     "acceleration": ("largest acceleration", *shown_in("m/s^2"), None),
     "static_load": ("utilisation of the rated static load", "%", 100.0, 1.0),
     "fragility": ("utilisation of the stated acceleration limit", "%", 100.0, 1.0),
+    "clearance": ("utilisation of the stated clearance of points", "%", 100.0, 1.0),
     "mounts": ("number of mounts that act", "-", 1.0, None),
     "struck": ("number of stops struck", "-", 1.0, None),
     "deflection": ("largest deflection", *shown_in("m"), None),
@@ -102,8 +103,9 @@ def checked_measure(table: pa.Table, name: str) -> str:
 
 
 def headlines(table: pa.Table) -> list[str]:
-    """Return the measures of `HEADLINES` that have values."""
-    return [name for name in HEADLINES if np.isfinite(values_of(table, name)).any()]
+    """Return the measures of `HEADLINES` that have values; older tables know less."""
+    there = [name for name in HEADLINES if name in table.column_names]
+    return [name for name in there if np.isfinite(values_of(table, name)).any()]
 
 
 def values_of(table: pa.Table, name: str) -> Array:

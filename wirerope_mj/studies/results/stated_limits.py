@@ -20,6 +20,7 @@ from wirerope_mj.studies.unknown_measure import unknown_measure
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
     "travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
+    "clearance": {"%": 0.01},
 }  # fmt: skip
 _EXAMPLE = '"deflection/*/roll = 35 mm"'
 _TEXT = re.compile(r"\s*(\S+)\s*=\s*([-+.\deE]+)\s*([^\d\s.+-]\S*)\s*")

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import headline, verdict_lines
 from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
+from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
@@ -38,11 +39,8 @@ def texts_of(run: DrawnRun, *, title: str, scenario_text: str) -> dict[str, str]
 
 def verdict_markdown(selection: Selection) -> str:
     """Return the headline of the verdicts, and what uses most of its limits, in one line."""
-    worst = (
-        f"Nearest to its limit, or farthest beyond: {against_limit(selection.used[0].governing)}."
-        if selection.used
-        else ""
-    )
+    most = most_used(selection.verdicts)
+    worst = "" if most is None else f"Nearest to its limit, or farthest beyond: {against_limit(most)}."
     return f"**{markdown(headline(selection.verdicts))}** {markdown(worst)}"
 
 

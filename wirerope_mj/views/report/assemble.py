@@ -7,7 +7,7 @@ from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.display import several, with_unit
 from wirerope_mj.views.report.contacts import contacts_section
-from wirerope_mj.views.report.content import Block, Folded, Paragraph, ReportContent, Section
+from wirerope_mj.views.report.content import Block, Folded, Listing, Paragraph, ReportContent, Section
 from wirerope_mj.views.report.deck import deck_section
 from wirerope_mj.views.report.judged import answer, headline
 from wirerope_mj.views.report.model import model_section
@@ -43,7 +43,7 @@ def report_content(run: FinishedRun) -> ReportContent:
         ),
         question=tuple(question or ("The scenario asks no question.",)),
         verdict=headline(run.verdicts),
-        answer=(*warnings_of(run), *_untested(run), *worst_instant(run), *answer(run.verdicts)),
+        answer=(*_model_warnings(run), *warnings_of(run), *_untested(run), *worst_instant(run), *answer(run.verdicts)),
         sections=(
             model_section(run),
             statics_section(run),
@@ -57,6 +57,12 @@ def report_content(run: FinishedRun) -> ReportContent:
             _annex(run),
         ),
     )
+
+
+def _model_warnings(run: FinishedRun) -> list[Block]:
+    if not run.model_warnings:
+        return []
+    return [Paragraph(text="Said of the model, perhaps not meant:", tone="unjudged"), Listing(items=run.model_warnings)]
 
 
 def _untested(run: FinishedRun) -> list[Block]:

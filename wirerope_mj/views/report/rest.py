@@ -19,7 +19,7 @@ _BALANCED = 1e-4  # of the weight, below which nobody asks where the rest is
 _NOTE = (
     "Small cycles: the limit of vanishing amplitude; in a shock the mounts soften and the frequencies fall. Unloading and "
     "further loading: with the mounts' tangents in either direction from rest, which the first quarter cycle feels. Mass: "
-    "fraction of the moving mass that takes part along each axis."
+    "fraction that takes part of the mass that can move along each axis."
 )
 
 

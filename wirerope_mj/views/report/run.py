@@ -47,6 +47,7 @@ class FinishedRun:
         verdicts: on every judged value.
         random: rms and 3-sigma accelerations of random vibration.
         untested: a sentence on mounts that leave what their laws were identified from; "" where none does.
+        model_warnings: what the model says that is perhaps not meant.
         versions: of the packages that computed it.
         selection: what is shown of it, with its colours.
     """
@@ -73,6 +74,7 @@ class FinishedRun:
     selection: Selection
     random: tuple[Verdict, ...] | Absent = ()
     untested: str = ""
+    model_warnings: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:
