@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 
+from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.how_many_scales import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops, scales_of
@@ -27,7 +28,7 @@ from wirerope_mj.mounts.identification.sufficient import (
     require_finite,
     require_movement,
 )
-from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
+from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
 
 STARTS = 2
