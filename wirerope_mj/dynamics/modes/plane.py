@@ -1,6 +1,7 @@
 """Stiffness of two coupled axes of a mount: tangents, and closed cycles along a straight line in their plane."""
 
 import math
+from collections.abc import Sequence
 from functools import lru_cache
 
 import numpy as np
@@ -26,8 +27,18 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
 
     With w = z / z_m and its unit vector e:  dz/dx = diag(z_m) [1 - c |w|^n e e^T] diag(1 / x_y), c = 1 on loading and
     1 - 2 sigma on unloading; F2 multiplies the axial row, and the loop's energy adds its own. Where the axes' energies z_m x_y
-    or F2 differ it is not symmetric, and its symmetric part is taken.
+    or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up.
+
+    Args:
+        coupled: the law.
+        deflection: of roll and the other axis [m], (2,).
+        z: hysteretic forces [N], those of roll on every scale, then those of the other axis, (2 n_scales,).
     """
+    if len(coupled.scales) > 1:
+        each = z.reshape(2, -1).T  # of both axes, scale by scale
+        scales: Sequence[Coupled] = coupled.scales
+        pairs = [plane_tangents(scale, deflection, each[number]) for number, scale in enumerate(scales)]
+        return sum(on for on, _ in pairs), sum(back for _, back in pairs)  # type: ignore[return-value]
     parameters = coupled.rate_parameters()
     sigma, n, bound, yields = parameters[0], parameters[1], parameters[2:4], parameters[4:6]
     w = z / bound
@@ -49,6 +60,8 @@ def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> Comple
     The closed cycle has w parallel to the scaled motion u = x / x_y, so that the hysteretic force of each axis is that of its
     own law at the amplitude x_y |u|, as far as it moves; the elastic parts, and F2, stay those of the axes.
     """
+    if len(coupled.scales) > 1:
+        return np.sum([plane_cycle(scale, deflection, amplitude) for scale in coupled.scales], axis=0)
     yields = coupled.rate_parameters()[4:6]
     size = float(np.hypot(*(amplitude / yields)))
     stiffness = np.zeros(2, dtype=np.complex128)

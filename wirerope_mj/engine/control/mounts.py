@@ -13,7 +13,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.rotation import resists_turning, righting_torque
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
-from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
+from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
 AXIAL = 2
 """Index of the axial axis."""
@@ -74,7 +74,7 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
 
 @njit
 def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz):
-    """Give roll and another axis of the mount in row `m` one hysteretic force, a vector: its rates replace those of the axes.
+    """Give roll and another axis of the mount in row `m` a hysteretic vector on every scale, whose rates replace theirs.
 
     Returns what the elastic energy of a loop adds to the mount's force [N], world axes. `axis` is the row behind the mount's
     axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
@@ -84,10 +84,12 @@ def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, u
     j, k = index(lay[state]), index(lay[state + at.AXIS_COLUMNS * other])
     roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
     along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
-    biaxial_rates(par, first, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+    for _ in range(index(lay[state + 1])):
+        biaxial_rates(par, first, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+        first, j, k = first + RATE_NUMBERS, j + 1, k + 1
     if other != AXIAL:
         return 0.0, 0.0, 0.0
-    fu, fw = loop_force(par, first + 6, u[record], u[record + AXIAL])
+    fu, fw = loop_force(par, first, u[record], u[record + AXIAL])
     u[record + 3] += fu
     u[record + 3 + AXIAL] += fw
     return (

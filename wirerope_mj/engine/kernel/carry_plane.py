@@ -16,7 +16,7 @@ from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, power, rows, some, table, where
 from wirerope_mj.mounts.laws.path import advance
-from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
 
 STEP = 0.08
 """Longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line."""
@@ -94,9 +94,9 @@ def carry_lanes(num, p, dx, dy, y, j, k, zx, zy):
 def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
     """Carry the states of one lane over a line by the laws' own integration."""
     p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
-    for i in range(6):
+    for i in range(RATE_NUMBERS):
         p[i] = numbers[first + i, number]
-    for i in range(6, LINE + 2):
+    for i in range(RATE_NUMBERS, LINE + 2):
         p[i] = 0.0  # of work, which nobody asks for; a line is the same wherever it begins
     length = math.sqrt(dx * dx + dy * dy)
     p[LINE + 2], p[LINE + 3] = dx / length, dy / length
@@ -116,12 +116,14 @@ def carry_coupled(structure, numbers, states, memory, before, carried, scratch):
             p, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
             j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
             dx, dy = work[record] - start[3 * mount], work[record + other] - start[3 * mount + other]
-            late = carry_lanes(num, p, dx, dy, y, first_state + j, first_state + k, z0[j], z0[k])
-            if some(late > 0.0):
-                for number in range(WIDTH):
-                    if lane(late, number) > 0.0:
-                        carry_line(
-                            numbers, number, p, lane(dx, number), lane(dy, number), states, first_state + j,
-                            first_state + k, carried[j, number], carried[k, number], scratch,
-                        )  # fmt: skip
+            for _ in range(lay[axis + 3]):
+                late = carry_lanes(num, p, dx, dy, y, first_state + j, first_state + k, z0[j], z0[k])
+                if some(late > 0.0):
+                    for number in range(WIDTH):
+                        if lane(late, number) > 0.0:
+                            carry_line(
+                                numbers, number, p, lane(dx, number), lane(dy, number), states, first_state + j,
+                                first_state + k, carried[j, number], carried[k, number], scratch,
+                            )  # fmt: skip
+                p, j, k = p + RATE_NUMBERS, j + 1, k + 1
         m, axis, record = m + at.MOUNT_COLUMNS, axis + 3 * at.AXIS_COLUMNS, record + at.RECORD_SIZE

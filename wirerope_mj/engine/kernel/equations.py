@@ -17,9 +17,10 @@ from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.friction import ELEMENTS
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, SMOOTHED, STOP, TABULATED
+from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
-KNOTS, LOOP = 4, 6
+KNOTS = 4
 """Places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes."""
 
 Integers = npt.NDArray[np.int64]
@@ -305,9 +306,9 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     for law, first, _, _ in axes:
         law_counts(law, first)
     rows = tables.layout[int(tables.layout[control.MOUNTS]) : int(tables.layout[control.AXES])]
-    for row in rows.reshape(-1, control.MOUNT_COLUMNS):
+    for mount, row in enumerate(rows.reshape(-1, control.MOUNT_COLUMNS)):
         if row[control.COUPLING] >= 0.0 and row[control.PARTNER] == AXIAL:  # the grid of a loop's energy
-            first = int(row[control.COUPLING]) + LOOP
+            first = int(row[control.COUPLING]) + RATE_NUMBERS * axes[3 * mount][3]
             found.extend(int(par[first + entry]) for entry in (4, 5))
     return tuple(found)
 

@@ -19,12 +19,12 @@ from wirerope_mj.engine.kernel.vectors import (
 )
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.mounts.laws.kernels import evaluate
-from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
+from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
 
 @njit
 def couple_axes(lay, m, axis, num, y, work, record):
-    """Give roll and another axis of the mount in row `m` one hysteretic force: its rates replace those of the axes.
+    """Give roll and another axis of the mount in row `m` one hysteretic force on every scale: its rates replace the axes'.
 
     What the elastic energy of a loop adds to the mount's force goes to its record.
     """
@@ -32,9 +32,11 @@ def couple_axes(lay, m, axis, num, y, work, record):
     first, other, z = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER], lay[at.NQ] + lay[at.NV]
     j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
     roll, along = work[record + 6], work[record + 6 + other]
-    biaxial_rates(num, first, roll, along, y, z + j, z + k, work, rates + j, rates + k)
+    for _ in range(lay[axis + 3]):
+        biaxial_rates(num, first, roll, along, y, z + j, z + k, work, rates + j, rates + k)
+        first, j, k = first + RATE_NUMBERS, j + 1, k + 1
     if other == AXIAL:
-        fu, fw = loop_force(num, first + 6, work[record], work[record + AXIAL])
+        fu, fw = loop_force(num, first, work[record], work[record + AXIAL])
         work[record + 3] += fu
         work[record + 3 + AXIAL] += fw
 

@@ -31,11 +31,11 @@ def deflect(lay, site_xpos, site_xmat, deflection):  # type: ignore[no-untyped-d
 
 
 @njit
-def follow(lay, par, single, coupled, partners, planes, before, after, states):  # type: ignore[no-untyped-def]
+def follow(lay, par, single, coupled, partners, scales, planes, before, after, states):  # type: ignore[no-untyped-def]
     """Carry `states` in place on straight lines from deflections `before` to `after`, (n_mounts, 3).
 
     `single` (n_mounts, 3) says which axes follow a law of their own; `coupled` names the mounts whose roll and another axis,
-    the partner, share a law, `planes` (n_coupled, 16) holds its parameters.
+    the partner, share a law of one or more scales, `scales` counts them, `planes` (n_coupled, 16) holds their parameters.
     """
     slopes, trial = np.empty(SCRATCH * (states.size + 1)), np.empty(states.size + 1)  # enough for any of the laws
     axes, z = int(lay[at.AXES]), np.empty(2)
@@ -54,7 +54,7 @@ def follow(lay, par, single, coupled, partners, planes, before, after, states): 
             p[LINE], p[LINE + 1] = before[mount, 0], before[mount, other]
             p[LINE + 2], p[LINE + 3] = dx / length, dy / length
             row = axes + 3 * at.AXIS_COLUMNS * mount + 2
-            j, k = int(lay[row]), int(lay[row + at.AXIS_COLUMNS * other])
+            j, k = int(lay[row]) + scales[number], int(lay[row + at.AXIS_COLUMNS * other]) + scales[number]
             z[0], z[1] = states[j], states[k]
             advance(BIAXIAL, p, 0, 0.0, length, z, 0, 2, slopes, trial)
             states[j], states[k] = z[0], z[1]
@@ -77,10 +77,16 @@ class SlowPath:
             ],
             dtype=bool,
         ).reshape(len(mounts), 3)
-        pairs = [(row, isolator.coupled) for row, isolator in enumerate(mounts) if isolator.coupled is not None]
-        self.coupled = np.array([row for row, _ in pairs], dtype=np.int64)
-        self.partners = np.array([mounts[row].coupled_axes[1] for row, _ in pairs], dtype=np.int64)
-        lines = [law.line_parameters(np.zeros(2), np.zeros(2))[0][: LINE + 4] for _, law in pairs]
+        pairs = [
+            (row, scale, law)
+            for row, isolator in enumerate(mounts)
+            if isolator.coupled is not None
+            for scale, law in enumerate(isolator.coupled.scales)
+        ]
+        self.coupled = np.array([row for row, _, _ in pairs], dtype=np.int64)
+        self.scales = np.array([scale for _, scale, _ in pairs], dtype=np.int64)
+        self.partners = np.array([mounts[row].coupled_axes[1] for row, _, _ in pairs], dtype=np.int64)
+        lines = [law.line_parameters(np.zeros(2), np.zeros(2))[0][: LINE + 4] for _, _, law in pairs]
         self.planes = np.array(lines).reshape(len(pairs), LINE + 4)
         self.rest_deflection = np.zeros((len(mounts), 3))
         self.rest_states = np.zeros(self.tables.user.n_states)
@@ -88,7 +94,7 @@ class SlowPath:
     def states_at(self, data: mujoco.MjData) -> Array:
         """Return the internal states in the position of `data`."""
         states, tables, deflection = self.rest_states.copy(), self.tables, self._deflections(data)
-        laws = tables.layout, tables.parameters, self.single, self.coupled, self.partners, self.planes
+        laws = tables.layout, tables.parameters, self.single, self.coupled, self.partners, self.scales, self.planes
         follow(*laws, self.rest_deflection, deflection, states)
         return states
 

@@ -1,6 +1,7 @@
 """Bouc-Wen's law in the plane of roll and axial deflection, in which a rope loop bends."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +12,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop_energy import LoopCoupling
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
+from wirerope_mj.mounts.laws.parallel import Parallel
 from wirerope_mj.mounts.laws.plane import (
     ODD,
     SAME,
@@ -47,9 +49,12 @@ class LoopBoucWen(PlaneLaw):
     so that z dS/dz >= 0 for every F2 > 0. Moving with zdot = alpha v takes exactly dS = F2 z v; the rest of zdot changes S by
     -m z dS/dz <= 0, so that F2 z v - Sdot = m z dS/dz >= 0. F1, F2 F1 and U are elastic and add nothing to a closed path.
 
+    Where both axes have friction on several scales, as many laws in parallel, every scale has its own ellipse: the law is the
+    sum of those of the pairs, and U is there once. Sums of such laws draw no work either.
+
     Attributes:
-        roll: BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction.
-        axial: the same, or AsymmetricBoucWen.
+        roll: BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction, or several in parallel.
+        axial: the same, or AsymmetricBoucWen, or as many in parallel.
         loop: the elastic energy.
     """
 
@@ -60,6 +65,11 @@ class LoopBoucWen(PlaneLaw):
     loop: LoopCoupling
 
     def __post_init__(self) -> None:
+        if not isinstance(self.loop, LoopCoupling):
+            raise ValueError(f"`loop` must be a LoopCoupling, got {self.loop!r}.")
+        if any(isinstance(law, Parallel) for law in self.laws):
+            _ = self.scales  # each checks itself
+            return
         require_couplable("roll", self.roll, ODD, "a Bouc-Wen law that is odd in the deflection")
         require_couplable("axial", self.axial, (*ODD, ASYMMETRIC_BOUC_WEN), "a Bouc-Wen law")
         require_alike(("roll", "axial"), self.roll, self.axial)
@@ -69,13 +79,27 @@ class LoopBoucWen(PlaneLaw):
                 f"`roll` and `axial` must have sigma = beta / (beta + gamma) >= 0.5 to be coupled, got {sigma:.6g}: the law "
                 "would not be passive."
             )
-        if not isinstance(self.loop, LoopCoupling):
-            raise ValueError(f"`loop` must be a LoopCoupling, got {self.loop!r}.")
 
     @property
     def laws(self) -> tuple[Law, Law]:
         """The two laws."""
         return self.roll, self.axial
+
+    @cached_property
+    def scales(self) -> tuple["LoopBoucWen", ...]:
+        """The laws of the pairs, in their order; the first has the elastic energy."""
+        if not any(isinstance(law, Parallel) for law in self.laws):
+            return (self,)
+        numbers = [len(law.components) for law in self.laws]
+        if numbers[0] != numbers[1]:
+            raise ValueError(
+                f"`roll` and `axial` must have equally many laws in parallel to be coupled, got {numbers[0]} and {numbers[1]}."
+            )
+        pairs = zip(self.roll.components, self.axial.components, strict=True)
+        return tuple(
+            LoopBoucWen(roll=roll, axial=axial, loop=self.loop.scaled(float(scale == 0)))
+            for scale, (roll, axial) in enumerate(pairs)
+        )
 
     def mount_parameters(self) -> Array:
         """Return what the kernel of a mount takes: those of the rates, then those of the elastic energy."""
@@ -93,9 +117,11 @@ class LoopBoucWen(PlaneLaw):
 
         Args:
             deflection: roll and axial [m], (..., 2).
-            hysteretic_state: z of both [N], (..., 2).
+            hysteretic_state: z of both [N], (..., 2); of several scales (..., n_scales, 2).
         """
         d, z = np.asarray(deflection, dtype=np.float64), np.asarray(hysteretic_state, dtype=np.float64)
+        if len(self.scales) > 1:
+            return np.sum([scale.energy(d, z[..., number, :]) for number, scale in enumerate(self.scales)], axis=0)
         total = self.loop.energy(d)
         for axis, law in enumerate(self.laws):
             total = total + _elastic_energy(law, d[..., axis]) + _given_back(law, d[..., axis], z[..., axis])

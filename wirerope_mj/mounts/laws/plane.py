@@ -2,8 +2,9 @@
 
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +30,7 @@ class PlaneTrace:
     Attributes:
         deflection: path [m], (n_t, 2), roll and shear, or roll and axial.
         force: restoring force [N], (n_t, 2).
-        hysteretic_state: z [N], (n_t, 2).
+        hysteretic_state: z [N], (n_t, 2), summed over the scales.
         work: work done on the isolator since the first sample [J], (n_t,).
     """
 
@@ -57,13 +58,18 @@ class PlaneLaw(ABC):
     def mount_parameters(self) -> Array:
         """Return what the kernel of a mount takes, first those of the rates."""
 
+    @property
+    def scales(self) -> Sequence[Self]:
+        """The laws that this one is the sum of, each with one hysteretic force for each axis; itself where it has no more."""
+        return (self,)
+
     def rate_parameters(self) -> Array:
-        """Return sigma, n, the bounds z_m and the yield deflections x_y of both laws, (6,)."""
-        (sigma, n, z1, x1), (_, _, z2, x2) = map(form_of, self.laws)
-        return np.array([sigma, n, z1, z2, x1, x2])
+        """Return sigma, n, the bounds z_m and the yield deflections x_y of both laws, six for each scale, (6 n_scales,)."""
+        forms = [[*map(form_of, scale.laws)] for scale in self.scales]
+        return np.array([value for (s, n, z1, x1), (_, _, z2, x2) in forms for value in (s, n, z1, z2, x1, x2)])
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
-        """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
+        """Return the kernel's parameters for a straight line in the plane, and its length [m]; of a law of one scale."""
         length = float(np.hypot(*(stop - start)))
         direction = (stop - start) / length if length else np.zeros(2)
         return np.concatenate([self.rate_parameters(), *map(elastic_of, self.laws), start, direction]), length
@@ -77,8 +83,10 @@ class PlaneLaw(ABC):
         path = np.asarray(deflection, dtype=np.float64)
         if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
             raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
-        parameters, _ = self.line_parameters(path[0], path[0])
-        force, states, work = follow_plane(self.kernel, parameters, path)
+        followed = [
+            follow_plane(scale.kernel, scale.line_parameters(path[0], path[0])[0], path) for scale in self.scales
+        ]
+        force, states, work = (sum(parts[1:], start=parts[0]) for parts in zip(*followed, strict=True))
         finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
         if not finite.all():
             raise ValueError(f"the force of {self} leaves the finite numbers at {path[np.argmin(finite)]} m.")

@@ -10,6 +10,9 @@ BIAXIAL = 9
 
 LOOP = 11
 
+RATE_NUMBERS = 6
+"""Parameters of `biaxial_rates`; of a law of several scales as many for each, one after another."""
+
 
 @njit
 def loop_force(p, i, u, w):
