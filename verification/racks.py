@@ -96,7 +96,7 @@ def _system(rack: Rack, *, coupled: bool) -> wr.System:
         isolator = replace(isolator, coupling=None, loop=None)
     turned = 'xyaxes="0 0 1 0 -1 0"'  # of stabilisers: axis along X, roll vertical
     mounts = {f"below{i}": "" for i in range(rack.below)} | {f"behind{i}": turned for i in range(rack.behind)}
-    values = {"gravity": -wr.STANDARD_GRAVITY, "mass": rack.mass}
+    values: dict[str, object] = {"gravity": -wr.STANDARD_GRAVITY, "mass": rack.mass}
     for body in ("deck", "rack"):
         values[f"{body}_joints"] = "".join(
             f'<joint name="{body}_{name}" type="slide" axis="{axis}"/>' for name, axis in _SLIDES.items()
