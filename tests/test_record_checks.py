@@ -231,3 +231,67 @@ def test_every_axis_is_judged(tmp_path):
     with pytest.warns(RecordWarning) as found:
         load_record(path)
     assert sum("along y it rests at 9.8" in str(item.message) for item in found) == 1
+
+
+def slow(motion, rate):
+    """Return two seconds along z at a lower rate, and their instants."""
+    time = np.arange(int(2.0 * rate)) / rate
+    return along_z(motion, time), time
+
+
+@pytest.mark.parametrize("start", [0.1, 0.1012, 0.1025])
+def test_a_pulse_of_two_samples_is_said_with_what_its_velocity_makes_of_it(doubts, start):
+    values, time = slow(HalfSine(peak=15 * G, duration=0.011, direction="z", start=start), 200.0)
+    (words,) = doubts(values, time=time)
+    assert "has 2 samples at 200 samples a second: its peak is not known" in words
+    about = float(re.search(r"would be about (\S+) m/s\^2", words)[1])
+    # The sum of samples is the area but for 2 cos(2.2 pi) / (1 - 4 x 2.2^2), 9 %, the transform at the rate and its image; the
+    # length of 2.2 intervals is taken for 2.14, 3 %.
+    assert about == pytest.approx(15 * G, rel=0.12)
+
+
+@pytest.mark.parametrize(("samples", "said"), [(3.2, 35), (4.2, 13)])
+@pytest.mark.parametrize("phase", [0.0, 0.25, 0.5, 0.75])
+def test_how_far_the_peak_of_a_coarse_pulse_may_be_off_is_a_bound(doubts, samples, said, phase):
+    values, time = slow(HalfSine(peak=100.0, duration=samples / 500.0, direction="z", start=0.3 + phase / 500.0), 500.0)
+    (words,) = doubts(values, time=time)
+    found = int(re.search(r"its true peak may be up to (\d+) % higher", words)[1])
+    assert found in (35, 13)  # of three samples, and of four
+    assert 100.0 * (100.0 / values.max() - 1.0) <= found
+    assert found >= said
+
+
+@pytest.mark.parametrize("shape", [HalfSine, Sawtooth])
+@pytest.mark.parametrize("at", [100, 520, 4000], ids=["before", "within", "after"])
+def test_a_sample_that_stands_alone_is_said(doubts, shape, at):
+    values = along_z(shape(peak=15 * G, duration=0.011, direction="z", start=0.1)) + noise(0.5)
+    assert not [words for words in doubts(values) if "stands alone" in words]
+    values[at] = 500.0 * G
+    (words,) = [words for words in doubts(values) if "stands alone" in words]
+    assert f"along z one sample of 4903 m/s^2, {at / RATE:.6g} s after the first, stands alone" in words
+    values[at] = values[at - 1]
+    values[600] = values[3000] = -40.0 * G
+    (words,) = [words for words in doubts(values) if "stands alone" in words]
+    assert "and 1 more like it" in words
+
+
+def test_a_vibration_near_half_the_sampling_rate_is_said(doubts):
+    (words,) = [words for words in doubts(10.0 * np.sin(2.0 * np.pi * 2000.0 * TIME)) if "cut out" not in words]
+    assert "its energy lies about 2000 Hz, near the 2500 Hz that 5000 samples a second can hold" in words
+    assert "play 57 % of such a vibration" in words  # (sin(0.4 pi) / 0.4 pi)^2
+    assert not [words for words in doubts(10.0 * np.sin(2.0 * np.pi * 1000.0 * TIME)) if "its energy" in words]
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_steps_bursts_and_pyroshock_are_no_faults_of_sampling(doubts, seed):
+    random = np.random.default_rng(seed)
+    start = random.uniform(0.05, 0.3)
+    later = np.maximum(TIME - start, 0.0)
+    rings = [np.exp(-2.0 * np.pi * f * later * 0.05) * np.sin(2.0 * np.pi * f * later) for f in (50.0, 170.0, 500.0)]
+    pyroshock = 3e3 * random.standard_normal(3) @ np.array(rings) + noise(1.0, seed)
+    saw = along_z(Sawtooth(peak=15 * G, duration=0.006, direction="z", start=start))
+    white = noise(3.0, seed)
+    burst = np.where((later > 0.0) & (later < 0.1), white, 0.0)
+    for values in (pyroshock, saw, saw[::-1], white * np.exp(-10.0 * TIME), burst, random.laplace(size=TIME.size)):
+        found = doubts(values)
+        assert not [words for words in found if re.search("stands alone|shortest pulse|its energy lies", words)]

@@ -1,6 +1,7 @@
 """The external checks stay within their bounds, and a case that was not run is never passed off as one that was."""
 
 from dataclasses import replace
+from itertools import product
 
 import pytest
 
@@ -104,6 +105,18 @@ def test_the_page_says_what_was_not_run(tmp_path):
     text = path.read_text(encoding="utf-8")
     assert "2 cases: 1 within, 1 not run" in text
     assert "| not run: needs openseespy |" in text
+
+
+@pytest.mark.skipif(not PAGE.is_file(), reason="the page stands in a checkout only")
+def test_the_page_sets_the_rack_beside_ours_in_both_senses_coupled_and_not():
+    section = PAGE.read_text(encoding="utf-8").partition("### rack-850-kg\n")[2].partition("\n### ")[0]
+    for axis, (quantity, unit), sense, how in product(
+        "XYZ", (("travel", "mm"), ("acceleration", "g")), "+-", ("coupled", "each axis alone")
+    ):
+        assert f"| {quantity} along {axis}, deck along {sense}{axis}, {how} [{unit}] |" in section
+    for how in ("coupled", "each axis alone"):
+        assert f"| static deflection, {how} [mm] |" in section
+        assert all(f"| mode along {axis}, {how} [Hz] |" in section for axis in "XYZ")
 
 
 @pytest.mark.skipif(not PAGE.is_file(), reason="the page stands in a checkout only")

@@ -1,4 +1,4 @@
-"""Warnings about a measured record: cut off, clipped, in other units than its header says, drifting.
+"""Warnings about a measured record: cut off, clipped, too coarse, in other units than its header says, drifting.
 
 None of these can be known for sure, so that each states its reason, and nothing is changed.
 """
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading
+from wirerope_mj.motions.records.resolution import resolution_warnings
 from wirerope_mj.motions.records.rest import is_pulse, offset_of, peak_from, quiet_level
 
 _FEWEST = 16
@@ -59,12 +60,14 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
     if reading.time.size < _FEWEST:
         return
     yield from _implausible(reading)
+    rate = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0])
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
             yield from _wrong_unit(axis, quiet_level(a), reading.units, corrected)
             yield from _cut_off(axis, a, offset_of(a))
             yield from _clipped(axis, a, low, high)
+            yield from resolution_warnings(axis, a, offset_of(a), rate)
 
 
 def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:

@@ -154,7 +154,8 @@ def load_record(
 
     The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
     interval, on curves through its samples. What had to be done, and what looks wrong (a pulse that is cut off, a saturated
-    sensor, values in another unit, a drift), is a `RecordWarning` with its reason, and one of the record's `warnings`.
+    sensor, a spike, too few samples, values in another unit, a drift), is a `RecordWarning` with its reason, and one of the
+    record's `warnings`.
 
     Args:
         path: of the file.
