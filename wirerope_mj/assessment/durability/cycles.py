@@ -9,7 +9,6 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
 
-
 STEEPEST = 50.0
 """Exponent at the most: with a larger one amplitudes of micrometres do a damage that is no number any more."""
 

@@ -1,8 +1,10 @@
 """Isolator files on disk: found by name or path, and loaded."""
 
+from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator.device import Isolator
@@ -31,8 +33,8 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path:
     wanted = Path(f"{name}" if f"{name}".endswith(".toml") else f"{name}.toml")
     candidates = [Path(beside or ".") / wanted, catalogue / wanted.name]
     for candidate in candidates:
-        if candidate.is_file():
+        if isfile(candidate):
             return candidate
     looked = " and ".join(dict.fromkeys(str(candidate) for candidate in candidates))
     existing = ", ".join(sorted(path.stem for path in catalogue.glob("*.toml"))) or "nothing"
-    raise ModelError(f"there is no isolator {str(name)!r}: looked for {looked}. The catalogue holds {existing}.")
+    raise ModelError(f"there is no isolator {short(str(name))!r}: looked for {looked}. The catalogue holds {existing}.")
