@@ -16,6 +16,9 @@ from wirerope_mj.cli import main
 SOME = (*(number for number in NUMBERS if number not in ("1e9", "1e12", "1e6", "7e15", "12e3", "1e30")), "abc", "1 mm")
 """Numbers that ask for nothing that is large and possible all the same."""
 
+STEPS = ("0", "nan", "-1", "1e-4", "1e400", "abc", "1e-15", "1e-308", "0.5", "1e-3", "inf", "")
+"""Time steps of which no run has many."""
+
 COMMANDS = (
     ("statics", ("shock_table",), {}),
     ("modes", ("shock_table",), {"--amplitude-mm": SOME}),
@@ -29,7 +32,7 @@ COMMANDS = (
     ("isolators", ("estimate",), {"--height": SOME, "--width": SOME, "--rope": SOME, "--loops": SOME,
      "--bar": SOME, "--bar-length": SOME}),
     ("shock", ("sdof_shaker", "--half-sine", "3 g 5 ms z", "--duration", "0.02", "--timestep", "1e-3"), {
-     "--half-sine": ("3 g 5 ms z",), "--duration": SOME, "--sample-rate": SOME, "--accuracy": SOME, "--timestep": SOME,
+     "--half-sine": ("3 g 5 ms z",), "--duration": SOME, "--sample-rate": SOME, "--accuracy": SOME, "--timestep": STEPS,
      "--start": SOME, "--scale": SOME, "--limit": ("acceleration/mass = 15 g",), "--direction": ("x", "1,1,0", "q")}),
     ("study", ("shock_table", "--vary", "motion/level = Uniform(0.5, 1)", "--variants", "2", "--duration", "0.06"), {
      "--variants": SOME, "--seed": SOME, "--duration": SOME, "--vary": ("motion/level = Choice(1, 2)", "motion/level", "")}),

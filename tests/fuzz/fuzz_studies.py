@@ -47,7 +47,7 @@ def mutate(rng: np.random.Generator, folder) -> Case:
     if rng.random() < 0.9:  # else the digest says so
         content["id"] = identity(content)
     path.write_text(tomli_w.dumps(content), encoding="utf-8")
-    return Case("; ".join(done), {"folder": study}, (STUDY, "study", "vary", "model"))
+    return Case("; ".join(done), {"folder": study}, (STUDY, "study", "vary", "model", "variants"))
 
 
 def use(case: Case) -> str | None:

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.studies.inputs.distributions import Distribution
 
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
-_TABLES = {
+_TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
     "model": ({"file": str}, {"changes": str, "path": str}),
     "simulate": ({"duration": Any, "timestep": Any, "sample_rate": Any, "initial": Any}, {}),
     "sampling": ({"method": str, "variants": int, "seed": int}, {}),

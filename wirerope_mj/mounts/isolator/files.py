@@ -1,6 +1,6 @@
 """Isolator files on disk: found by name or path, and loaded."""
 
-from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
+from os.path import exists, isfile  # as those of `Path`, but a name that is too long is none
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError
@@ -16,7 +16,7 @@ def load_isolator(path: str | Path) -> Isolator:
     Raises:
         ModelError: the file is missing, is not TOML, or breaks a rule; the message names file, axis, key and rule.
     """
-    path = Path(path) if Path(path).suffix or Path(path).exists() else find_isolator(path)
+    path = Path(path) if Path(path).suffix or exists(path) else find_isolator(path)
     return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path), folder=Path(path).parent)
 
 
