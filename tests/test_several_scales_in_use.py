@@ -186,10 +186,3 @@ def test_specimens_of_several_scales_give_a_spread():
     of_rope(
         {"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": isolator}, sampling="random", variants=3
     ).table()
-
-
-@pytest.mark.quick
-def test_a_loop_couples_no_several_laws_and_says_so():
-    loop = wr.LoopCoupling(roll=0.02, compression=0.02, tension=0.02, coefficients=((1.0,),))
-    with pytest.raises(ValueError, match=r"`axial` must be a Bouc-Wen law to be coupled, got parallel"):
-        wr.Isolator(name="a", roll=example("bouc-wen"), axial=TWO, coupling="loop", loop=loop)

@@ -4,16 +4,24 @@ import json
 
 import numpy as np
 import pytest
+import tomli_w
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.durability import rainflow_cycles
 from wirerope_mj.cli import main
+from wirerope_mj.dynamics.frequency_response.orders import order_bands
 from wirerope_mj.engine.from_tables.sheet import read_sheet
-from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.errors import BudgetError, ConvergenceError, ModelError, RecordError
+from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.motions import DecayingSine, Sine
 from wirerope_mj.motions.spoken import motion_from_phrase
+from wirerope_mj.mounts.estimate import estimate_loop
+from wirerope_mj.runs.judging import read_judge_table
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.sliders import checked_values, sliders_of
 from wirerope_mj.runs.write import checked_arguments
+from wirerope_mj.studies.inputs.vary_option import read_vary
+from wirerope_mj.studies.inputs_file import STUDY, identity, write_inputs
 
 PSD = "frequency [Hz],psd [g^2/Hz]\n5,0.01\n100,0.01\n"
 
@@ -177,3 +185,160 @@ def test_arguments_of_the_wrong_kind_are_refused_by_name(name, tmp_path):
             continue
         with pytest.raises(ModelError, match=f"`{name}` must be"):
             checked_arguments(made)
+
+
+@pytest.mark.parametrize(
+    ("kind", "phrase", "message"),
+    [
+        ("trapezoid", "10 g 18 ms rise 1e-308 ms z", "`rise` must be 1e-09 to 1e.09 s"),
+        ("sweep", "0.5 g 50 to 5 Hz 1e308 oct/min x", "`rate` must be 1e-12 to 1e.06 octaves/min, got 1e.308"),
+        ("sweep", "0.5 g 50 to 5 Hz 1e-308 oct/min x", "`rate` must be 1e-12 to 1e.06 octaves/min, got 1e-308"),
+        ("unbalance", "engine 20 kg.mm 25 Hz y order 1e308", "`order` must be 1e-12 to 1e.12"),
+        (
+            "unbalance",
+            "engine 20 kg.mm 25 Hz y order 1e6",
+            "`order` times `frequency` must be 0 to 1e.06 Hz, got 25000000.0",
+        ),
+        ("psd", "p.csv " + "a" * 300 + " 1 s z", 'a{200}\\.\\.\\." is neither a number'),
+        ("psd", "a" * 300 + ".csv 1 s z", 'there is no file "a{200}'),
+    ],
+)
+def test_phrases_that_the_campaign_found(kind, phrase, message, tmp_path):
+    (tmp_path / "p.csv").write_text(PSD)
+    with pytest.raises(ValueError, match=message):
+        motion_from_phrase(kind, phrase, folder=tmp_path)
+
+
+def test_a_spectrum_that_is_not_met_is_said_with_its_phrase(tmp_path):
+    (tmp_path / "s.csv").write_text("frequency [Hz],acceleration [g]\n2,0.3\n2.5,1e4\n6,0.3\n")
+    with pytest.raises(ConvergenceError, match='spectrum "s.csv 1 s x damping 5 % seed 1": no motion'):
+        motion_from_phrase("spectrum", "s.csv 1 s x damping 5 % seed 1", folder=tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("acceleration/block = --5 g", "limit 'acceleration/block = --5 g': '--5' is no number"),
+        ("acceleration/block = 1e400 g", "`values` must be a finite number, got inf"),
+    ],
+)
+def test_limits_that_are_no_numbers(text, message):
+    with pytest.raises(ValueError, match=message):
+        limit_from_text(text)
+
+
+def test_a_limit_beyond_every_float_in_a_stored_scenario():
+    with pytest.raises(
+        ValueError, match="`judge.limits.acceleration/block`: `values` must be a finite number, got 1000"
+    ):
+        read_judge_table({"limits": {"acceleration/block": [10**400]}})
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("motion/level = Uniform(0.5, 1, 5)", "too many values; it is written Uniform"),
+        ("motion/level = Uniform(0.5, 1, high_=5)", "got an unknown argument 'high_'; it is written Uniform"),
+        ("motion/level = Choice(1.5, 9007199254740993)", "9007199254740993 is no number that a computer holds exactly"),
+    ],
+)
+def test_distributions_that_the_campaign_found(text, message):
+    with pytest.raises(ValueError, match=message):
+        read_vary([text])
+
+
+def test_more_variants_than_a_float_can_count():
+    pulse = wr.HalfSine(peak=1.0, duration=0.01, direction="z")
+    with pytest.raises(BudgetError, match=r"the inputs of 1e\+300 variants"):
+        wr.Study(
+            model="sdof_shaker",
+            motion=pulse,
+            duration=0.1,
+            vary={"motion/level": wr.Uniform(0.5, 1.0)},
+            variants=10**400,
+        )
+
+
+def test_what_is_no_isolator_is_refused_by_name():
+    with pytest.raises(ModelError, match=r"`isolators\['sdof_36hz'\]` must be an Isolator, got \[1\]"):
+        wr.load_system("sdof_shaker", isolators={"sdof_36hz": [1]})
+
+
+@pytest.mark.parametrize("psd", [3, None, "text", {1: 2}])
+def test_a_density_that_is_no_list_of_points(psd):
+    with pytest.raises(ValueError, match="`psd` must be pairs of frequency"):
+        wr.RandomVibration(psd=psd, duration=1.0, seed=1, direction="z")
+
+
+def test_a_fatigue_curve_steeper_than_any():
+    cycles = rainflow_cycles([0.0, 1e-6, 0.0, 2e-6, 0.0])
+    assert 0.0 < cycles.damage(50.0) < 1e-280
+    with pytest.raises(ValueError, match="`exponent` of a fatigue curve must be at most 50, got 1000"):
+        cycles.damage(1000.0)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (
+            ["select", "--mass", "100", "--mounts", "4", "--velocity", "2", "--disturbance-rpm", "1e308"],
+            "`disturbance` must be",
+        ),
+        (
+            ["isolators", "estimate", "--height", "1e308", "--width", "105", "--rope", "12.7", "--loops", "8"],
+            "`height` must be",
+        ),
+        (["loops", "x" * 300], "x..."),
+    ],
+)
+def test_commands_that_the_campaign_found(arguments, message, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    assert main(arguments) == 2
+    assert message in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("place", "value", "message"),
+    [
+        (("sampling", "method"), None, "`sampling.method` is missing"),
+        (("vary", 0, "low"), None, "`vary.0`: missing a required argument: 'low'"),
+        (("vary", 0, "kind"), 3, "`vary.0.kind` must be one of"),
+        (("vary", 0, "name"), 2.5, "`vary.0` must be a table with the `name`"),
+        (("vary", 0, "relative"), "yes", "`vary.0.relative` must be true or false"),
+        (("model",), True, "`model` must be a table, got True"),
+        (("model", "file"), None, "`model.file` is missing"),
+        (("model", "file"), "a" * 400, "the model file 'a{199}\\.\\.\\. is not in this folder"),
+        (("simulate", "duration"), None, "`simulate.duration` is missing"),
+        (("simulate", "duration"), [], "no study can be made of it: `duration` must be a finite number"),
+        (("motions", 0, "kind"), "song", "no study can be made of it: Unknown kind of motion 'song'"),
+    ],
+)
+def test_a_study_whose_digest_fits_is_checked_all_the_same(place, value, message, tmp_path):
+    pulse = wr.HalfSine(peak=10.0, duration=0.01, direction="z")
+    study = wr.Study(
+        model="sdof_shaker",
+        motion=pulse,
+        duration=0.02,
+        timestep=1e-3,
+        vary={"motion/level": wr.Uniform(0.5, 1.5)},
+        variants=2,
+    )
+    content = write_inputs(study, tmp_path, "peaks", None)
+    holder = content
+    for key in place[:-1]:
+        holder = holder[key]
+    if value is None:
+        del holder[place[-1]]
+    else:
+        holder[place[-1]] = value
+    content["id"] = identity(content)
+    (tmp_path / STUDY).write_text(tomli_w.dumps(content), encoding="utf-8")
+    with pytest.raises(RecordError, match=message):
+        wr.load_study(tmp_path).study  # noqa: B018  # it is made when it is looked at
+
+
+def test_loops_and_orders_beyond_every_machine():
+    with pytest.raises(ValueError, match="`loops` must be at most 1000"):
+        estimate_loop(height=0.089, width=0.105, rope=0.0127, loops=10**15)
+    with pytest.raises(ValueError, match="`--orders` must be at most 1e.06, got 1e.308"):
+        order_bands([1e308], [1e9 / 1e6, 2.0])

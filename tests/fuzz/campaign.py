@@ -13,6 +13,7 @@ The input of a seed is always the same: `--only SEED` runs one again and shows i
 import argparse
 import importlib
 import multiprocessing
+import os
 import re
 import signal
 import sys
@@ -36,8 +37,8 @@ TARGETS = (
     "layouts", "responses", "requests", "studies", "returns", "commands",
 )  # fmt: skip
 
-LIMIT = 20.0
-"""An input that takes longer hangs [s]."""
+LIMIT, WAIT = 20.0, 120.0
+"""An input that computes longer hangs [s], or that is waited for longer: others may have the processor meanwhile."""
 
 ACCEPTED, REFUSED = "accepted", "refused"
 FAULTS = ("undocumented", "vague", "silent", "hang", "killed")
@@ -149,8 +150,16 @@ class _Worker:
         self._answers.get(timeout=300.0)  # imports and compiling do not count
 
     def give(self, seed: int) -> None:
-        self.seed, self._begun = seed, monotonic()
+        self.seed, self._begun, self._spent = seed, monotonic(), self._computed()
         self._asked.put(seed)
+
+    def _computed(self) -> float:
+        """Return the time for which the process has had a processor [s]; where the system does not say, since ever."""
+        try:
+            fields = Path(f"/proc/{self.process.pid}/stat").read_text().rpartition(")")[2].split()
+            return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+        except OSError:
+            return monotonic()
 
     def poll(self) -> Outcome | None:
         if self.seed is None:
@@ -158,7 +167,8 @@ class _Worker:
         try:
             outcome = self._answers.get(timeout=0.01)
         except Empty:
-            alive, hangs = self.process.is_alive(), monotonic() - self._begun > LIMIT
+            alive, waited = self.process.is_alive(), monotonic() - self._begun
+            hangs = waited > WAIT or (waited > LIMIT and self._computed() - self._spent > LIMIT)
             if alive and not hangs:
                 return None
             outcome = Outcome(self.seed, "hang" if alive else "killed", "", f"process of seed {self.seed}")

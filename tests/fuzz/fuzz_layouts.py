@@ -45,21 +45,32 @@ TEXTS = (
     "<a>",
 )
 NAMES = tuple(f"m{i}" for i in range(1, 5))
+PLACES = (("0", "0"), ("0", "400"), ("500", "0"), ("500", "400"))
+POSITION = ["x [mm]", "y [mm]", "z [mm]"]
 LAYOUT = {
-    "mounts": (["name", "x [mm]", "y [mm]", "z [mm]", "isolator"],
-               [[n, x, y, "0", "enidine_wr16_400"] for n, x, y in zip(NAMES, ("0", "0", "500", "500"), ("0", "400", "0", "400"), strict=True)]),
-    "masses": (["name", "mass [kg]", "x [mm]", "y [mm]", "z [mm]", "size_x [mm]", "size_y [mm]", "size_z [mm]"],
-               [["engine", "700", "250", "200", "300", "500", "400", "300"], ["tank", "50", "250", "200", "500", "100", "100", "100"]]),
-    "stops": (["name", "x [mm]", "y [mm]", "z [mm]", "gap [mm]", "stiffness [MN/m]", "damping [kN s/m]"],
-              [["s1", "250", "200", "0", "12", "5", "1"]]),
-    "points": (["name", "x [mm]", "y [mm]", "z [mm]"], [["top", "250", "200", "650"]]),
-    "forces": (["name", "x [mm]", "y [mm]", "z [mm]"], [["crank", "250", "200", "300"]]),
-}  # fmt: skip
+    "mounts": (
+        ["name", *POSITION, "isolator"],
+        [[name, x, y, "0", "enidine_wr16_400"] for name, (x, y) in zip(NAMES, PLACES, strict=True)],
+    ),
+    "masses": (
+        ["name", "mass [kg]", *POSITION, "size_x [mm]", "size_y [mm]", "size_z [mm]"],
+        [
+            ["engine", "700", "250", "200", "300", "500", "400", "300"],
+            ["tank", "50", "250", "200", "500", "100", "100", "100"],
+        ],
+    ),
+    "stops": (
+        ["name", *POSITION, "gap [mm]", "stiffness [MN/m]", "damping [kN s/m]"],
+        [["s1", "250", "200", "0", "12", "5", "1"]],
+    ),
+    "points": (["name", *POSITION], [["top", "250", "200", "650"]]),
+    "forces": (["name", *POSITION], [["crank", "250", "200", "300"]]),
+}
 
 
 def mutate(rng: np.random.Generator, folder) -> Case:
     """Write the tables, one of them damaged or with strange cells."""
-    which, done, valid = pick(rng, list(LAYOUT)), "", None
+    which, done = pick(rng, list(LAYOUT)), ""
     paths = {}
     for kind, (header, rows) in LAYOUT.items():
         table = Table(list(header), [list(row) for row in rows])
@@ -73,7 +84,8 @@ def mutate(rng: np.random.Generator, folder) -> Case:
                     done = f"{header[column]} = {row[column]!r:.30}"
             elif how < 0.9:
                 change = pick(rng, DAMAGE)
-                done, valid = change.__name__, change(table, rng)
+                done = change.__name__
+                change(table, rng)
             else:
                 done, content = damaged_bytes(table.content(), rng)
         paths[kind] = folder / f"{kind}.csv"

@@ -69,7 +69,7 @@ def use(case: Case) -> str | None:
         if not np.isfinite(getattr(motion, name)(times)).all():
             return f"{name} is not finite"
     text = path.read_text(encoding="utf-8")
-    if "#" in text or text.count('"') % 2 or "standard" not in text:
+    if "#" in text or text.count('"') % 2 or 'standard = "house"' not in text:
         return None
     other_path = path.with_name("other.toml")
 

@@ -10,12 +10,17 @@ from wirerope_mj.studies.inputs.distributions import distribution_to_dict
 from wirerope_mj.studies.inputs.vary_option import read_vary
 
 EXAMPLES = (
-    "mount/m*/axial/alpha = Normal( 1 , 0.1 , relative, each)", "body/block/mass = Uniform( 0.8 , 1.2 , relative)",
-    "motion/level = Uniform( 0.5 , 1.5 )", "motion/level = Choice( 1 , 2 , 3 )", "body/block/mass = Choice( 0.9 , 1.1 , relative)",
-    "motion/level = Normal( 1 , 0.2 , low= 0.5 , high= 2 )", "motion/level = Uniform( 0.5 , 1.5 , points= 3 )",
-    "body/block/mass = Normal( 1 , 0.05 , relative, group=ropes)", "motion/azimuth = Uniform( 0 , 90 )",
+    "mount/m*/axial/alpha = Normal( 1 , 0.1 , relative, each)",
+    "body/block/mass = Uniform( 0.8 , 1.2 , relative)",
+    "motion/level = Uniform( 0.5 , 1.5 )",
+    "motion/level = Choice( 1 , 2 , 3 )",
+    "body/block/mass = Choice( 0.9 , 1.1 , relative)",
+    "motion/level = Normal( 1 , 0.2 , low= 0.5 , high= 2 )",
+    "motion/level = Uniform( 0.5 , 1.5 , points= 3 )",
+    "body/block/mass = Normal( 1 , 0.05 , relative, group=ropes)",
+    "motion/azimuth = Uniform( 0 , 90 )",
     "motion/elevation = Isotropic( -90 , 90 )",
-)  # fmt: skip
+)
 COUNTS = (1, 3, 8, 16, 0, -1, 10**9, 10**12, 10**400, 2.0, True, None, "8", float("nan"))
 SAMPLINGS = ("sobol", "latin-hypercube", "random", "grid", "list", "sobol-indices", "", None)
 _PULSE = wr.HalfSine(peak=10.0, duration=0.01, direction="x")

@@ -203,6 +203,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _say(option_message(error, given))
         return BAD_INPUT
     except (WireRopeError, ValueError, OSError) as error:
-        _say(str(error))
+        from wirerope_mj.foundation.errors import error_text
+
+        _say(error_text(error))
         _say_notes(error)
         return BAD_INPUT

@@ -2,6 +2,8 @@
 
 import errno
 
+from wirerope_mj.foundation.plain_text import short
+
 
 class WireRopeError(Exception):
     """Base of every error that the project raises on purpose, besides ValueError for a bad argument."""
@@ -49,6 +51,13 @@ class BudgetError(WireRopeError):
 
 class ConvergenceError(WireRopeError):
     """An iteration ended without a solution."""
+
+
+def error_text(error: Exception) -> str:
+    """Return the message of an error; of a file whose name is too long, not all of the name."""
+    if isinstance(error, OSError) and error.errno == errno.ENAMETOOLONG:
+        return f"{short(str(error.filename))!r} is too long for the name of a file."
+    return str(error)
 
 
 def why_unread(error: OSError) -> str:

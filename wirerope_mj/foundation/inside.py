@@ -1,9 +1,11 @@
 """Paths that the files of a folder name: somebody else's folder is data, and reaches nothing outside itself."""
 
+from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 from typing import Any
 
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import quoted
 
 
 def is_inside(path: Path, folder: Path) -> bool:
@@ -20,9 +22,9 @@ def file_inside(folder: Path, name: Any, kind: str) -> Path:
     Raises:
         RecordError: it does not lie in the folder, or is not there.
     """
-    if isinstance(name, str) and is_inside(folder / name, folder) and (folder / name).is_file():
+    if isinstance(name, str) and is_inside(folder / name, folder) and isfile(folder / name):
         return folder / name
     raise RecordError(
-        f"{folder}: the {kind} {name!r} is not in this folder, and nothing outside it is read. Take the file from another copy "
+        f"{folder}: the {kind} {quoted(name)} is not in this folder, and nothing outside it is read. Take the file from another copy "
         "of the folder."
     )

@@ -1,5 +1,6 @@
 """Folders of the models and scenarios that ship with the package, in a checkout and in an installed wheel."""
 
+from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError
@@ -39,7 +40,7 @@ def shipped_models() -> list[str]:
 def model_file(model: str | Path, *, folder: Path | None = None) -> Path | None:
     """Return the file of a model from `folder` or among those that ship; `.xml` may be left out. None if there is none."""
     start, named = folder or Path(), Path(model) if str(model).endswith(".xml") else Path(f"{model}.xml")
-    return next((file for file in (start / model, start / named, models_folder() / named) if file.is_file()), None)
+    return next((file for file in (start / model, start / named, models_folder() / named) if isfile(file)), None)
 
 
 def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -> str | Path:

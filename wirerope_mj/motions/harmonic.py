@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arguments import as_times, positive, the_one_given
+from wirerope_mj.foundation.arguments import as_times, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -145,7 +145,7 @@ class Sweep(StraightMotion):
         object.__setattr__(self, "stop", ranges.frequency("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
-        object.__setattr__(self, "rate", positive("rate", rate))
+        object.__setattr__(self, "rate", ranges.sweep_rate("rate", rate))
         quantity, amplitude = the_one_given(
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )

@@ -1,13 +1,14 @@
 """A power spectral density given by points: straight lines on logarithmic axes between them, zero outside."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 Points = tuple[tuple[float, float], ...]
@@ -23,12 +24,14 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
         least: number of points there must be.
     """
     plain: list[tuple[float, float]] = []
+    if not isinstance(points, Iterable) or isinstance(points, str | bytes | Mapping):
+        raise ValueError(f"`{name}` must be pairs of frequency [Hz] and {quantity}, got {quoted(points)}.")
     for number, point in enumerate(points, start=1):
         try:
             frequency, level = point
         except (TypeError, ValueError):
             raise ValueError(
-                f"`{name}` must be pairs of frequency [Hz] and {quantity}, got {point!r} as point {number}."
+                f"`{name}` must be pairs of frequency [Hz] and {quantity}, got {quoted(point)} as point {number}."
             ) from None
         try:
             plain.append((positive("frequency", frequency), positive(quantity, level)))

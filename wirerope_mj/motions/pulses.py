@@ -162,7 +162,7 @@ class Trapezoid(_PiecewisePulse):
         rise = finite("rise", self.rise)
         if not 0 <= rise <= self.duration / 2:
             raise ValueError(f"`rise` must lie between 0 and half the duration, {self.duration / 2:g} s, got {rise!r}.")
-        object.__setattr__(self, "rise", rise)
+        object.__setattr__(self, "rise", ranges.length("rise", rise, least=0.0))
 
     @property
     def velocity_change(self) -> float:

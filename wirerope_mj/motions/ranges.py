@@ -22,6 +22,11 @@ def frequency(name: str, value: Any, *, least: float = SLOWEST) -> float:
     return _within(name, value, least, FASTEST, "Hz")
 
 
+def sweep_rate(name: str, value: Any) -> float:
+    """Check the rate of a sweep [octaves/min]."""
+    return _within(name, value, SMALLEST, FASTEST, "octaves/min")
+
+
 def length(name: str, value: Any, *, least: float = SHORTEST) -> float:
     """Check the length of a part of a motion [s]; `least` is 0 where it may happen at once."""
     number = finite(name, value)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, 
         words = text.split(" ")
         for count in range(len(words), 0, -1):
             path = folder / " ".join(words[:count])
-            if path.is_file():
+            if isfile(path):
                 return read(path), " ".join(words[count:])
         raise ValueError(f'there is no file "{short(words[0])}".')
 

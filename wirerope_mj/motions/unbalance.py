@@ -66,7 +66,7 @@ class Unbalance(PayloadForce):
         values = {
             "unbalance": ranges.level("unbalance", self.unbalance),
             "frequency": ranges.frequency("frequency", self.frequency, least=0.0 if runs_up else ranges.SLOWEST),
-            "order": positive("order", self.order),
+            "order": positive("order", ranges.level("order", self.order)),
             "run_up": ranges.length("run_up", self.run_up, least=ranges.SHORTEST if runs_up else 0.0),
             "phase": finite("phase", self.phase),
             "duration": self.duration if self.duration == math.inf else ranges.length("duration", self.duration),
@@ -75,6 +75,8 @@ class Unbalance(PayloadForce):
             values["final_frequency"] = ranges.frequency("final_frequency", self.final_frequency, least=0.0)
         elif self.run_up:
             raise ValueError("`run_up` needs `final_frequency`.")
+        fastest = max(values["frequency"], values.get("final_frequency", 0.0))
+        ranges.frequency("order` times `frequency", values["order"] * fastest, least=0.0)
         for name, value in values.items():
             object.__setattr__(self, name, value)
         for name in ("axis", "line"):

@@ -7,6 +7,7 @@ from pathlib import Path
 from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
+from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.isolator import Isolator, Provenance
 from wirerope_mj.mounts.laws import Stop
@@ -48,7 +49,7 @@ def new_model(
         positive_products=positive_products,
     )  # fmt: skip
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
-        _write_isolators(layout, temporary / "isolators")
+        _write_isolators(layout, temporary / "isolators", stops)
         model = temporary / f"{name}.xml"
         model.write_text(mjcf_of(layout), encoding="utf-8")
         load_system(model)
@@ -111,13 +112,16 @@ def _isolators_in(model: Path) -> list[str]:
     return [data for text in texts if (data := text.get("data", "")).startswith("isolators/")]
 
 
-def _write_isolators(layout: Layout, folder: Path) -> None:
+def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
     folder.mkdir()
     for name, file in layout.isolators.items():
         load_isolator(file).save(folder / f"{name}.toml")
     for stop in layout.stops:
         if stop.law is not None:
-            _stop_isolator(stop.law).save(folder / f"{stop.isolator}.toml")
+            try:
+                _stop_isolator(stop.law).save(folder / f"{stop.isolator}.toml")
+            except (ModelError, ValueError) as error:
+                raise RecordError(f"{stops}: stop {stop.name!r}: {error}") from None
 
 
 def _stop_isolator(law: StopLaw) -> Isolator:

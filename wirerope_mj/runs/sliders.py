@@ -90,7 +90,7 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
         ValueError: `values` is no table of finite numbers, or names what is no slider.
     """
     if not isinstance(values, Mapping):
-        raise ValueError(f"the sliders' values must be a table, got {type(values).__name__}.")
+        raise ValueError(f'the sliders\' values must be a table such as {{"level": 1.2}}, got {quoted(values, 40)}.')
     known = {slider.key: slider for slider in sliders}
     checked = {slider.key: slider.nominal for slider in sliders}
     for key, value in values.items():

@@ -11,6 +11,7 @@ from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.motions.copies import copy_records
+from wirerope_mj.studies.checked_inputs import check_inputs
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.distributions import distribution_to_dict
 from wirerope_mj.studies.old_names import FIRST, todays_inputs
@@ -49,6 +50,10 @@ def read_inputs(folder: Path) -> dict[str, Any]:
             raise RecordError(f"{path}: this is not the file of a study: `{key}` is missing or no string.")
     if content["id"] != identity(content):  # a digest of all other keys: they are what was written
         raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
+    try:
+        check_inputs(content)
+    except ValueError as error:
+        raise RecordError(f"{path}: this is not the file of a study as it was written: {error}") from None
     return todays_inputs(content)
 
 

@@ -13,7 +13,7 @@ import pyarrow.compute as pc
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import finite, integer
-from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
@@ -22,6 +22,7 @@ from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.sampling import LISTED
+from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.old_names import todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
 from wirerope_mj.studies.results.measure import checked_measure, measure_of, unit_of, values_of
@@ -201,4 +202,7 @@ class StudyResult(Exportable, Summarised):
     @cached_property
     def study(self) -> StudyDefinition:
         """The study itself, made from the folder alone."""
-        return self.study_class.restored(self.folder, self.inputs)
+        try:
+            return self.study_class.restored(self.folder, self.inputs)
+        except (ValueError, ModelError) as error:
+            raise RecordError(f"{self.folder / STUDY}: no study can be made of it: {error}") from None

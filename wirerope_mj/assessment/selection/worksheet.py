@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 
 from wirerope_mj.foundation.arguments import integer, positive
-from wirerope_mj.motions import VelocityStep
+from wirerope_mj.motions import VelocityStep, ranges
 from wirerope_mj.motions.pulses import Pulse
 from wirerope_mj.mounts.vendor_parts.parts import MODES
 
@@ -59,8 +59,10 @@ class Worksheet:
     def __post_init__(self) -> None:
         for name in ("mass", "isolation_ratio", "gravity", "travel", "fragility", "disturbance"):
             value = getattr(self, name)
-            if value is not None:
-                positive(name, value)
+            if value is not None and not ranges.SMALLEST <= positive(name, value) <= ranges.LARGEST:
+                raise ValueError(
+                    f"`{name}` must be {ranges.SMALLEST:g} to {ranges.LARGEST:g} in SI units, got {value!r}."
+                )
         integer("mounts", self.mounts, least=1)
         for name in ("loading", "direction"):
             mode = "shear" if getattr(self, name) == "roll" else getattr(self, name)

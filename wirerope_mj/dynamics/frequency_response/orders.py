@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.foundation.arguments import positive
 
+FASTEST = 1e6
+"""Speed of a shaft [1/min], and order, at the most: ten times what turns and shakes."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class OrderBand:
@@ -29,10 +32,16 @@ def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[Or
     """
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
-    speeds = sorted(positive("--speed-rpm", speed, unit="1/min") / 60.0 for speed in speed_rpm)
+    speeds = sorted(_within("--speed-rpm", speed) / 60.0 for speed in speed_rpm)
     return tuple(
-        OrderBand(order=positive("--orders", order), low=order * speeds[0], high=order * speeds[-1]) for order in orders
+        OrderBand(order=_within("--orders", order), low=order * speeds[0], high=order * speeds[-1]) for order in orders
     )
+
+
+def _within(name: str, value: float) -> float:
+    if positive(name, value) > FASTEST:
+        raise ValueError(f"`{name}` must be at most {FASTEST:g}, got {value!r}.")
+    return float(value)
 
 
 def order_statements(bands: Sequence[OrderBand], findings: Sequence[LevelSummary]) -> Iterator[str]:

@@ -17,7 +17,7 @@ from wirerope_mj.engine.system.refused import refused
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
@@ -122,9 +122,17 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
     """
     text, path = _read(source)
     try:
-        return _system(text, path, isolators or {})
+        return _system(text, path, _checked(isolators or {}))
     except ModelError as error:
         raise ModelError(f"{path}: {error}" if path else str(error)) from error
+
+
+def _checked(isolators: Mapping[str, Isolator]) -> Mapping[str, Isolator]:
+    """Return isolators by name; ModelError if something else is among them."""
+    for name, isolator in isolators.items():
+        if not isinstance(isolator, Isolator):
+            raise ModelError(f"`isolators[{name!r}]` must be an Isolator, got {quoted(isolator, 80)}.")
+    return isolators
 
 
 def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:

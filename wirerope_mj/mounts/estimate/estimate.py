@@ -23,6 +23,9 @@ from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, r
 COVERED = 0.8
 """Fraction of the known parts within the band that is stated."""
 
+MOST_LOOPS = 1000
+"""Loops of an isolator at the most."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
@@ -101,7 +104,8 @@ def estimate_loop(
     for name, value in lengths.items():
         if value is not None:
             positive(name, value)
-    integer("loops", loops, least=1)
+    if integer("loops", loops, least=1) > MOST_LOOPS:
+        raise ValueError(f"`loops` must be at most {MOST_LOOPS}: those that are sold have 2 to 20, got {loops}.")
     if not SMALLEST_ROPE * (1.0 - SAME_ROPE) <= rope <= LARGEST_ROPE * (1.0 + SAME_ROPE):
         raise ValueError(
             f"`rope` must be {1e3 * SMALLEST_ROPE:g} to {1e3 * LARGEST_ROPE:g} mm, the ropes of the parts that were compared, "

@@ -7,6 +7,9 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, not_negative, positive
 
+LARGEST_LOOP = 1000.0
+"""Size of an isolator over the diameter of its rope, at most: those that are sold have 5 to 15, and ten times that is slack."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class LoopShape:
@@ -89,7 +92,10 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
         ValueError: an argument is not a finite number > 0, a bar is thinner than its rope, or no loop is left between them.
     """
     for name, value in {"height": height, "width": width, "bar": bar, "rope": rope}.items():
-        positive(name, value)
+        if positive(name, value) > LARGEST_LOOP * rope:
+            raise ValueError(
+                f"`{name}` must be at most {LARGEST_LOOP:g} times the `rope` of {rope:g} m, got {value:g} m."
+            )
     if bar < rope:
         raise ValueError(f"`bar` must be at least as thick as the `rope` that it holds, {rope:g} m, got {bar:g} m.")
     rise, reach = height - bar, 0.5 * (width - rope)

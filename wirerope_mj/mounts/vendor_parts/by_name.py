@@ -2,9 +2,11 @@
 
 from difflib import get_close_matches
 from functools import cache
+from os.path import exists, isfile  # as those of `Path`, but a name that is too long is none
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Isolator
@@ -24,7 +26,7 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
         ConvergenceError: no law has all the values that the vendor states.
     """
     found = path
-    if not isinstance(path, VendorPart) and (beside is not None or not (Path(path).suffix or Path(path).exists())):
+    if not isinstance(path, VendorPart) and (beside is not None or not (Path(path).suffix or exists(path))):
         found = find_isolator(path, beside)
     if isinstance(found, VendorPart):
         shipped = shipped_file(found)
@@ -47,7 +49,7 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | 
     wanted = Path(f"{name}" if f"{name}".endswith(".toml") else f"{name}.toml")
     candidates = [Path(beside or ".") / wanted, catalogue / wanted.name]
     for candidate in candidates:
-        if candidate.is_file():
+        if isfile(candidate):
             return candidate
     parts = {part.name.lower(): part for part in vendor_parts()}
     if (part := parts.get(wanted.stem.lower())) is not None:
@@ -58,7 +60,7 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | 
     spelt = {entry.lower(): entry for entry in [*files, *(part.name for part in parts.values())]}
     near = ", ".join(spelt[match] for match in get_close_matches(wanted.stem.lower(), spelt, n=5, cutoff=0.5))
     raise ModelError(
-        f"there is no isolator {str(name)!r}: looked for {looked}. The catalogue holds {', '.join(files) or 'nothing'}; "
+        f"there is no isolator {short(str(name))!r}: looked for {looked}. The catalogue holds {', '.join(files) or 'nothing'}; "
         f"`wirerope isolators --all` lists the {len(parts)} parts of the vendors' tables as well."
         + (f" Nearest: {near}." if near else "")
     )
