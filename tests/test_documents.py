@@ -35,6 +35,8 @@ def test_identification_runs_from_a_record_to_an_isolator(tmp_path, monkeypatch,
     assert names["table"].best.law == "bouc-wen"
     assert names["both"].parameters["sigma"].standard_error < 0.5 * names["tips"].parameters["sigma"].standard_error
     assert names["pair"].spread.parameters
+    for law, known in zip(names["small"].law.laws, names["rope"].laws, strict=True):
+        assert law.normalised.z_max == pytest.approx(known.normalised.z_max, rel=0.02)
     assert names["isolator"].axial.normalised.z_max == pytest.approx(device.normalised.z_max, rel=0.02)
     assert "not fitted" not in capsys.readouterr().out
 

@@ -182,6 +182,43 @@ def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, mon
     assert f"the data do not identify: {text}" in assumed
 
 
+def test_friction_on_two_scales_becomes_laws_in_parallel(folder, capsys):
+    rope = wr.Parallel(
+        laws=[
+            wr.BoucWen.from_normalised(z_max=z, x_y=x, sigma=0.6, n=1.6, k=k)
+            for z, x, k in ((360.0, 6e-3, 3e4), (45.0, 0.4e-3, 0.0))
+        ]
+    )
+    write_record(folder / "rope.csv", *rig_record(rope, [0.5e-3, 1e-3, 3e-3, 8e-3], seed=3, noise=0.003, points=100.0))
+    out = run(capsys, "rope.csv", "--law", "bouc-wen", "--scales", "2", "--out", "rope.toml")
+    assert "large scale, bouc-wen: alpha = " in out
+    assert "small scale, bouc-wen: alpha = " in out
+    for name in ("z_max_large", "z_max_small", "x_y_large", "x_y_large/small", "n_large", "n_small", "sigma"):
+        assert f" {name} " in out
+    assert "yield deflections: large scale " in out
+    law = wr.load_isolator("rope.toml").axial
+    assert law.laws[1].normalised.x_y == pytest.approx(0.4e-3, rel=0.05)
+    page = (folder / "rope-report" / "report.html").read_text(encoding="utf-8")
+    assert "rope, axial: bouc-wen on 2 scales" in page
+    assert "how many times farther one scale yields than the other" in page
+    assert main(["isolators", "rope.toml"]) == 0
+    assert "bouc-wen" in capsys.readouterr().out
+
+
+def test_the_number_of_scales_is_taken_from_the_data_and_shown(folder, capsys):
+    rope = wr.BoucWen.from_normalised(z_max=360.0, x_y=3e-3, sigma=0.6, n=1.6, k=3e4)
+    write_record(folder / "one.csv", *rig_record(rope, [0.5e-3, 1e-3, 3e-3, 8e-3], seed=3, noise=0.003, points=100.0))
+    out = run(capsys, "one.csv", "--law", "bouc-wen", "--scales", "auto", "--out", "one.toml")
+    assert "Number of scales" in out
+    assert re.search(r" 1 5 \d+ [\d.]+ taken ", out)
+    assert isinstance(wr.load_isolator("one.toml").axial, wr.BoucWen)
+
+
+def test_scales_of_a_law_that_has_none_are_refused(simple, capsys):
+    assert main(["identify", "simple.csv", "--law", "masing", "--scales", "2", "--out", "a.toml"]) == 2
+    assert "`scales` of more than 1 are for the laws" in capsys.readouterr().err
+
+
 def test_a_fit_that_does_not_converge_exits_1_with_its_report_and_no_isolator(folder, simple, capsys, monkeypatch):
     changed(monkeypatch, converged=False, message="stopped after 100 evaluations")
     arguments = [simple, "--law", "bouc-wen", "--out", "a.toml"]

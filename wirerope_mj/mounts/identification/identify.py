@@ -146,7 +146,7 @@ def identify(
     starts = [("given", family.read(start))] if start is not None else []
     if grid:
         points = (
-            scale_starts(unknowns, measured, names, count=STARTS)
+            scale_starts(unknowns, measured, names)
             if names
             else grid_starts(unknowns.family, unknowns.coordinates, measured, unknowns.fixed, count=STARTS)
         )

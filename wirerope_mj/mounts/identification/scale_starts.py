@@ -30,34 +30,22 @@ class _Point:
     cost: float
     values: dict[str, float]
 
-    @property
-    def bend(self) -> tuple[float, float]:
-        """Its sigma, and n of its largest scale."""
-        return self.values["sigma"], next(value for name, value in self.values.items() if name.startswith("n_"))
 
-
-def scale_starts(
-    unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Sequence[str], *, count: int
-) -> list[dict[str, float]]:
-    """Return the values of the best points of the grid, each with another sigma or n.
+def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Sequence[str]) -> list[dict[str, float]]:
+    """Return the values of the best point of the grid for each n and sigma, best first: searches from two may end in others.
 
     Args:
         unknowns: coordinates of a law of several scales.
         loops: as they were measured.
         names: of the scales, the largest first.
-        count: of points.
     """
     thin = [ScaleLoop.of(loop.thinned(SAMPLES)) for loop in loops]
-    fixed, points = unknowns.fixed, []
+    fixed = unknowns.fixed
     exponents = sorted({fixed[f"n_{name}"] for name in names if f"n_{name}" in fixed}) or _EXPONENTS
     sigmas = [fixed["sigma"]] if "sigma" in fixed else _SIGMAS
-    for n, sigma in product(exponents, sigmas):
-        points += _with_bend(unknowns, thin, names, n, sigma)
-    chosen: list[_Point] = []
-    for point in sorted(points, key=lambda point: point.cost):
-        if len(chosen) < count and point.bend not in [one.bend for one in chosen]:
-            chosen.append(point)
-    return [point.values | dict(fixed) for point in chosen]
+    bends = [_with_bend(unknowns, thin, names, n, sigma) for n, sigma in product(exponents, sigmas)]
+    best = [min(points, key=lambda point: point.cost) for points in bends]
+    return [point.values | dict(fixed) for point in sorted(best, key=lambda point: point.cost)]
 
 
 def _with_bend(

@@ -68,11 +68,11 @@ class LawParameter(ValueOrFactor):
                 return 1.0
             try:
                 number, parameter = part_of(parameter)
-                law = law.laws[number]
+                law = law.components[number]
             except (ValueError, IndexError):
                 raise ModelError(
-                    f"`vary`: {name!r}: mount {mount!r} has {len(law.laws)} laws on its {axis} axis; name a parameter of one, "
-                    f"laws[0].alpha to laws[{len(law.laws) - 1}].alpha, or a factor on all: {', '.join(FACTORS)}."
+                    f"`vary`: {name!r}: mount {mount!r} has {len(law.components)} laws on its {axis} axis; name a parameter of "
+                    f"one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: {', '.join(FACTORS)}."
                 ) from None
         names = [key for key in law.to_dict() if key != "law" and key not in law.options]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}

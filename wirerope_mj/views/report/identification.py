@@ -93,6 +93,7 @@ def scale_tables(result: Identification) -> list[Table]:
     rows: list[list[Cell]] = []
     for row in result.scale_rows:
         taken = "taken" if row.count == max(len(result.scales), 1) else ""
+        taken = taken or ("" if math.isfinite(row.left_out) else "the criterion does not fall")
         known: list[Cell] = [str(row.free), row.criterion - least, row.left_out] if not row.why_not else ["-", "-", "-"]
         rows.append([str(row.count), *known, row.why_not or taken])
     title = "Number of scales; left out is the error at an amplitude that the fit has not seen, geometric mean of all"
