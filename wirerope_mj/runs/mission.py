@@ -10,6 +10,7 @@ from wirerope_mj.assessment.durability.mounts import Quantity
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.regular_files import regular
 
 _KEYS = ("exponent", "quantity", "constant", "stage")
 _STAGE_KEYS = ("run", "repetitions", "hours")
@@ -65,7 +66,7 @@ def read_mission(path: str | Path) -> Mission:
     """
     file = Path(path)
     try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
+        content = tomllib.loads(regular(file).read_text(encoding="utf-8"))
     except OSError as error:
         raise RecordError(f"{file}: {why_unread(error)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

@@ -16,6 +16,7 @@ from wirerope_mj.foundation.csv_units import (
 )
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 _POUND = 0.45359237
@@ -179,7 +180,7 @@ def _values(path: Path) -> list[list[str]]:
             "or save the sheet as CSV."
         ) from None
     try:
-        with path.open("rb") as file:
+        with regular(path).open("rb") as file:
             book = openpyxl.load_workbook(file, read_only=True, data_only=True)
             return [[_as_text(value) for value in row] for row in book.worksheets[0].iter_rows(values_only=True)]
     except OSError as error:
