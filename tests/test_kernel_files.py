@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from wirerope_mj.foundation import cpu_level, kernel_files
+from wirerope_mj.foundation import cpu_level, kernel_files, own_files
 
 KERNELS = """
 from wirerope_mj.foundation.jit import inlined, njit
@@ -50,10 +50,11 @@ def use(tmp_path):
     def run(*, inner="FACTOR * x", offset=1, decorator="njit", before="", wait=True, **environment):
         (tmp_path / "kernels.py").write_text(KERNELS.format(inner=inner, decorator=decorator))
         (tmp_path / "constants.py").write_text(f"OFFSET = {offset}\n")
+        values = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), **environment}
         process = subprocess.Popen(
             [sys.executable, "-B", "-c", USE.format(before=before)],
             cwd=tmp_path,
-            env={**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), **environment},
+            env={name: value for name, value in values.items() if value is not None},
             stdout=subprocess.PIPE,
             stderr=subprocess.PIPE,
             text=True,
@@ -166,3 +167,72 @@ def test_what_a_package_brings_along_is_found_with_no_cache_at_all(use, tmp_path
     shipped = "import pathlib; from wirerope_mj.foundation import kernel_files; kernel_files.SHIPPED = pathlib.Path('shipped')"
     assert use(before=shipped) == (7.0, 2.5, [])
     assert not (tmp_path / "cache").exists()
+
+
+def test_settings_of_the_current_folder_say_nothing_of_where_kernels_are(use, tmp_path):
+    """Reading a kernel executes what it holds, so that a folder that one looks at may not name the cache."""
+    (tmp_path / ".numba_config.yaml").write_text("cache_dir: here\ncpu_name: generic\n")
+    users = {"NUMBA_CACHE_DIR": None, "XDG_CACHE_HOME": str(tmp_path / "cache")}
+    assert use(**users, before="import wirerope_mj") == (7.0, 2.5, ALL)
+    assert not (tmp_path / "here").exists()
+    assert len(list((tmp_path / "cache" / "wirerope_mj").iterdir())) == 3
+
+
+def test_a_relative_folder_of_the_environment_is_not_used(use, tmp_path):
+    (tmp_path / "home").mkdir(mode=0o700)
+    relative = {"NUMBA_CACHE_DIR": "here", "XDG_CACHE_HOME": "there", "HOME": str(tmp_path / "home")}
+    assert use(**relative) == (7.0, 2.5, ALL)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["constants.py", "home", "kernels.py"]
+    assert use(**relative) == (7.0, 2.5, [])
+
+
+owned = pytest.mark.skipif(not own_files._KNOWN, reason="this system has no owners and modes")
+
+
+@owned
+@pytest.mark.parametrize("place", ["cache", "."])
+def test_a_folder_that_others_may_write_is_not_used(use, tmp_path, place):
+    use()
+    (tmp_path / place).chmod(0o777)
+    before = {path: path.stat().st_mtime_ns for path in files(tmp_path)}
+    assert use() == (7.0, 2.5, ALL)
+    assert {path: path.stat().st_mtime_ns for path in files(tmp_path)} == before
+    assert f"others may write {(tmp_path / place).resolve()}" in kernel_files.where_kept(tmp_path / "cache")
+    (tmp_path / place).chmod(0o755)
+    assert use() == (7.0, 2.5, [])
+
+
+@owned
+def test_a_folder_in_which_nobody_may_rename_what_is_not_theirs_may_be_above_it(use, tmp_path):
+    tmp_path.chmod(0o1777)
+    use()
+    assert use() == (7.0, 2.5, [])
+
+
+@owned
+def test_a_kernel_that_others_may_write_is_not_used_and_replaced(use, tmp_path):
+    use()
+    for path in files(tmp_path):
+        path.chmod(0o666)
+    assert use() == (7.0, 2.5, ALL)
+    assert use() == (7.0, 2.5, [])
+
+
+@owned
+def test_a_link_is_no_kernel(use, tmp_path):
+    use()
+    (tmp_path / "elsewhere").mkdir()
+    for path in files(tmp_path):
+        path.rename(tmp_path / "elsewhere" / path.name)
+        path.symlink_to(tmp_path / "elsewhere" / path.name)
+    assert use() == (7.0, 2.5, ALL)
+
+
+@owned
+@pytest.mark.skipif(not own_files._KNOWN or os.geteuid() != 0, reason="only root may give files away")
+@pytest.mark.parametrize("what", ["cache", "files"])
+def test_what_belongs_to_another_user_is_not_used(use, tmp_path, what):
+    use()
+    for path in [tmp_path / "cache"] if what == "cache" else files(tmp_path):
+        os.chown(path, 12345, -1)
+    assert use() == (7.0, 2.5, ALL)

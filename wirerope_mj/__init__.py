@@ -4,9 +4,30 @@ Laws and isolators, MuJoCo models whose mounts have hysteresis, base motions, si
 names stand in `__init__.pyi`; each is imported when it is first used.
 """
 
+import os
+import sys
+from importlib import import_module
 from typing import Any
 
 from lazy_loader import attach_stub
+
+
+def _import_elsewhere() -> None:
+    """Import packages that take settings from a file of the current folder, where there is one, from a folder without it.
+
+    A folder is data: such settings of Numba lead to code; those of Matplotlib start programs, or keep a run from being written.
+    """
+    for package, settings in (("numba", ".numba_config.yaml"), ("matplotlib", "matplotlibrc")):
+        if package not in sys.modules and os.path.lexists(settings):
+            here = os.getcwd()
+            os.chdir(os.path.dirname(__file__))
+            try:
+                import_module(package)
+            finally:
+                os.chdir(here)
+
+
+_import_elsewhere()
 
 _find, __dir__, __all__ = attach_stub(__name__, __file__)
 

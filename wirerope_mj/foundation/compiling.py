@@ -3,11 +3,14 @@
 import multiprocessing
 import platform
 import sys
+from pathlib import Path
 from time import perf_counter
 from typing import Any
 
 import numba
 from numba.core import event
+
+from wirerope_mj.foundation.kernel_files import where_kept
 
 PATIENCE, PACE = 2.0, 10.0
 """Time [s] that compiling takes before anything is said, and between two lines."""
@@ -18,7 +21,7 @@ class Watch(event.Listener):
 
     def __init__(self, folder: str):
         """Take the folder where they are kept."""
-        self._folder = folder
+        self._folder = Path(folder)
         self._depth, self._number = 0, 0
         self._began = self._last = 0.0
 
@@ -38,7 +41,7 @@ class Watch(event.Listener):
         if self._last == 0.0:
             versions = f"Python {platform.python_version()}, Numba {numba.__version__} and this processor"
             say(
-                f"kernels are compiled for {versions}: up to two minutes, once; they are kept in {self._folder}. "
+                f"kernels are compiled for {versions}: up to two minutes, once; {where_kept(self._folder)}. "
                 "`wirerope compile` compiles all."
             )
         else:

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.regular_files import regular
 
 LARGEST = 1e15
 """Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
@@ -73,7 +74,7 @@ def read_header(path: Path, *, kind: str, example: str) -> Header:
         RecordError: the file cannot be read, is empty or no text.
     """
     try:
-        with path.open(encoding="utf-8-sig", errors="replace") as file:
+        with regular(path).open(encoding="utf-8-sig", errors="replace") as file:
             for line, text in enumerate(file, start=1):
                 if _is_content(text):
                     return _parsed(path, line, text)

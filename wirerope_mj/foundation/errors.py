@@ -68,4 +68,6 @@ def why_unread(error: OSError) -> str:
         return "this is a folder. Name a file in it."
     if isinstance(error, PermissionError):
         return "you have no permission to read it. Change its permissions, or copy it to where you may read."
+    if error.errno == errno.ENODEV:
+        return "this is not a regular file but a pipe or a device. Write its content into a file, and name that."
     return f"the system cannot read it ({error.strerror}). Copy it to another place, and try again."

@@ -191,7 +191,7 @@ def _lock(path: Path) -> tuple[str, int | None]:
     """Lock a path, and return the outcome and the open handle that holds the lock."""
     while True:
         try:
-            handle = os.open(path, os.O_RDONLY)
+            handle = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))  # a pipe of that name makes nobody wait
         except FileNotFoundError:
             return GONE, None
         except OSError:

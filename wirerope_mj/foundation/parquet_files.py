@@ -15,6 +15,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.regular_files import regular
 
 _KEY = b"wirerope_mj"
 """Key of the JSON text in a file's metadata."""
@@ -95,7 +96,7 @@ def read_table(path: Path, *, kind: str, remedy: str) -> Any:
     import pyarrow.parquet as pq
 
     try:
-        return pq.read_table(path)
+        return pq.read_table(regular(path))
     except (OSError, ValueError, pa.ArrowException):  # pyarrow's text names a byte, which helps no user
         raise _unreadable(path, kind, remedy) from None
 
@@ -116,7 +117,7 @@ def read_content(path: Path, *, kind: str, remedy: str, version: int | None = No
     import pyarrow.parquet as pq
 
     try:
-        file = pq.read_metadata(path)
+        file = pq.read_metadata(regular(path))
         schema, content = file.schema.to_arrow_schema(), json.loads((file.metadata or {})[_KEY])
     except (OSError, ValueError, KeyError, RecursionError, pa.ArrowException):
         raise _unreadable(path, kind, remedy) from None

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError, why_unread
+from wirerope_mj.foundation.regular_files import regular
 
 
 def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
@@ -39,6 +40,6 @@ def toml_content(path: str | Path) -> dict[str, Any]:
         OSError, UnicodeDecodeError, tomllib.TOMLDecodeError: as reading and parsing do; lists in lists without end are no TOML.
     """
     try:
-        return tomllib.loads(Path(path).read_text(encoding="utf-8"))
+        return tomllib.loads(regular(path).read_text(encoding="utf-8"))
     except RecursionError:
         raise tomllib.TOMLDecodeError("lists or tables stand in one another too deeply") from None

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, RecordWarning, why_unread
+from wirerope_mj.foundation.regular_files import regular
 
 CHECKSUMS = "checksums.txt"
 _LINE = re.compile(r"([0-9a-f]{64}) [ *](.+)")
@@ -93,7 +94,7 @@ def _names(folder: Path) -> list[str]:
 def digest_of(path: Path) -> str:
     """Return the SHA-256 of a file in hexadecimal digits; RecordError if it cannot be read."""
     try:
-        with path.open("rb") as file:
+        with regular(path).open("rb") as file:
             return hashlib.file_digest(file, "sha256").hexdigest()
     except OSError as error:
         raise RecordError(f"{path}: {why_unread(error)}") from None
@@ -108,7 +109,7 @@ def _write(folder: Path, digests: dict[str, str]) -> None:
 def _read(path: Path) -> dict[str, str]:
     """Return the checksums by file."""
     try:
-        lines = path.read_text(encoding="utf-8").splitlines()
+        lines = regular(path).read_text(encoding="utf-8").splitlines()
     except (OSError, UnicodeDecodeError):
         raise RecordError(f"{path}: this is not a text of checksums. {_REMEDY}") from None
     sums = {}

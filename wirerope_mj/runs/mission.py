@@ -12,6 +12,7 @@ from wirerope_mj.assessment.durability.mounts import Quantity
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.regular_files import regular
 
 DAMAGE_ERROR = 0.02
 """By how much damage may change with every other sample alone: that of all is known within a third of it, less than 1 %."""
@@ -79,7 +80,7 @@ def read_mission(path: str | Path) -> Mission:
     """
     file = Path(path)
     try:
-        content = tomllib.loads(file.read_text(encoding="utf-8"))
+        content = tomllib.loads(regular(file).read_text(encoding="utf-8"))
     except OSError as error:
         raise RecordError(f"{file}: {why_unread(error)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:

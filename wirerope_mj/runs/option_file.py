@@ -11,6 +11,7 @@ from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.regular_files import regular
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 _KINDS: tuple[tuple[type, Any, str], ...] = (
@@ -25,7 +26,7 @@ _KINDS: tuple[tuple[type, Any, str], ...] = (
 def defines(path: Path, name: str) -> bool:
     """Return whether a Python file defines the function `name`; it is read, not executed."""
     try:
-        tree = ast.parse(path.read_text(encoding="utf-8"))
+        tree = ast.parse(regular(path).read_text(encoding="utf-8"))
     except (SyntaxError, ValueError, OSError):
         return False  # whoever executes it says what is wrong
     return any(isinstance(node, ast.FunctionDef) and node.name == name for node in tree.body)
@@ -75,7 +76,7 @@ def load_function(path: Path, name: str) -> Callable[..., Any]:
 def _check_text(path: Path, name: str) -> None:
     """Raise ModelError if a file cannot be read, or holds bytes that no text has."""
     try:
-        content = path.read_bytes()
+        content = regular(path).read_bytes()
     except OSError as error:
         raise ModelError(f"{path}: this {name} cannot be read: {why_unread(error)}") from None
     if b"\0" in content:

@@ -9,6 +9,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
@@ -63,7 +64,7 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
     """
     path = Path(folder) / SUMMARY
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(regular(path).read_text(encoding="utf-8"))
     except FileNotFoundError:
         raise RecordError(f"{folder}: there is no {SUMMARY} here. {_REMEDY}") from None
     except OSError as error:

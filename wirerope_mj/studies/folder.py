@@ -22,6 +22,7 @@ from wirerope_mj.foundation.atomic_files import (
 )
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Part
 from wirerope_mj.studies.inputs_file import STUDY, check_same, read_inputs, write_inputs
@@ -143,7 +144,7 @@ def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
 def read_part(path: Path) -> pa.Table:
     """Return the rows of one chunk; RecordError if its file is damaged."""
     try:
-        return pq.read_table(path)
+        return pq.read_table(regular(path))
     except (OSError, pa.ArrowException):
         raise RecordError(
             f"{path}: this part of the study is damaged. Remove it, and go on with --resume (`resume=True`): its variants are "

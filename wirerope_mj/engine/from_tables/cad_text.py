@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.engine.from_tables.mass_properties import MassProperties
 from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import LENGTH_UNITS
 
 _MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": 0.45359237}
@@ -26,7 +27,7 @@ def read_cad_text(path: Path, *, sign: float) -> MassProperties:
         RecordError: something is missing, in unknown units, or not said in the way above.
     """
     try:
-        text = path.read_text(encoding="utf-8-sig", errors="replace")
+        text = regular(path).read_text(encoding="utf-8-sig", errors="replace")
     except OSError as error:
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
     mass, unit = _found(path, text, rf"^\s*Mass\s*=\s*{_NUMBER}\s*(\w+)", "the mass")

@@ -18,6 +18,7 @@ from wirerope_mj.foundation.csv_units import (
 )
 from wirerope_mj.foundation.errors import BudgetError, RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 _POUND = 0.45359237
@@ -185,7 +186,7 @@ def _filled(path: Path) -> list[tuple[int, list[str]]]:
             "or save the sheet as CSV."
         ) from None
     try:
-        with path.open("rb") as file:
+        with regular(path).open("rb") as file:
             with zipfile.ZipFile(file) as parts:
                 size = sum(part.file_size for part in parts.infolist())
             require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save its first sheet as CSV.")

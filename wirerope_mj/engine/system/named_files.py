@@ -4,8 +4,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
-from wirerope_mj.foundation.errors import ModelError, RecordError
+from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
 from wirerope_mj.foundation.inside import file_inside, is_inside
+from wirerope_mj.foundation.regular_files import regular
 
 _FOLDERS = ("assetdir", "meshdir", "texturedir")
 """Attributes of a `compiler` element that say where files are."""
@@ -77,12 +78,21 @@ def _sources(tree: ElementTree.Element, folders: tuple[Path, ...]) -> Iterator[t
     """Yield name and path of every file that elements name, and whether it holds elements itself."""
     for element in tree.iter():
         for name in [value for key, value in element.attrib.items() if key.startswith("file")]:
-            source = next((folder / name for folder in folders if (folder / name).is_file()), None)
+            source = next((folder / name for folder in folders if _is_there(folder / name)), None)
             if source is not None:  # else it is no file that MuJoCo needs, or it will say so
                 yield name, source, element.tag == "include" or source.suffix == ".xml"
 
 
+def _is_there(file: Path) -> bool:
+    """Return whether a file is there; ModelError if a pipe or a device is, for which MuJoCo would wait."""
+    try:
+        return regular(file).is_file()
+    except OSError as error:
+        raise ModelError(f"{file}: the model cannot be read: {why_unread(error)}") from None
+
+
 def _tree(file: Path) -> ElementTree.Element:
+    _is_there(file)
     try:
         return ElementTree.fromstring(file.read_text(encoding="utf-8", errors="replace"))
     except ElementTree.ParseError as error:

@@ -18,6 +18,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
@@ -200,7 +201,7 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
     path = Path(source)
     try:
         path = model_file(path) or path
-        text = path.read_text(encoding="utf-8")
+        text = regular(path).read_text(encoding="utf-8")
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
         raise ModelError(

@@ -10,6 +10,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
@@ -32,7 +33,7 @@ _DAMAGED = " whose header or values are damaged or do not fit each other. Export
 def is_uff(path: Path) -> bool:
     """Return whether the file begins as universal files do, with a line that holds -1 alone."""
     try:
-        with path.open("rb") as file:
+        with regular(path).open("rb") as file:
             lines = file.read(400).split(b"\n")
     except OSError:
         return False

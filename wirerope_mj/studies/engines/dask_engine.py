@@ -1,7 +1,6 @@
 """Chunks on the workers of Dask: processes of this machine, or those of a cluster that is there already."""
 
 import asyncio
-import os
 import subprocess
 import sys
 import tempfile
@@ -11,12 +10,11 @@ from collections.abc import Callable, Generator, Iterable, Iterator
 from concurrent.futures import CancelledError, ThreadPoolExecutor
 from contextlib import ExitStack, contextmanager
 from importlib.util import find_spec
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
-from wirerope_mj.studies.engines.local import processors
+from wirerope_mj.studies.engines.local import environment_of_children, processors
 from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.versions import versions
 
@@ -184,11 +182,9 @@ def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes
     """
     command = [sys.executable, "-m", "dask", "worker", scheduler_at, "--nworkers", str(number), "--nthreads", "1",
                "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
-    paths = [str(Path(__file__).resolve().parents[3]), *filter(None, [os.environ.get("PYTHONPATH")])]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
     with (
         tempfile.TemporaryDirectory() as folder,
-        subprocess.Popen([*command, "--local-directory", folder], env=environment, **_SILENT) as process,
+        subprocess.Popen([*command, "--local-directory", folder], env=environment_of_children(), **_SILENT) as process,
     ):
         try:
             yield process

@@ -47,6 +47,15 @@ def processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+def environment_of_children() -> dict[str, str]:
+    """Return the environment of processes that compute: they find the modules that this one does, and no others.
+
+    Python would look in the current folder first for what it runs with -m, which may be anybody's.
+    """
+    paths = [str(Path(__file__).resolve().parents[3]), *map(os.path.abspath, sys.path)]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)), "PYTHONSAFEPATH": "1"}
+
+
 class _Pool:
     """One thread for each worker process: it hands out chunks, and starts the process again if it dies."""
 
@@ -126,9 +135,7 @@ class _Process:
     """A worker process and its pipes."""
 
     def __init__(self, pickled_work: bytes) -> None:
-        package = str(Path(__file__).resolve().parents[3])
-        paths = [package, *filter(None, [os.environ.get("PYTHONPATH")])]
-        environment = {**os.environ, "PYTHONPATH": os.pathsep.join(paths)}
+        environment = environment_of_children()
         # One thread each: more of them would fight for the processors that the other processes have.
         environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
         # A session of its own: Ctrl-C is for the process that started this one, which ends it.

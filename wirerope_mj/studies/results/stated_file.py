@@ -6,6 +6,7 @@ from typing import Any
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measures_of
@@ -48,7 +49,7 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
 def _content(result: StudyResult) -> dict[str, Any]:
     path = result.folder / SUMMARY
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(regular(path).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:
         why = why_unread(error) if isinstance(error, OSError) else "it is not JSON."
         raise RecordError(f"{path}: {why} {_REMEDY}") from None

@@ -1,5 +1,6 @@
 """Recordings of the last two runs, written by a process of its own: a second of work that no simulation waits for."""
 
+import os
 import signal
 from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -16,7 +17,12 @@ class Recorder:
     def __init__(self) -> None:
         # Not forked: this process has threads, and rerun and Numba have more of them.
         self._pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_begin)
-        self._pool.submit(_prepare)  # starts the process, whose imports take as long as a recording
+        before = os.environ.get("PYTHONSAFEPATH", "")
+        os.environ["PYTHONSAFEPATH"] = "1"  # it would look for modules in the current folder, which may be anybody's
+        try:
+            self._pool.submit(_prepare)  # starts the process, whose imports take as long as a recording
+        finally:
+            os.environ["PYTHONSAFEPATH"] = before  # empty is as not set
 
     def recording(self, runs: Sequence[ShownRun], title: str) -> bytes:
         """Return the recording of one run, or of two over each other, the first being what the other is compared with."""

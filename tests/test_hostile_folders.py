@@ -1,0 +1,55 @@
+"""Standing in somebody else's folder: no command executes, imports or unpickles anything of it."""
+
+import shutil
+import sys
+
+import pytest
+from hostile_folder import Hostile, audited
+
+import wirerope_mj as wr
+from wirerope_mj.runs.scenario import load_scenario
+
+pytestmark = pytest.mark.skipif(
+    sys.platform == "win32", reason="Windows has neither pipes in folders nor modes of files"
+)
+
+COMMANDS = (
+    ["replay", "."], ["report", ".", "--pdf", "--force"], ["statics", "shock_table"], ["show", "."],
+    ["compare", ".", "run", "--out", "c.rrd"], ["export", ".", "o.csv"], ["export", ".", "o.h5"],
+    ["durability", ".", "--exponent", "5"], ["share", ".", "../shared"], ["fmu", "shock_table", "o.fmu"],
+    ["run", "shock_table", "--duration", "0.06", "--out", "run", "--force"], ["modes", "shock_table", "--out", "m"],
+    ["shock", "model/shock_table.xml", "--half-sine", "5 g 11 ms z", "--duration", "0.1", "--out", "run", "--force"],
+    ["study", ".", "--vary", "motion/level = Normal(1, 0.1)", "--variants", "4", "--workers", "2", "--out", "s"],
+    ["study-report", "study"], ["new", "n", "--template", "cabinet"], ["levels"], ["isolators", "enidine_wr12_400"],
+    ["loops", "enidine_wr12_400", "--axis", "axial", "--csv", "l.csv"], ["laws", "cyclic.csv"],
+    ["identify", "cyclic.csv", "--law", "bouc-wen", "--out", "i.toml"], ["explore", "shock_table", "--no-browser"],
+    ["frf", "sdof_shaker", "--acceleration", "1", "--out", "f"], ["compile"],
+    ["select", "--mass", "100", "--mounts", "4", "--shock", "15 g 11 ms half-sine", "--travel", "30"],
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def data(tmp_path_factory):
+    """Return a folder with a run, its model, a study and a record, as a colleague would send it."""
+    from table_study import table_study
+
+    folder = tmp_path_factory.mktemp("colleague") / "inbox"
+    wr.run_scenario(load_scenario("shock_table").make(duration=0.06), folder)
+    wr.run_scenario(load_scenario("shock_table").make(duration=0.05), folder / "run")
+    table_study(variants=4).run(folder / "study", workers=1)
+    device = wr.load_isolator("enidine_wr12_400")
+    wr.save_cyclic_test(wr.cyclic_test(device.axial, amplitudes=[0.002, 0.005, 0.01]), folder / "cyclic.csv")
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("number", range(20))
+def test_no_command_executes_anything_of_the_folder_it_stands_in(number, data, tmp_path):
+    folder, mark = tmp_path / "inbox", tmp_path / "executed"
+    shutil.copytree(data, folder)
+    Hostile(folder, mark, number).write()
+    code, said, noted = audited(COMMANDS[number % len(COMMANDS)], folder, tmp_path / "log")
+    assert not mark.exists(), said
+    assert noted == ""
+    assert "Traceback" not in said
+    assert code in (0, 1, 2, 130), said
