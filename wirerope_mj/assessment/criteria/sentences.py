@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.contact import closing_text
+from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
 from wirerope_mj.assessment.criteria.travel import COMBINED
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict
@@ -26,7 +27,9 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
         response: of a run.
         verdicts: what `judge` returns of it.
     """
-    return _payload_lines(verdicts) + _travel_lines(response, verdicts) + contact_lines(response)
+    early = too_short(response)
+    lines = [f"What is not exceeded yet is not judged: {early}."] if early else []
+    return lines + _payload_lines(verdicts, early) + _travel_lines(response, verdicts) + contact_lines(response)
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -72,7 +75,7 @@ def _listed(names: list[str], between: str = ", ") -> str:
     return between.join(names[:_NAMED]) + more
 
 
-def _payload_lines(verdicts: Sequence[Verdict]) -> list[str]:
+def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
     """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
     kinds = ("acceleration", "rattle space")
     rows = [row for row in verdicts if row.criterion.startswith(kinds)]
@@ -82,7 +85,7 @@ def _payload_lines(verdicts: Sequence[Verdict]) -> list[str]:
     if judged and not over:
         lines.append(f"Payload within its limits; nearest is {against_limit(judged[0])}.")
     unjudged = [kind for kind in kinds if not any(row.criterion.startswith(kind) for row in judged)]
-    if unjudged and rows:
+    if unjudged and rows and not early:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
     return lines
 
@@ -119,7 +122,7 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.utilisation is None]
-    if unjudged:
+    if unjudged and not too_short(response):
         lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
     return lines
 
