@@ -25,6 +25,9 @@ GROWS = "it still grows when the run ends"
 PERIODS = 2.0
 """Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long."""
 
+SWINGS = 3.0
+"""Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least."""
+
 QUIET = 0.5
 """Slowest periods at the end of a run in which nothing may reach more than before."""
 
@@ -37,17 +40,22 @@ _NEAR = 1e-9  # [s]
 def too_short(response: Response) -> str:
     """Return why a run ends before its peaks are over, as a note; "" if it does not, or if older responses do not say it."""
     end, over = response.final_state.time, response.numerics.motion_end
-    kinds = {str(part.get("kind")) for part in elements(response.motion)}
+    parts = list(elements(response.motion))
+    kinds = {str(part.get("kind")) for part in parts}
     period = PERIODS * response.numerics.slowest_period
-    if math.isnan(over) or not kinds:
+    if math.isnan(period) or not kinds:
         return ""
     random, _, falls = steady_interval(response.motion)
-    if random or "sweep" in kinds:
+    if math.isnan(over):
+        longest = max([period, *(1.0 / float(part["frequency"]) for part in parts if "frequency" in part)])
+        needed = response.initial_state.time + SWINGS * longest
+        why = f"under a motion without end it takes {SWINGS:g} swings of {_seconds(longest)} at the least"
+    elif random or "sweep" in kinds:
         needed, why = falls if random else over, f"the motion goes on until {_seconds(falls if random else over)}"
     else:
         needed = over + period
         why = f"the motion ends at {_seconds(over)}, and twice the slowest period is {_seconds(period)}"
-    if math.isnan(needed) or end >= needed - _NEAR:
+    if end >= needed - _NEAR:
         return ""
     least = math.ceil(1e3 * needed - 1e-6) / 1e3
     return f"{TOO_EARLY} {_seconds(end)}, before its peaks are over ({why}): run at least {_seconds(least)}"
