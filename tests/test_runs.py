@@ -23,7 +23,7 @@ FILES = {
 
 
 def short_table(**options) -> Scenario:
-    return load_scenario("shock_table").make(duration=0.15, **options)
+    return load_scenario("shock_table").make(duration=0.4, **options)
 
 
 @pytest.fixture(scope="module")
@@ -114,7 +114,7 @@ def test_a_run_of_an_older_version_without_checksums_or_contacts_is_replayed():
 def test_replay_of_a_streamed_run_is_bit_identical(tmp_path, monkeypatch):
     monkeypatch.setattr(write_module, "STREAM_SAMPLES", 100)
     response = run_scenario(short_table(), tmp_path / "run")
-    assert response.time.size == 301  # 0.15 s at 2 kHz, both ends
+    assert response.time.size == 801  # 0.4 s at 2 kHz, both ends
     assert replay(tmp_path / "run").identical
 
 

@@ -23,7 +23,7 @@ def export(
         folder: folder of a run or a study.
         out: file to write.
         spectrum: name of a body, a point or "base": its shock response spectra along x, y and z in place of the samples. They
-            reach a tenth of the run's sample rate.
+            reach a tenth of the run's sample rate; up to where the samples hold them within 1 % is printed.
         q: amplification of the spectra's oscillators at resonance.
         force: replace a file that is there.
     """
@@ -33,6 +33,7 @@ def export(
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.motions.spectra import shock_response_spectrum
     from wirerope_mj.motions.spectra.export import exported_spectra
+    from wirerope_mj.motions.spectra.srs import held
     from wirerope_mj.studies.inputs_file import STUDY
     from wirerope_mj.studies.study import load_study
 
@@ -43,7 +44,10 @@ def export(
         moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}
         if spectrum not in moved:
             raise RecordError(f"`--spectrum`: nothing is called {spectrum!r}; there are {', '.join(moved)}.")
-        table = exported_spectra(shock_response_spectrum(response.time, moved[spectrum].acceleration, q=q))
+        acceleration = moved[spectrum].acceleration
+        spectra = shock_response_spectrum(response.time, acceleration, q=q)
+        table, up_to = exported_spectra(spectra), held(response.time, acceleration, spectra)
+        print(f"The samples hold it within 1 % {f'up to {up_to:.3g} Hz' if up_to else 'nowhere'}.")
     written = write_export(table, out, force=force)
     print(plain(f"written: {written} ({len(table.names)} columns, {written.stat().st_size / 1e6:.2f} MB)"))
     return 0

@@ -1,6 +1,5 @@
 """Output of a run: peaks against limits, and where the files are; and lists of what ships."""
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
@@ -165,13 +164,7 @@ def _numerics(response: Response) -> str:
     numerics = response.numerics
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
     text = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}"
-    text += f", computed by {numerics.computed_by}"
-    if math.isfinite(numerics.error_estimate):
-        missed = (
-            "" if numerics.error_estimate <= numerics.accuracy else f", above the {numerics.accuracy:.0e} asked for"
-        )
-        return f"{text}, estimated error {numerics.error_estimate:.1e} of the peaks{missed}"
-    return f"{text}, step given: no error estimated"
+    return f"{text}, computed by {numerics.computed_by}, {numerics.error_text}"
 
 
 def _verdict(row: MountPeak, combined: Verdict | None) -> str:

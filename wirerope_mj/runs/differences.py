@@ -19,7 +19,9 @@ NEGLIGIBLE = 1e-9
 """Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves."""
 
 _BLOCK = 64  # columns that are compared at once
-_OF_THIS_TIME = ("numerics.seconds", "numerics.versions", "numerics.engine", "numerics.why_not_kernel")
+_OF_THIS_TIME = (
+    "numerics.seconds", "numerics.versions", "numerics.engine", "numerics.why_not_kernel", "numerics.samples_hold",
+)  # fmt: skip
 """Entries of summary.json that are not the same when it is computed again, or that older ones lack."""
 
 _JUDGEMENT = ("limit", "margin")

@@ -7,6 +7,7 @@ from functools import partial
 from typing import TypeVar
 
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
+from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.assessment.criteria.tested import untested_line
 from wirerope_mj.engine.response import Response
@@ -49,7 +50,8 @@ def judged_run(system: System, response: Response) -> JudgedRun:
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge
     known = statics if has_gravity and isinstance(statics, StaticTable) else None
     random = result_or_absent(partial(_random, response))
-    limited = () if isinstance(random, Absent) else tuple(row for row in random if row.limit is not None)
+    rows = () if isinstance(random, Absent) else random
+    limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     return JudgedRun(
         statics=statics,

@@ -97,6 +97,7 @@ def report_page(
         modes={history: result_or_absent(partial(modes, system, history=history)) for history in histories},
         spectra=spectra.shock,
         densities=spectra.densities,
+        spectra_held=spectra.held,
         verdicts=judged.verdicts,
         random=judged.random,
         untested=judged.untested,

@@ -18,7 +18,7 @@ from wirerope_mj.motions.spectra import (
     shock_response_spectrum,
 )
 from wirerope_mj.motions.spectra.arguments import octave_grid
-from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
+from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
 from wirerope_mj.views.plots.report_motion import moving_axes
 from wirerope_mj.views.plots.report_response import acceleration_along
 from wirerope_mj.views.report import BASE, worst_names
@@ -37,17 +37,29 @@ _LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too 
 
 @dataclass(frozen=True, kw_only=True)
 class RunSpectra:
-    """Spectra of a run: shock response spectra, or why there are none, and densities, by axis and name."""
+    """Spectra of a run: shock response spectra, or why there are none, and densities, by axis and name.
+
+    Those of bodies and points come from samples, which hold them within 1 % up to the frequency `held` [Hz].
+    """
 
     shock: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
     densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
+    held: float = math.nan
 
 
 def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> RunSpectra:
     """Return the spectra of a run's base and of the bodies and points that are drawn."""
     names = worst_names(response)
     shock = run_spectra(motion, response, names, sample_rate)
-    return RunSpectra(shock=shock, densities=run_densities(motion, response, names))
+    found = math.nan
+    if not isinstance(shock, Absent):
+        found = min(
+            held(response.time, acceleration_along(response, name, "xyz".index(axis)), spectrum)
+            for axis, lines in shock.items()
+            for name, spectrum in lines.items()
+            if name != BASE or len(lines) == 1
+        )
+    return RunSpectra(shock=shock, densities=run_densities(motion, response, names), held=found)
 
 
 def run_spectra(

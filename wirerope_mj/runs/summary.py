@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.assessment.criteria import summary
+from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import RecordError, why_unread
@@ -36,6 +37,7 @@ def summary_content(
             "timestep_s": numerics.timestep,
             "steps": numerics.steps,
             "samples": int(response.time.size),
+            "samples_hold": samples_hold(response),
             "callback": numerics.callback,
             "engine": numerics.engine,
             "why_not_kernel": numerics.why,

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.contact import STOP
+from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict
 
 _SHOWN = 5
@@ -10,11 +11,14 @@ _SHOWN = 5
 
 def headline(verdicts: Sequence[Verdict]) -> str:
     """Return the answer in one sentence: how many limits are exceeded, how many stops are struck, how much is not judged."""
+    early = next((row.note.partition("; ")[0] for row in verdicts if row.note.startswith(TOO_EARLY)), "")
     over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
     judged, contacts = over + within, sum(bool(row.contact) for row in verdicts)
     if over:
         # "of" the judged, so that it is not read as a share of everything
         answer = f"Exceeded: {over} of {_several(judged, 'limit')}"
+    elif early:
+        answer = f"Not judged: {early}"
     elif judged:
         answer = f"Within {'its limit' if judged == 1 else f'all {judged} limits'}"
     else:
@@ -25,8 +29,15 @@ def headline(verdicts: Sequence[Verdict]) -> str:
         if STRUCK in outcomes:
             clauses.append(f"{outcomes.count(STRUCK)} of {_several(len(outcomes), thing)} struck")
     left = len(verdicts) - judged - contacts
-    if judged and left:
+    if early and within:
+        clauses.append(f"{_several(within, 'limit')} of the state at rest kept")
+    elif judged and left:
         clauses.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")
+    grows = sum(row.note.startswith(GROWS) for row in verdicts)
+    if grows:
+        clauses.append(f"{grows} of them still {'grows' if grows == 1 else 'grow'} when the run ends: run longer")
+    if early and over:
+        clauses.append(early)
     return f"{'; '.join(clauses)}."
 
 

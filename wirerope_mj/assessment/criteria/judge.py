@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
 from wirerope_mj.assessment.criteria.contact import contact_verdicts
+from wirerope_mj.assessment.criteria.ended import require_over
 from wirerope_mj.assessment.criteria.headline import Verdicts
 from wirerope_mj.assessment.criteria.mount_load import (
     missing_load_verdicts,
@@ -23,17 +24,22 @@ def judge(
 ) -> tuple[Verdict, ...]:
     """Return the verdicts on accelerations, travels, bottoming, rattle space, static loads and contacts of a run.
 
+    Where the run ends before its peaks are over, only what is exceeded already is judged of them.
+
     Args:
         response: of the run.
         limits: of the payload; without them the model's own.
         statics: of the system; with it static loads are judged on the first loading and relaxed, last of all, and not those
             at the start of the run.
     """
-    begin = (
-        *acceleration_verdicts(response, limits),
-        *travel_verdicts(response),
-        *bottoming_verdicts(response),
-        *rattle_verdicts(response, limits),
+    begin = require_over(
+        response,
+        (
+            *acceleration_verdicts(response, limits),
+            *travel_verdicts(response),
+            *bottoming_verdicts(response),
+            *rattle_verdicts(response, limits),
+        ),
     )
     contacts = contact_verdicts(response)
     if statics is None:

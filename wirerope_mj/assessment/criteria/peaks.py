@@ -1,9 +1,10 @@
 """Peaks of bodies, and of mounts with what they use of their rated travel."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.travel import peak_travel_verdicts
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, WITHIN, Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator.travel import SIDES
@@ -80,7 +81,7 @@ def body_peaks(response: Response) -> list[BodyPeak]:
 
 def mount_peaks(response: Response) -> list[MountPeak]:
     """Return the peaks of the mounts; the largest utilisation of a rated travel first, those not judged last."""
-    rows = []
+    rows, early = [], too_short(response)
     for mount in response.scene.isolating:
         peaks = response.peaks.mounts[mount.name]
         force = zip(peaks.force.minimum.tolist(), peaks.force.maximum.tolist(), strict=True)
@@ -92,7 +93,10 @@ def mount_peaks(response: Response) -> list[MountPeak]:
                 minimum=tuple(peaks.deflection.minimum.tolist()),
                 maximum=tuple(peaks.deflection.maximum.tolist()),
                 force=(roll, shear, axial),
-                travel=peak_travel_verdicts(mount, peaks.deflection),
+                travel={
+                    rating: replace(row, limit=None, note=early) if early and row.verdict == WITHIN else row
+                    for rating, row in peak_travel_verdicts(mount, peaks.deflection).items()
+                },
             )
         )
     return sorted(rows, key=lambda row: -1.0 if row.utilisation is None else row.utilisation, reverse=True)

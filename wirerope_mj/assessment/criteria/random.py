@@ -2,14 +2,16 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
-from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
+from wirerope_mj.assessment.criteria.steady import elements, steady_interval
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -133,7 +135,18 @@ def judge_random(
                 resolution=resolution,
                 along=f" along {'xyz'[axis]}",
             )
-    return tuple(verdicts)
+    return _if_enough(response, verdicts)
+
+
+def _if_enough(response: Response, verdicts: Sequence[Verdict]) -> tuple[Verdict, ...]:
+    """Return verdicts, none of them judged if the samples are too few for the highest frequency of the vibration."""
+    highest = max((float(part["psd"][-1][0]) for part in elements(response.motion) if "psd" in part), default=0.0)
+    if sample_rate(response.time) >= 2.0 * highest:
+        return tuple(verdicts)
+    note = f"{sampled_text(response.time)}, and the vibration reaches up to {highest:.4g} Hz"
+    return tuple(
+        replace(row, limit=None, note="; ".join(part for part in (note, row.note) if part)) for row in verdicts
+    )
 
 
 def _settled(time: Array, acceleration: Array, first: float, last: float) -> float:

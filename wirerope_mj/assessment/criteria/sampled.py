@@ -1,8 +1,14 @@
 """Sampled histories: read without keeping them, and their extremes."""
 
+import numpy as np
+
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+
+SAMPLED = "sampled at"
+"""How the notes begin on what is not judged because samples are too few."""
 
 
 def read_columns(response: Response, first: str, count: int) -> Array:
@@ -22,7 +28,28 @@ def read_start(response: Response, first: str, count: int) -> Array:
 
 def sampled_text(time: Array) -> str:
     """Return at what rate something is sampled, as a note of what is not judged for it."""
-    return f"sampled at {sample_rate(time):.4g} Hz"
+    return f"{SAMPLED} {sample_rate(time):.4g} Hz"
+
+
+def samples_hold(response: Response) -> str:
+    """Return what the samples of a run can tell, as a sentence: up to which frequency, and how much of the peaks they reach."""
+    rate, worst, of_what = sample_rate(response.time), 0.0, ""
+    for kind, peaks in (("bodies", response.peaks.bodies), ("points", response.peaks.points)):
+        for name, peak in peaks.items():
+            acceleration = read_columns(response, f"{kind}/{name}/acceleration/x", 3)
+            reached = sampled_peak(response.time, np.linalg.norm(acceleration, axis=1))[0]
+            missed = 1.0 - reached / peak.acceleration.value if peak.acceleration.value > AT_REST else 0.0
+            worst, of_what = max((worst, of_what), (missed, name))
+    text = f"{rate:.4g} samples a second tell nothing above {0.5 * rate:.4g} Hz, and shapes up to a tenth of their rate"
+    return text + (
+        f"; they miss {100.0 * worst:.2g} % of the peak acceleration of {of_what}" if worst > _MISSED else ""
+    )
+
+
+AT_REST = 1e-3 * STANDARD_GRAVITY
+"""Acceleration below which something rests [m/s^2]."""
+
+_MISSED = 0.01
 
 
 def sampled_peak(time: Array, values: Array) -> tuple[float, float]:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.contact import closing_text
+from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.mount_load import STATIC_LOAD
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
 from wirerope_mj.assessment.criteria.travel import BOTTOMING, COMBINED
@@ -27,7 +28,9 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
         response: of a run.
         verdicts: what `judge` returns of it.
     """
-    lines = _payload_lines(verdicts) + _travel_lines(response, verdicts)
+    early = too_short(response)
+    lines = [f"What is not exceeded yet is not judged: {early}."] if early else []
+    lines += _payload_lines(verdicts, early) + _travel_lines(response, verdicts)
     return lines + static_load_lines(verdicts) + contact_lines(response)
 
 
@@ -83,7 +86,7 @@ def _listed(names: list[str], between: str = ", ") -> str:
     return between.join(names[:_NAMED]) + more
 
 
-def _payload_lines(verdicts: Sequence[Verdict]) -> list[str]:
+def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
     """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
     kinds = ("acceleration", "rattle space")
     rows = [row for row in verdicts if row.criterion.startswith(kinds)]
@@ -93,7 +96,7 @@ def _payload_lines(verdicts: Sequence[Verdict]) -> list[str]:
     if judged and not over:
         lines.append(f"Payload within its limits; nearest is {against_limit(judged[0])}.")
     unjudged = [kind for kind in kinds if not any(row.criterion.startswith(kind) for row in judged)]
-    if unjudged and rows:
+    if unjudged and rows and not early:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
     return lines
 
@@ -130,7 +133,7 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.utilisation is None]
-    if unjudged:
+    if unjudged and not too_short(response):
         lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
     return lines
 

@@ -45,7 +45,8 @@ def check_content(content: Any, columns: Sequence[str]) -> None:
     _list(_row(finite, _text))("events", content["events"])
     _record(
         Numerics, timestep=positive, accuracy=_or_nan(positive), error_estimate=_estimate,
-        steps=lambda key, value: integer(key, value, least=0), versions=_values(_text),
+        steps=lambda key, value: integer(key, value, least=0), versions=_values(_text), motion_end=_or_nan(finite),
+        slowest_period=_or_nan(positive),
     )("numerics", content["numerics"])  # fmt: skip
     _list(_row(finite, _state), 2)("states", content["states"])
     if len({len(values) for _, values in content["states"]}) > 1:

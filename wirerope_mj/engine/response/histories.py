@@ -1,5 +1,6 @@
 """Time histories of base, bodies, points and mounts, as columns in memory or in a file, and how they were computed."""
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
@@ -9,6 +10,9 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief, Summarised
+
+SENSITIVE = "what it hits: the answer is sensitive, and finer steps do not agree better"
+"""What limits the steps of a run whose error estimate is the spread of several steps."""
 
 BLOCK_ROWS = 1 << 16
 """Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
@@ -165,6 +169,8 @@ class Numerics:
         limited_by: what keeps the step from being longer; "" for older responses, which do not say it.
         engine: "kernel" or "mujoco".
         why: why it was not the kernel; "" for older responses, which knew none.
+        motion_end: instant at which the motion is over [s]; NaN if it has no end, and for older responses.
+        slowest_period: of the slowest mode for small amplitudes [s]; NaN for older responses.
     """
 
     timestep: float
@@ -176,6 +182,19 @@ class Numerics:
     limited_by: str = ""
     engine: str = "mujoco"
     why: str = ""
+    motion_end: float = math.nan
+    slowest_period: float = math.nan
+
+    @property
+    def error_text(self) -> str:
+        """Text on how well samples and peaks are known."""
+        if self.limited_by == SENSITIVE:
+            return f"sensitive: runs with finer steps differ by up to {self.error_estimate:.1e} of the peaks"
+        if math.isfinite(self.error_estimate):
+            missed = "" if self.error_estimate <= self.accuracy else f", above the {self.accuracy:.0e} asked for"
+            return f"estimated error {self.error_estimate:.1e} of the peaks{missed}"
+        given = math.isnan(self.accuracy)
+        return "step given: no error estimated" if given else "no error estimated: halving the step changes nothing"
 
     @property
     def computed_by(self) -> str:

@@ -1,6 +1,5 @@
 """The response of a system to a base motion: time histories of bodies, points and mounts, and their peaks."""
 
-import math
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
@@ -84,9 +83,7 @@ class Response(Exportable, Summarised):
             lines[f"largest force, {strongest}"] = quantity(peaks.mounts[strongest].force.value, "N")
         if peaks.struck:
             lines["struck"] = ", ".join(peaks.struck)
-        known = math.isfinite(self.estimated_error)
-        error = f"estimated error {self.estimated_error:.1e} of the peaks" if known else "given, no error estimated"
-        lines["step"] = f"{1e6 * self.timestep:.4g} us, {error}"
+        lines["step"] = f"{1e6 * self.timestep:.4g} us, {self.numerics.error_text.removeprefix('step ')}"
         return heading, lines
 
     @property

@@ -30,6 +30,7 @@ from wirerope_mj.engine.simulation.simulate import (
     check_direction,
     checked_corners,
     checked_step,
+    lengths,
     versions,
 )
 from wirerope_mj.engine.simulation.size import check_size
@@ -305,6 +306,7 @@ def _result(
         numerics = Numerics(
             timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
             versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate), engine=engine, why=why,
+            **lengths(variant.system, variant.motion),
         )  # fmt: skip
         response = recorder.finish(variant.start, final, peaks, numerics)
     return BatchResult(

@@ -2,11 +2,30 @@
 
 import warnings
 
+from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import AccuracyWarning, SimulationError
+from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import beyond_law
+
+
+def warn_of_aliasing(motion: BaseMotion, sample_rate: float) -> None:
+    """Warn where the motion is steadily faster than samples can tell: histories show what is not there."""
+    fastest = max((1.0 / part.shortest_time for part in motion.parts if part.kind in _OF_FREQUENCIES), default=0.0)
+    if fastest > 0.5 * sample_rate:
+        warnings.warn(
+            f"the base moves at up to {fastest:.4g} Hz, and {sample_rate:.4g} samples a second tell nothing above "
+            f"{0.5 * sample_rate:.4g} Hz: histories and spectra of the samples show what is not there. Peaks are those of "
+            f"every step. Give a `sample_rate` of at least {10.0 * fastest:.4g} Hz.",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+
+
+_OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
+"""Kinds of motions whose shortest time is a period."""
 
 
 def require_lawful(system: System, peaks: Peaks) -> None:
@@ -37,7 +56,15 @@ def warn_of_uncertainty(response: Response) -> None:
             AccuracyWarning,
             stacklevel=3,
         )
-    if numerics.error_estimate > numerics.accuracy:
+    if numerics.limited_by == SENSITIVE:
+        warnings.warn(
+            f"the answer is sensitive to what the system hits: runs with steps of {1e3 * numerics.timestep:.4g} ms and less "
+            f"differ by up to {numerics.error_estimate:.1e} of the peaks, and finer ones do not agree better. Take the peaks "
+            "with that spread, or give the stops more loss.",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+    elif numerics.error_estimate > numerics.accuracy:
         warnings.warn(
             f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
             f"{numerics.accuracy:.1e}: the step of {1e3 * numerics.timestep:.4g} ms is limited by {numerics.limited_by}. "

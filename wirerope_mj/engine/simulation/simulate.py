@@ -11,13 +11,13 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.response import FILE, Response
 from wirerope_mj.engine.simulation.engines import Engine, compute
-from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_uncertainty
+from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_aliasing, warn_of_uncertainty
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder
 from wirerope_mj.engine.simulation.size import check_size
-from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.simulation.stability import slowest_period, stable_step
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
@@ -73,7 +73,7 @@ def simulate(
         ConvergenceError: there is no equilibrium to start from.
 
     Warns:
-        AccuracyWarning: the estimated error is above `accuracy`, or contacts were struck.
+        AccuracyWarning: the estimated error is above `accuracy`, contacts were struck, or samples are too few for the motion.
     """
     check_arguments(duration=duration, sample_rate=sample_rate, accuracy=accuracy, timestep=timestep)
     if timestep is None and (accuracy is None or accuracy < FINEST):
@@ -110,19 +110,21 @@ def simulate(
         numerics = Numerics(
             timestep=done.largest_step,
             accuracy=accuracy if timestep is None else math.nan,
-            error_estimate=step.error,
+            error_estimate=step.error or math.nan,  # no difference at all tells nothing
             steps=done.steps,
             callback=done.callback,
             engine=done.engine,
             why=done.why,
             versions=dict(versions()),
             limited_by=step.limited_by,
+            **lengths(system, motion),
         )
         response = recorder.finish(start, done.final_state, done.peaks, numerics)
     except BaseException:
         recorder.discard()
         raise
     warn_of_uncertainty(response)
+    warn_of_aliasing(motion, sample_rate)
     return response
 
 
@@ -130,6 +132,12 @@ def simulate(
 def versions() -> dict[str, str]:
     """Return the versions of the packages that compute a response; reading them takes half as long as a short one."""
     return {name: version_of(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
+
+
+def lengths(system: System, motion: BaseMotion) -> dict[str, float]:
+    """Return what tells whether a run is long enough, as `Numerics` has it."""
+    end = motion.end if math.isfinite(motion.end) else math.nan
+    return {"motion_end": end, "slowest_period": slowest_period(system)}
 
 
 def check_arguments(**named: float | None) -> None:

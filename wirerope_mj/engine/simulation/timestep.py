@@ -7,6 +7,7 @@ from functools import cache, partial
 import numpy as np
 
 from wirerope_mj.engine.kernel.layout import WILD
+from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.engines import Engine, compute, failure, leap, result_of
 from wirerope_mj.engine.simulation.grid import time_grid
@@ -115,11 +116,20 @@ def choose_timestep(
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
     coarse = pilots(step)
     in_contact: list[ChosenStep] = []
+    hit: list[ChosenStep] = []  # of runs that hit a stop among the laws
     for halving in range(HALVINGS):
         fine = pilots(step / 2.0)
+        if _same_steps(coarse, fine):
+            step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
+            continue
         difference = _difference(coarse, fine)
         error = RICHARDSON * difference
         touches = fine is not None and any(pilot.touches for pilot in fine)
+        if fine is not None and not touches and any(pilot.hits for pilot in fine) and np.isfinite(difference):
+            if difference <= FINER * wanted:  # by luck, or since it converges: a third step tells
+                difference = max(difference, _difference(pilots(step / 3.0), fine))
+                error = max(error, RICHARDSON * difference)
+            hit.append(ChosenStep(timestep=step, error=difference, limited_by=SENSITIVE))
         if error <= wanted:
             longer = _longer(pilots, fine, step, error, wanted, 0.5) if halving and not whole else None
             found = ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
@@ -135,10 +145,19 @@ def choose_timestep(
         step, coarse = step / 2.0, fine
     if coarse is None:
         raise SimulationError(f"the run fails at every step down to {step:.3g} s: {failures[-1]}")
+    if hit and hit[-1].error <= 1.0:
+        return _coarsest(hit)
     raise SimulationError(
         f"no step down to {step:.3g} s keeps samples and peaks within {accuracy:.3g} of the peaks; the last error was "
         f"{error:.3g}. Ask for less (a larger `accuracy`), or give the `timestep`."
     )
+
+
+def _same_steps(coarse: "list[_Pilot] | None", fine: "list[_Pilot] | None") -> bool:
+    """Return whether the pilots of two steps took the same ones, since samples and corners cut them all alike."""
+    if coarse is None or fine is None:
+        return False
+    return all(one.run.steps == other.run.steps for one, other in zip(coarse, fine, strict=True))
 
 
 def _longer(
@@ -156,7 +175,14 @@ def _longer(
     factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if error > 0.0 else 1.0
     if factor <= 1.15:
         return None
-    longer = _difference(pilots(factor * step), fine) * factor**2 / (factor**2 - finer**2)
+    tried = pilots(factor * step)
+    if tried is None or fine is None:
+        return None
+    # Samples and corners cut steps: how much longer they are is known by how many there are.
+    taken = finer * min(one.run.steps / other.run.steps for one, other in zip(fine, tried, strict=True))
+    if taken <= 1.15:
+        return None
+    longer = _difference(tried, fine) * taken**2 / (taken**2 - finer**2)
     return ChosenStep(timestep=factor * step, error=longer, limited_by=ACCURACY) if longer <= wanted else None
 
 
@@ -181,6 +207,13 @@ def _best(tried: list[ChosenStep]) -> ChosenStep:
     errors = [step.error for step in tried]
     least = errors.index(min(errors))
     return replace(tried[least], error=max(errors[least:]))
+
+
+def _coarsest(tried: list[ChosenStep]) -> ChosenStep:
+    """Return the longest step that is about as good as the best, and by how much all finer ones still scatter."""
+    least = min(step.error for step in tried)
+    first = next(i for i, step in enumerate(tried) if step.error <= 2.0 * least)
+    return replace(tried[first], error=max(step.error for step in tried[first:]))
 
 
 def _step_between_corners(
@@ -227,6 +260,7 @@ class _Pilot:
     peaks: Array  # value, minimum and maximum of every channel, (n_channels, 7)
     kinds: list[str]
     touches: bool  # whether a contact of geoms was active
+    hits: bool  # whether a stop among the laws was struck
 
 
 def _pilots(
@@ -313,7 +347,7 @@ def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:
     touches = any(contact.touches and not contact.mount for contact in (done.peaks.contacts or {}).values())
     return _Pilot(
         run=done, rows=rows, vectors=rows[:, tables.channels[judged, np.newaxis] + np.arange(3)], peaks=peaks[judged],
-        kinds=[names[i] for i in judged], touches=touches,
+        kinds=[names[i] for i in judged], touches=touches, hits=bool(done.peaks.struck),
     )  # fmt: skip
 
 

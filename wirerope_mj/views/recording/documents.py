@@ -52,7 +52,7 @@ def scenario_markdown(response: Response, title: str, text: str) -> str:
     how = f"{numerics.steps} steps of at most {in_unit(numerics.timestep, 'ms'):.4g} ms{limit}"
     how += f", computed by {numerics.computed_by}"
     if np.isfinite(numerics.error_estimate):
-        how += f", estimated error {numerics.error_estimate:.1e} of the peaks"
+        how += f", {numerics.error_text}"
     return "\n\n".join(part for part in (f"### {markdown(title or response.scene.name)}", body, f"*{how}*") if part)
 
 

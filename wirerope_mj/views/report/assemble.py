@@ -4,6 +4,8 @@ import math
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK
+from wirerope_mj.assessment.criteria.sampled import samples_hold
+from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.views.display import several, with_unit
 from wirerope_mj.views.report.contacts import contacts_section
@@ -77,7 +79,7 @@ def _numerics_section(run: FinishedRun) -> Section:
         ("steps", f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}"),
         ("step limited by", numerics.limited_by or "not recorded"),
         ("estimated error", _error(run)),
-        ("samples", f"{run.response.time.size} at {run.sample_rate:g} Hz; peaks are those of every step"),
+        ("samples", f"{run.response.time.size}; {samples_hold(run.response)}; peaks are those of every step"),
         ("computed by", f"{numerics.computed_by}{f': {numerics.why}' if numerics.why else ''}"),
     ]
     rows += [(f"option {name}", str(value)) for name, value in run.options.items()]
@@ -95,7 +97,9 @@ def settings_table(rows: Sequence[tuple[str, str]]) -> Table:
 def _error(run: FinishedRun) -> str:
     numerics = run.response.numerics
     if not math.isfinite(numerics.error_estimate):
-        return "not estimated: the step was given"
+        return "not estimated: the step was given" if math.isnan(numerics.accuracy) else numerics.error_text
+    if numerics.limited_by == SENSITIVE:
+        return numerics.error_text
     error = f"{with_unit(numerics.error_estimate, '%', digits=2)} of the peaks, by halving the step before the run"
     asked = f"{with_unit(numerics.accuracy, '%', digits=2)} asked for"
     return f"{error}; {'above the ' if numerics.error_estimate > numerics.accuracy else ''}{asked}"

@@ -44,6 +44,7 @@ class FinishedRun:
         modes: about these positions by history, "virgin" and "relaxed".
         spectra: shock response spectra by axis ("x", "y", "z") and name of body or point; that of the base is `BASE`.
         densities: power spectral densities in the same way, if the base vibrates at random.
+        spectra_held: frequency up to which samples hold shock response spectra within 1 % [Hz].
         verdicts: on every judged value.
         random: rms and 3-sigma accelerations of random vibration.
         untested: a sentence on mounts that leave what their laws were identified from; "" where none does.
@@ -69,6 +70,7 @@ class FinishedRun:
     modes: Mapping[str, Modes | Absent]
     spectra: Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent
     densities: Mapping[str, Mapping[str, PowerSpectralDensity]]
+    spectra_held: float
     verdicts: tuple[Verdict, ...]
     versions: Mapping[str, str]
     selection: Selection

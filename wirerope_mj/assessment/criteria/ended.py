@@ -1,0 +1,102 @@
+"""Whether a run goes on until its peaks are over: what ends before is not judged, unless a limit is exceeded already.
+
+A shock, or a record, is over when its motion is, and the slowest mode has had the time for its largest swings to both sides
+after it. A sweep, and random vibration, are whole when they have been run through: they go on after it or fade by themselves.
+A sine without end is steady when the last third of the run reaches nothing new.
+"""
+
+import math
+from collections.abc import Iterable
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
+from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
+from wirerope_mj.assessment.criteria.verdict import WITHIN, Verdict
+from wirerope_mj.engine.response import Response
+
+TOO_EARLY = "the run ends at"
+"""How the notes begin on what is not judged because the run ends too early."""
+
+GROWS = "it still grows when the run ends"
+"""How they begin on what grows until the end."""
+
+PERIODS = 2.0
+"""Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long."""
+
+SWINGS = 3.0
+"""Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least."""
+
+QUIET = 0.5
+"""Slowest periods at the end of a run in which nothing may reach more than before."""
+
+GROWTH = 0.01
+"""Utilisation by which something may grow in that time and still be over."""
+
+_NEAR = 1e-9  # [s]
+
+
+def too_short(response: Response) -> str:
+    """Return why a run ends before its peaks are over, as a note; "" if it does not, or if older responses do not say it."""
+    end, over = response.final_state.time, response.numerics.motion_end
+    parts = list(elements(response.motion))
+    kinds = {str(part.get("kind")) for part in parts}
+    period = PERIODS * response.numerics.slowest_period
+    if math.isnan(period) or not kinds:
+        return ""
+    random, _, falls = steady_interval(response.motion)
+    if math.isnan(over):
+        longest = max([period, *(1.0 / float(part["frequency"]) for part in parts if "frequency" in part)])
+        needed = response.initial_state.time + SWINGS * longest
+        why = f"under a motion without end it takes {SWINGS:g} swings of {_seconds(longest)} at the least"
+    elif random or "sweep" in kinds:
+        needed, why = falls if random else over, f"the motion goes on until {_seconds(falls if random else over)}"
+    else:
+        needed = over + period
+        why = f"the motion ends at {_seconds(over)}, and twice the slowest period is {_seconds(period)}"
+    if end >= needed - _NEAR:
+        return ""
+    least = math.ceil(1e3 * needed - 1e-6) / 1e3
+    return f"{TOO_EARLY} {_seconds(end)}, before its peaks are over ({why}): run at least {_seconds(least)}"
+
+
+def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
+    """Return verdicts, of which those within their limits are not judged where the peak is not over when the run ends."""
+    early = too_short(response)
+    return tuple(
+        replace(row, limit=None, note="; ".join(part for part in (early or growth, row.note) if part))
+        if row.verdict == WITHIN and (early or (growth := _growing(response, row)))
+        else row
+        for row in verdicts
+    )
+
+
+def _growing(response: Response, row: Verdict) -> str:
+    """Return that something reaches more at the end of a run than before, "" if it does not."""
+    begin = _quiet_from(response)
+    if row.time is None or row.time <= begin or math.isinf(begin):
+        return ""
+    course = utilisation_over_time(response, row)
+    before = 0.0 if course is None else float(np.max(course[response.time <= begin], initial=0.0))
+    if (row.utilisation or 0.0) - before <= GROWTH:
+        return ""
+    return f"{GROWS} at {_seconds(response.final_state.time)}: run longer"
+
+
+def _quiet_from(response: Response) -> float:
+    """Return the instant [s] from which on nothing may grow; infinite where that may be until the end."""
+    numerics, end = response.numerics, response.final_state.time
+    kinds = {str(part.get("kind")) for part in elements(response.motion)}
+    if math.isnan(numerics.slowest_period) or not kinds:
+        return math.inf
+    if math.isnan(numerics.motion_end):
+        start = response.initial_state.time
+        return end - (end - start) / 3.0 if kinds <= STEADY else math.inf
+    if steady_interval(response.motion)[0] or "sweep" in kinds:
+        return math.inf
+    return end - QUIET * numerics.slowest_period
+
+
+def _seconds(time: float) -> str:
+    return f"{1e3 * time:.4g} ms" if abs(time) < 1.0 else f"{time:.4g} s"
