@@ -130,7 +130,7 @@ def test_a_start_leads_through_the_three_stages(folder, simple, capsys):
 def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
     write_record(folder / "t.csv", *rig_record(TRUTH, [0.5e-3, 2e-3, 8e-3], seed=4))
     out = run(capsys, "t.csv", "--law", "enhanced-dry-friction", "--out", "a.toml")
-    assert re.search(r"what is left is no noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
+    assert re.search(r"what is left is no white noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
     # A verdict on green ground would say that all is well.
     page = (folder / "a-report" / "report.html").read_text(encoding="utf-8")
     assert '<p class="verdict unjudged">Converged; the law does not follow the loops everywhere' in page

@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
@@ -21,7 +22,7 @@ from wirerope_mj.mounts.identification.sufficient import (
     require_finite,
     require_movement,
 )
-from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
+from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Stop
 
 STARTS = 2

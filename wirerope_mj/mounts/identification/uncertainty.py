@@ -1,7 +1,7 @@
 """Standard errors, correlations, and the combinations of parameters that no residual identifies."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -13,6 +13,9 @@ OPEN = 0.25
 
 NAMED = 0.3
 """Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it."""
+
+ROUNDING = 1e-12
+"""Component of a combination (a unit vector) that is none."""
 
 AT_BOUND = 1e-6
 """Fraction of a coordinate's range within which it stands at its bound."""
@@ -68,6 +71,10 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     free = unknowns.free
     spread = noise_of(unknowns, minimum, noise)
     _, singular, combinations = np.linalg.svd(minimum.jacobian, full_matrices=False)
+    combinations[np.abs(combinations) < ROUNDING] = 0.0  # else what is not identified at all spoils what is
+    singular = np.where(
+        singular > np.finfo(float).eps * singular.max(initial=0.0), singular, 0.0
+    )  # rounding moves nothing
     singular = np.concatenate([singular, np.zeros(len(free) - singular.size)])
     combinations = np.vstack([combinations, np.zeros((len(free) - combinations.shape[0], len(free)))])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -91,43 +98,6 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
             for combination, error in zip(combinations, errors, strict=True)
             if error > OPEN
         ),
-    )
-
-
-def with_noise_of_each(
-    uncertainty: Uncertainty, unknowns: Unknowns, minimum: Minimum, sizes: Sequence[int]
-) -> Uncertainty:
-    """Return the uncertainty where every loop has a noise of its own, as left by the fit.
-
-    A load cell's noise is as large in newtons on a small loop as on a large one, and loops that count alike then differ in it.
-    With the residuals' variances s_i^2 of the loops, J_i their rows of the Jacobian and H = (J^T J)^-1 the covariance is
-    H (sum of s_i^2 J_i^T J_i) H (Huber 1967; White 1980). Errors that were widened before stay as much wider.
-
-    Args:
-        uncertainty: as if all residuals had one noise.
-        unknowns: of the fit.
-        minimum: of the fit.
-        sizes: residuals of each loop; what is behind them counts as one loop more.
-    """
-    freedom = minimum.residual.size - len(unknowns.free)
-    if freedom <= 0 or not np.isfinite(uncertainty.covariance).all() or np.any(np.diag(uncertainty.covariance) <= 0.0):
-        return uncertainty
-    slopes = np.array([c.slope(number) for c, number in zip(unknowns.free, minimum.numbers, strict=True)])
-    jacobian = minimum.jacobian / slopes
-    scale = 1.0 / np.sqrt(np.sum(jacobian**2, axis=0))
-    bread = np.linalg.pinv(jacobian * scale) * scale[:, None]  # H J^T
-    cuts = np.cumsum(sizes)[: None if sum(sizes) < minimum.residual.size else -1]
-    loops = np.split(minimum.residual, cuts)
-    each = np.concatenate([np.full(loop.size, np.mean(loop**2)) for loop in loops]) * minimum.residual.size / freedom
-    covariance = (bread * each) @ bread.T
-    before, after = (np.sqrt(np.diag(matrix)) for matrix in (uncertainty.covariance, covariance))
-    grown = dict(zip(uncertainty.free, after / before, strict=True))
-    parameters = {
-        name: replace(p, standard_error=p.standard_error * grown.get(name, 1.0))
-        for name, p in uncertainty.parameters.items()
-    }
-    return replace(
-        uncertainty, parameters=parameters, covariance=covariance, correlation=covariance / np.outer(after, after)
     )
 
 

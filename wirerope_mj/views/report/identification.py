@@ -131,8 +131,9 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
     texts.append(result.validity)
     if (correlation := neighbours_correlation(fits)) > _BENT:
         texts.append(
-            f"what is left is no noise (neighbouring residuals correlate by {correlation:.2f}): this law does not follow the "
-            "loops everywhere, and its standard errors are too small; the residuals in the report show where"
+            f"what is left is no white noise (neighbouring residuals correlate by {correlation:.2f}): standard errors count it "
+            "as noise so correlated; where this law does not follow the loops, as residuals in the report show, they say "
+            "nothing of what it lacks"
         )
     return texts
 
