@@ -155,5 +155,5 @@ def test_a_fit_of_a_gradual_law_names_its_range_and_what_it_does_not_show():
     assert ("the stiffness of smaller cycles is a guess" in result.validity) == unseen
     sharp = validity_of(TRUTHS[0], result.loops)
     tested = "cycles of 2 to 10 mm amplitude between -10 and 10 mm, which were tested"
-    assert sharp == f"valid for {tested}, not below 2 mm; extrapolated beyond"
+    assert sharp == f"valid for {tested}, not below 2 mm; extrapolated beyond, where the error of the fit says nothing"
     assert "n = 0.1 half of the slope alpha is lost within 0.00059 mm" in validity_of(truth, result.loops)

@@ -44,8 +44,8 @@ def test_true_law_wins_over_one_that_contains_it_and_one_that_does_not():
     assert table.best.behind == 0.0
     assert 0.0 < table.rows[1].behind < 2.0 * np.log(303)
     assert isinstance(table.best.fit.law, wr.EnhancedDryFriction)
-    # White noise of 1 % of half the range: no loop's force has an rms below half of that, nor above all of it.
-    assert ((table.best.errors > 0.008) & (table.best.errors < 0.02)).all()
+    # White noise of 1 % of half the range: the rms of a hundred samples is within 3 of its errors, 7 % each, of that.
+    np.testing.assert_allclose(table.best.errors, 0.01, rtol=0.21)
     # Amplitudes that were not seen are as good: what three parameters take from 200 samples' noise is a hundredth of it.
     np.testing.assert_allclose(table.best.errors_left_out, table.best.errors, rtol=0.05)
     assert table.most_general.law in ("enhanced-dry-friction", "bouc-wen")
@@ -96,12 +96,12 @@ def test_one_bouc_wen_misses_small_amplitudes_where_jenkin_elements_do_not(devic
     tested = device.travel * np.array([0.02, 0.03, 0.1, 0.4, 1.0])
     loops = [device.measured(a, noise=0.01, seed=place, points=100) for place, a in enumerate(tested)]
     # The thesis' problem, a newton counting alike: one parameter set follows large loops and misses small ones. The limits
-    # are those that the law has to keep; 1.4 % of what is left is the noise of the loop that judges.
+    # are those that the law has to keep, over half of the force range; 1 % of it is the noise of the loop that judges.
     thesis = {row.law: row for row in compare_laws(loops, laws=[wr.BoucWen, wr.Masing], weights="equal").rows}
-    assert thesis["bouc-wen"].errors_left_out[0] > 0.20
+    assert thesis["bouc-wen"].errors_left_out[0] > 0.14
     assert thesis["bouc-wen"].errors[0] > 3.0 * thesis["bouc-wen"].errors[-1]
     assert thesis["masing"].errors_left_out[0] < thesis["bouc-wen"].errors_left_out[0] / 3.0
     # Loops counting alike, five elements follow them all.
     alike = compare_laws(loops, laws=[wr.Masing], weights="range").best
     assert alike.free <= 12
-    assert alike.errors_left_out[0] < 0.05
+    assert alike.errors_left_out[0] < 0.035

@@ -67,7 +67,9 @@ def test_a_run_says_where_it_leaves_the_range(isolator, level, said):
     line = untested_line({"m1": isolator}, response)
     if said:
         assert re.fullmatch(
-            f"Outside the cycles that the isolator was identified from, and so extrapolated: {said}.", line
+            f"Outside the cycles that the isolator was identified from, and so extrapolated: {said}. The error of the fit says "
+            "nothing of forces there.",
+            line,
         )
     else:
         assert line == ""

@@ -13,9 +13,11 @@ def laws(
 ) -> int:
     """Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.
 
-    Prints the error of each law at each amplitude in percent, of the fit to all loops and of the fit to all others. A
-    difference of the Bayesian criterion (BIC) of ten or more counts. The law with the smallest errors on amplitudes left out is
-    the one to trust between and beyond those that were tested.
+    Prints the error of each law at each amplitude, root mean square in percent of half of the force range as `identify` does,
+    of the fit to all loops and of the fit to all others. A difference of the Bayesian criterion (BIC) of ten or more counts.
+    The law with the smallest errors on amplitudes left out is the one to trust between those that were tested. A law with too
+    many parameters for one amplitude less has none; it is recommended where it fits far better than every law that has. Of
+    cycles beyond the largest tested one no error speaks.
 
     Args:
         files: records, one or several.
@@ -34,8 +36,17 @@ def laws(
     table = compare_laws(loops, laws=kinds, elements=elements)
     for line in str(table).splitlines():
         print(plain(line))
-    general = table.most_general
-    print(plain(f"{table.best.law} has the best criterion, {general.law} the smallest error on an amplitude left out."))
+    best, general, chosen = table.best, table.most_general, table.recommended
+    print(plain(f"{best.law} has the best criterion, {general.law} the smallest error on an amplitude left out."))
+    if chosen is not general:
+        text = (
+            f"{chosen.law} has no error on an amplitude left out, for which there are too few, but errs by at most "
+            f"{100.0 * chosen.errors.max():.2g} % where {general.law} errs by {100.0 * general.errors.max():.2g} %: test one "
+            "amplitude more to see how it predicts."
+        )
+        print(plain(text))
+    farthest = 1e3 * float(table.amplitudes[-1])
+    print(plain(f"Errors are those of cycles up to ±{farthest:.3g} mm; of larger ones they say nothing."))
     names = " ".join(str(path) for path in files)
-    print(plain(f"wirerope identify {names} --law {general.law} --out isolator.toml"))
+    print(plain(f"wirerope identify {names} --law {chosen.law} --out isolator.toml"))
     return 0

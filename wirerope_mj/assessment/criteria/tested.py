@@ -30,4 +30,7 @@ def untested_line(isolators: Mapping[str, Isolator], response: Response) -> str:
     peaks = {name: mount.deflection for name, mount in response.peaks.mounts.items()}
     ends = {name: (peak.minimum, peak.maximum) for name, peak in peaks.items()}
     where = untested(isolators, ends)
-    return where and f"Outside the cycles that the isolator was identified from, and so extrapolated: {where}."
+    return where and (
+        f"Outside the cycles that the isolator was identified from, and so extrapolated: {where}. The error of the fit says "
+        "nothing of forces there."
+    )

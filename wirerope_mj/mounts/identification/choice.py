@@ -16,6 +16,12 @@ from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, re
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
 
+DECIDED = 10.0
+"""Difference of the criterion from which on it is very strong evidence (Kass and Raftery 1995)."""
+
+FAR = 2.0
+"""Ratio of two laws' largest errors from which on one follows loops that the other does not."""
+
 USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, AsymmetricBoucWen, Masing)
 """The laws that are compared if none are named: from three parameters up."""
 
@@ -29,7 +35,8 @@ class LawRow:
         free: number of its free parameters.
         criterion: Bayesian information criterion, N ln(S / N) + p ln N, of all loops; infinite if the law could not be fitted.
         behind: criterion minus that of the best law.
-        errors: normalised error at each amplitude of the fit to all loops, (n_amplitudes,).
+        errors: root mean square of force minus measured force over half of the force range, of the fit to all loops at each
+            amplitude, (n_amplitudes,): the `residuals` of an identification.
         errors_left_out: the same, each of the fit to all other amplitudes, (n_amplitudes,); NaN where there is none.
         converged: whether all searches ended by themselves.
         message: how the fit to all loops ended, or why there is none.
@@ -70,13 +77,26 @@ class LawComparison(Brief):
 
     @property
     def most_general(self) -> LawRow:
-        """The law whose largest error on an amplitude left out is smallest."""
+        """The law whose largest error on an amplitude left out is smallest; the best one if no law has such errors."""
         return min(
             self.rows, key=lambda row: math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max()
         )
 
+    @property
+    def recommended(self) -> LawRow:
+        """The most general law, or the best one if it fits far better and amplitudes are too few to leave one out for it.
+
+        Where the best law has errors on amplitudes left out, they count more than its criterion. Where it has none, its rivals'
+        errors of the fit to all loops are as much as they can be held against: more than twice its own somewhere, with a
+        criterion that is `DECIDED` behind, no rival's errors on amplitudes left out make up for.
+        """
+        best, general = self.best, self.most_general
+        unknown = best.fit is not None and np.isnan(best.errors_left_out).any()
+        far = general.behind >= DECIDED and bool(general.errors.max() > FAR * best.errors.max())
+        return best if unknown and far else general
+
     def __str__(self) -> str:
-        """The table, errors in percent: of the fit to all loops, and on the amplitude left out."""
+        """The table, errors in percent of half the force range: of the fit to all loops, and on the amplitude left out."""
         heads = "".join(f"{1e3 * a:>9.3g} mm" for a in self.amplitudes)
         lines = [f"{'law':24s}{'free':>5s}{'BIC behind':>12s}  {'':10s}{heads}"]
         for row in self.rows:
@@ -107,8 +127,9 @@ def compare_laws(
     Both take samples as independent. Where they are not, the criterion exaggerates differences; the error on an amplitude left
     out does not, and counts more.
 
-    The normalised error of a loop is the root mean square of the law's force minus the measured one, over that of the measured
-    force, both without their means. White noise of 1 % of half the force range shows as about 1.4 %.
+    The error of a loop is that of an identification: the root mean square of the law's force minus the measured one, both
+    without their means, over half of the measured force range. White noise of 1 % of it shows as 1 %. The largest amplitude
+    left out is predicted from smaller ones; of cycles beyond all tested ones no error here speaks.
 
     Args:
         loops: closed cycles of several amplitudes; those of one amplitude are left out together.

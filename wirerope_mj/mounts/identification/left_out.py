@@ -13,9 +13,9 @@ SAME = 0.05
 """Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer."""
 
 
-def normalised_error(law: Law, loop: MeasuredLoop) -> float:
-    """Return the root mean square of a law's force minus the measured one over that of the latter, both without means."""
-    return float(np.std(loop.model_force(law) - loop.force) / np.std(loop.force))
+def error_of(law: Law, loop: MeasuredLoop) -> float:
+    """Return the root mean square of a law's force minus the measured one, without means, over half of the force range."""
+    return float(np.std(loop.model_force(law) - loop.force) / (0.5 * np.ptp(loop.force)))
 
 
 def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
@@ -30,8 +30,8 @@ def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
 
 
 def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Return the normalised error of the loops of one amplitude."""
-    return float(np.sqrt(np.mean([normalised_error(law, loops[index]) ** 2 for index in group])))
+    """Return the error of the loops of one amplitude."""
+    return float(np.sqrt(np.mean([error_of(law, loops[index]) ** 2 for index in group])))
 
 
 def criterion(fit: Identification, free: int) -> float:

@@ -14,6 +14,9 @@ OPEN = 0.25
 NAMED = 0.3
 """Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it."""
 
+ROUNDING = 1e-12
+"""Component of a combination (a unit vector) that is none."""
+
 AT_BOUND = 1e-6
 """Fraction of a coordinate's range within which it stands at its bound."""
 
@@ -68,6 +71,7 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     free = unknowns.free
     spread = noise_of(unknowns, minimum, noise)
     _, singular, combinations = np.linalg.svd(minimum.jacobian, full_matrices=False)
+    combinations[np.abs(combinations) < ROUNDING] = 0.0  # else what is not identified at all spoils what is
     singular = np.where(
         singular > np.finfo(float).eps * singular.max(initial=0.0), singular, 0.0
     )  # rounding moves nothing

@@ -48,7 +48,8 @@ def validity_of(law: Law, loops: Sequence[MeasuredLoop]) -> str:
     measured, least = measured_range(loops), 1e3 * loops[0].amplitude
     pace = f" ({measured.pace})" if measured.pace else ""
     text = (
-        f"valid for cycles of {measured.text}, which were tested{pace}, not below {least:.3g} mm; extrapolated beyond"
+        f"valid for cycles of {measured.text}, which were tested{pace}, not below {least:.3g} mm; extrapolated beyond, where "
+        "the error of the fit says nothing"
     )
     sets = [one for one in law.components if isinstance(one, Hysteresis) and math.isfinite(one.z_max)]
     if len(sets) < len(law.components):
