@@ -46,7 +46,7 @@ def print_response(result: FrequencyResponse, findings: Sequence[LevelSummary]) 
 def _rows(summary: LevelSummary) -> list[Row]:
     """Return the rows of a level's table: peaks, then what happens on the branch in its order, then the sweeps."""
     level = summary.level
-    rows: list[Row] = [_peak_row(peak, first=n == 0) for n, peak in enumerate(summary.peaks)]
+    rows: list[Row] = [_peak_row(peak, first=n == 0, complete=level.complete) for n, peak in enumerate(summary.peaks)]
     if level.branch is not None:
         rows += _event_rows(level.branch)
     for direction, seen in summary.comparisons.items():
@@ -59,10 +59,11 @@ def _rows(summary: LevelSummary) -> list[Row]:
     return rows
 
 
-def _peak_row(peak: ResonancePeak, *, first: bool) -> Row:
+def _peak_row(peak: ResonancePeak, *, first: bool, complete: bool) -> Row:
     harmonic = f"{peak.harmonic}: {100.0 * peak.share:.3g} % of the fundamental"
     if first:
         name = "highest at the edge of the range" if peak.at_edge else "resonance peak"
+        name = name if complete else "highest before it ended"
     else:
         name = f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
     return name, peak.frequency, peak.amplitude, peak.transmissibility, harmonic
@@ -78,6 +79,10 @@ def _event_rows(branch: Branch) -> list[Row]:
             landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s^2"
             notes.append(f"a sweep {'up' if jump.rising else 'down'} jumps to {landing}")
         rows.append((event.kind, event.frequency, event.amplitude, event.transmissibility, "; ".join(notes)))
+    for side in branch.side_branches:
+        low, high = sorted((side.start, side.stop))
+        note = f"up to {high:.5g} Hz: two motions, {100.0 * side.difference:.1g} % apart"
+        rows.append(("side branch", low, math.nan, math.nan, note))
     return rows
 
 
@@ -105,7 +110,8 @@ def _stability(branch: Branch) -> str:
     if not unstable:
         return f"all motions are stable{neutral}"
     range_ = branch.frequency[~branch.stable]
-    return f"{unstable} points between {range_.min():.5g} and {range_.max():.5g} Hz are unstable{neutral}"
+    beside = "; on side branches a stable motion is within 1 %" if branch.side_branches else ""
+    return f"{unstable} points between {range_.min():.5g} and {range_.max():.5g} Hz are unstable{beside}{neutral}"
 
 
 def _sweep_sentences(summary: LevelSummary, direction: str, sweep: FrequencySweep, rate: float) -> list[str]:

@@ -65,6 +65,7 @@ def _level(summary: LevelSummary) -> dict[str, Any]:
                 for event in branch.bifurcations
             ],
             "jumps": [asdict(jump) for jump in branch.jumps],
+            "side_branches": [asdict(side) for side in branch.side_branches],
         }  # fmt: skip
     for direction, sweep in level.sweeps.items():
         content[f"sweep_{direction}"] = asdict(summary.comparisons[direction]) | {

@@ -62,6 +62,20 @@ class Bifurcation:
 
 
 @dataclass(frozen=True, kw_only=True)
+class SideBranch:
+    """A stretch over which two motions exist that are as good as one.
+
+    Attributes:
+        start, stop: frequencies [Hz] or accelerations [m/s^2] between which it was seen, whichever was followed.
+        difference: of the payload's amplitudes, relative.
+    """
+
+    start: float
+    stop: float
+    difference: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class Jump:
     """A fold at which a slow sweep leaves a branch, and the motion on which it lands.
 
@@ -88,10 +102,11 @@ class Branch(Summarised):
         frequency: of the base [Hz], (n,).
         acceleration: amplitude of the base's acceleration [m/s^2], (n,).
         amplitude: largest absolute acceleration of the payload along `response_direction` over a period [m/s^2], (n,).
-        stable: whether no multiplier lies outside the unit circle, (n,).
+        stable: whether no multiplier lies outside the unit circle, or what settles is the motion within the accuracy, (n,).
         floquet_multipliers: by falling modulus without the neutral ones, padded with NaN, (n, m).
         neutral: number of neutral directions, (n,).
-        bifurcations: folds and changes of stability in the order of the branch.
+        bifurcations: folds and changes of stability in the order of the branch, without those of side branches.
+        side_branches: stretches with two motions within 1 % of each other, past which the branch goes on.
         payload: body whose acceleration is the amplitude.
         direction: along which the base moves.
         response_direction: along which the amplitude is taken.
@@ -131,6 +146,7 @@ class Branch(Summarised):
     gaps: tuple[tuple[float, float], ...]
     model_steps: int
     message: str
+    side_branches: tuple[SideBranch, ...] = ()
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         unit = "Hz" if self.parameter == "frequency" else "m/s^2"

@@ -3,19 +3,20 @@
 import math
 import time
 from collections.abc import Callable
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch
+from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
 from wirerope_mj.dynamics.periodic.shooting import shot
+from wirerope_mj.dynamics.periodic.side_branches import pass_by, unstable_stretches
 from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
@@ -55,6 +56,7 @@ class GrowingBranch:
         self.rows: list[Row] = []
         self.events: list[Bifurcation] = []
         self.gaps: list[tuple[float, float]] = []
+        self.side_branches: list[SideBranch] = []
         self.complete, self.message, self._earlier_steps = False, "", 0
         self._saved = time.monotonic()
 
@@ -66,6 +68,8 @@ class GrowingBranch:
             while not self.message and last is not None:
                 update(self.options.fraction(last.parameter), last.parameter)
                 last, length = self._advance(last, length)
+            if last is not None:
+                self._judge_stretches()
         finally:
             self._save()
         return self._branch()
@@ -89,7 +93,10 @@ class GrowingBranch:
         """Take one step and note what it says; `message` is set where the branch ends."""
         options = self.options
         (point, length), leapt = self._next(last, length), False
-        if point is None or (turns(last, point) and unstable(last) == unstable(point)):
+        past = None if point is None or not turns(last, point) else self._past(last, point, length)
+        if past is not None:
+            point, length, leapt = past, FIRST, True
+        elif point is None or (turns(last, point) and unstable(last) == unstable(point)):
             # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
             # hardly move or of a needle of a resonance, have lost the tangent's direction.
             beyond = self._leap(last)
@@ -121,6 +128,31 @@ class GrowingBranch:
         wanted = min(AIM / max(point.corrections, 1), BEND / max(_angle(last, point), 1e-6))
         return point, min(1.0, length * float(np.clip(wanted, 0.5, 1.6)))
 
+    def _past(self, a: Point, b: Point, length: float) -> Point | None:
+        """Return the point from which the branch goes on past a fold between two points that is no jump, None if it is one."""
+        event = locate(self.path, a, b, length)
+        assert event is not None
+        fold, towards = event[2], 1.0 if a.tangent[-1] > 0.0 else -1.0
+        passed = pass_by(self.path, self.options, fold, towards)
+        if passed is None:
+            return None
+        self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
+        self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
+        return passed.point
+
+    def _note(self, side: SideBranch) -> None:
+        """Keep a side branch, unless both of its motions are one within the accuracy."""
+        if side.difference > self.options.accuracy:
+            self.side_branches.append(side)
+
+    def _judge_stretches(self) -> None:
+        """Move the events of unstable stretches that nobody would notice to the side branches."""
+        for rows, side in list(unstable_stretches(self.search, self.options, self.rows, self.events)):
+            self.events = [event for event in self.events if not rows.start - 1 <= event.index <= rows.stop]
+            self._note(side)
+            if side.difference <= self.options.accuracy:
+                self.rows[rows] = [replace(row, stable=True) for row in self.rows[rows]]
+
     def _first(self, guess: State | None) -> Point:
         options = self.options
         drive = self.path.drive(options.start)
@@ -148,6 +180,7 @@ class GrowingBranch:
         self.rows, self.events, stored = known
         self._earlier_steps = stored["model_steps"]
         self.gaps = [(float(a), float(b)) for a, b in stored["gaps"]]
+        self.side_branches = [SideBranch(**side) for side in stored.get("side_branches", ())]
         if stored["message"]:
             self.complete, self.message = stored["complete"], stored["message"]
             return None
@@ -206,7 +239,13 @@ class GrowingBranch:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
         options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("other")
         steps = self.search.flow.steps + self._earlier_steps
-        progress = {"complete": self.complete, "message": self.message, "model_steps": steps, "gaps": self.gaps}
+        progress: dict[str, Any] = {
+            "complete": self.complete,
+            "message": self.message,
+            "model_steps": steps,
+            "gaps": self.gaps,
+        }
+        progress["side_branches"] = [asdict(side) for side in self.side_branches]
         return {"system": fingerprint(self.system), **options, **progress}
 
     def _save(self) -> None:
@@ -242,6 +281,7 @@ class GrowingBranch:
             bifurcations=tuple(self.events),
             complete=self.complete,
             gaps=tuple(self.gaps),
+            side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
             model_steps=self.search.flow.steps + self._earlier_steps,
             message=self.message,
         )

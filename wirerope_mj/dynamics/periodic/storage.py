@@ -12,6 +12,7 @@ import numpy.typing as npt
 from wirerope_mj.dynamics.periodic.branch import Bifurcation
 from wirerope_mj.dynamics.periodic.continuation import Point
 from wirerope_mj.dynamics.periodic.observe import amplitude, body_acceleration
+from wirerope_mj.dynamics.periodic.track import Track
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, unit_vector
@@ -21,6 +22,9 @@ from wirerope_mj.foundation.parquet_files import read_content, read_table, write
 FILE = "branch.parquet"
 _KIND = "the table of a branch"
 _REMEDY = "Remove it, and the branch is followed anew, or give another folder."
+PROGRESS = ("complete", "message", "model_steps", "gaps", "side_branches")
+"""What says how far a branch has come, and does not belong to its question."""
+
 _COLUMNS = (
     "frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual"
 )  # fmt: skip
@@ -43,14 +47,18 @@ class Row:
     residual: float
 
 
+def amplitude_of(system: System, track: Track, payload: str, direction: Direction) -> float:
+    """Return the largest absolute acceleration of a payload along a direction over a track [m/s^2]."""
+    return amplitude(body_acceleration(system, track, payload) @ unit_vector(direction))
+
+
 def row_of(system: System, point: Point, payload: str, direction: Direction) -> Row:
     """Return the row of a point: the payload's acceleration is taken along `direction`."""
     drive = point.shot.track.drive
-    acceleration = body_acceleration(system, point.shot.track, payload)
     return Row(
         frequency=drive.frequency,
         acceleration=drive.acceleration,
-        amplitude=amplitude(acceleration @ unit_vector(direction)),
+        amplitude=amplitude_of(system, point.shot.track, payload, direction),
         stable=point.stability.stable,
         multipliers=point.stability.multipliers,
         neutral=point.stability.neutral,
@@ -96,7 +104,7 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
     _, stored = read_content(path, kind=_KIND, remedy=_REMEDY)
     table = read_table(path, kind=_KIND, remedy=_REMEDY)
     for key, value in content.items():
-        if key in stored and stored[key] != value and key not in ("complete", "message", "model_steps", "gaps"):
+        if key in stored and stored[key] != value and key not in PROGRESS:
             raise RecordError(
                 f"{path} holds another branch: its {key} is {stored[key]!r}, not {value!r}. Give another folder."
             )

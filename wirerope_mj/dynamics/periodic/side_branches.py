@@ -1,0 +1,105 @@
+"""Side branches: motions beside others, so near to them that it matters to nobody on which of them a system is.
+
+Friction that several axes share makes them: two stable motions of one period exist over a range of frequencies, micrometres and
+some hundredths of a percent of their accelerations apart, and the branch turns back and forth between them. A branch goes on
+past such a fold; a stretch whose motions are unstable is one if what settles beside them is as near. Two motions within the
+accuracy of each other are one.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirerope_mj.dynamics.periodic.branch import Bifurcation, SideBranch
+from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.options import BranchOptions
+from wirerope_mj.dynamics.periodic.shooting import shot
+from wirerope_mj.dynamics.periodic.storage import Row, amplitude_of
+from wirerope_mj.dynamics.periodic.track import Drive
+
+ALIKE = 0.01
+"""Relative difference of two amplitudes above which a sweep is seen to jump from one to the other."""
+
+LEAPS = (0.1, 0.25, 0.5, 1.0)
+"""Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for."""
+
+SETTLING, SEEN = 300, 8
+"""Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read."""
+
+AWAY = 1e-3
+"""Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Passed:
+    """A fold that is passed by: the point beyond it, and the relative difference of both motions at the fold."""
+
+    point: Point
+    difference: float
+
+
+def pass_by(path: Continuation, options: BranchOptions, fold: Point, towards: float) -> Passed | None:
+    """Return the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
+
+    Args:
+        path: the numerics of the branch.
+        options: of the branch.
+        fold: the point that reaches farthest.
+        towards: 1 if the parameter rose up to there, else -1.
+    """
+    search = path.search
+    here = amplitude_of(search.system, fold.shot.track, options.payload, options.response_direction)
+    for leap in LEAPS:
+        value = fold.parameter * float(np.exp(towards * leap * options.largest_step))
+        if (value - options.stop) * options.sign >= 0.0 or (value - options.start) * options.sign <= 0.0:
+            return None
+        beyond = search.closed(shot(path.flow, fold.shot.x, path.drive(value)), options.tolerance)
+        if beyond.residual > options.tolerance:
+            continue
+        back = search.closed(shot(path.flow, beyond.x, path.drive(fold.parameter)), options.tolerance)
+        if back.residual > options.tolerance:
+            continue
+        there = amplitude_of(search.system, back.track, options.payload, options.response_direction)
+        if abs(there / here - 1.0) < ALIKE:
+            point = path.point(beyond, value, before=None, sign=towards)
+            return Passed(point=point, difference=abs(there / here - 1.0))
+    return None
+
+
+def unstable_stretches(
+    search: OrbitSearch, options: BranchOptions, rows: Sequence[Row], events: Sequence[Bifurcation]
+) -> Iterator[tuple[slice, SideBranch]]:
+    """Yield the stretches of unstable motions beside which the system settles within 1 % of them, and their rows.
+
+    A stretch that begins or ends at a fold lies between two jumps and is left as it is.
+    """
+    unstable = np.array([False, *(not row.stable for row in rows), False])
+    ends = np.flatnonzero(np.diff(unstable.astype(int)))
+    folds = [event.index for event in events if event.kind == "fold"]
+    for first, behind in zip(ends[::2].tolist(), ends[1::2].tolist(), strict=True):
+        if any(first - 1 <= fold <= behind for fold in folds):
+            continue
+        worst = max(range(first, behind), key=lambda i: float(np.abs(rows[i].multipliers[0])))
+        tried = [rows[i] for i in sorted({(3 * first + behind) // 4, worst, (first + 3 * behind) // 4})]
+        difference = float(np.max([abs(_settled(search, options, row) / row.amplitude - 1.0) for row in tried]))
+        if difference < ALIKE:
+            start, stop = (_parameter(options, rows[i]) for i in (first, behind - 1))
+            yield slice(first, behind), SideBranch(start=start, stop=stop, difference=difference)
+
+
+def _settled(search: OrbitSearch, options: BranchOptions, row: Row) -> float:
+    """Return the amplitude of what is left of an unstable motion, moved a little, after many periods; NaN if it went astray."""
+    per_period = row.steps // options.periods
+    drive = Drive(frequency=row.frequency, acceleration=row.acceleration, periods=SETTLING, steps=SETTLING * per_period)
+    start = shot(search.flow, row.unknowns, replace(drive, periods=options.periods, steps=row.steps))
+    # The same move whenever it is asked for, in no direction of the system's own.
+    moved = start.x + AWAY * start.scale * np.cos(np.arange(start.x.size))
+    end = search.flow.ends(moved[np.newaxis], drive)[0]
+    seen = search.flow.follow(end, replace(drive, periods=SEEN, steps=SEEN * per_period))
+    return amplitude_of(search.system, seen, options.payload, options.response_direction)
+
+
+def _parameter(options: BranchOptions, row: Row) -> float:
+    return row.frequency if options.parameter == "frequency" else row.acceleration
