@@ -191,6 +191,7 @@ def test_arguments_of_the_wrong_kind_are_refused_by_name(name, tmp_path):
     ("kind", "phrase", "message"),
     [
         ("trapezoid", "10 g 18 ms rise 1e-308 ms z", "`rise` must be 1e-09 to 1e.09 s"),
+        ("struck-deck", "14 Hz 1.5 m/s damping 1e-308 % blow 4 ms z", "it must come to rest within 1e.09 s"),
         ("sweep", "0.5 g 50 to 5 Hz 1e308 oct/min x", "`rate` must be 1e-12 to 1e.06 octaves/min, got 1e.308"),
         ("sweep", "0.5 g 50 to 5 Hz 1e-308 oct/min x", "`rate` must be 1e-12 to 1e.06 octaves/min, got 1e-308"),
         ("unbalance", "engine 20 kg.mm 25 Hz y order 1e308", "`order` must be 1e-12 to 1e.12"),

@@ -25,6 +25,6 @@ def file_inside(folder: Path, name: Any, kind: str) -> Path:
     if isinstance(name, str) and is_inside(folder / name, folder) and isfile(folder / name):
         return folder / name
     raise RecordError(
-        f"{folder}: the {kind} {quoted(name)} is not in this folder, and nothing outside it is read. Take the file from another "
-        "copy of the folder."
+        f"{folder}: the {kind} {quoted(name)} is not in this folder, and nothing outside it is read. Take the file from "
+        "another copy of the folder."
     )

@@ -90,6 +90,11 @@ class DecayingSine(StartedMotion):
         object.__setattr__(self, "impact_duration", ranges.length("impact_duration", impact_duration, least=0.0))
         object.__setattr__(self, "start", ranges.start("start", start))
         fading = -math.log(LEFT_AT_END) / (self.damping * self._omega)
+        if fading > ranges.LONGEST:
+            raise ValueError(
+                f"`damping` of {self.damping!r} lets the deck swing for {fading:.3g} s; it must come to rest within "
+                f"{ranges.LONGEST:g} s."
+            )
         object.__setattr__(self, "duration", self.impact_duration + fading)
         if self.damping * self._omega * self.impact_duration > SLOWEST_BLOW:
             raise ValueError(
