@@ -6,8 +6,10 @@ import sys
 
 import pytest
 
+import wirerope_mj as wr
 from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder
 from wirerope_mj.foundation.errors import DiskFullError
+from wirerope_mj.runs.scenario import load_scenario
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no limits of file sizes")
 
@@ -27,7 +29,7 @@ if what == "recording":
         wr.record_rerun(response, folder + "/run.rrd")
     except wr.RecordError as error:
         sys.exit(f"{type(error).__name__}: {error}")
-sys.exit(main(["run", "shock_table", "--duration", "0.1", "--out", folder + "/run"]))
+sys.exit(main(["run", "shock_table", "--duration", "0.1", "--out", folder + "/run"] if what == "run" else what.split()))
 """
 
 
@@ -58,6 +60,29 @@ def test_a_run_that_finds_no_space_is_one_message_and_nothing_is_left(tmp_path, 
     assert "Free some space, or choose another place." in last
     assert "Traceback" not in told
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.fixture(scope="module")
+def run_folder(tmp_path_factory):
+    """Return a run that there was room for."""
+    folder = tmp_path_factory.mktemp("runs") / "run"
+    wr.run_scenario(load_scenario("shock_table").make(duration=0.1), folder)
+    return folder
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("before", [None, b"as it was"])
+@pytest.mark.parametrize("name", ["o.fmu", "o.h5", "o.csv", "o.mat"])
+def test_a_file_that_finds_no_space_is_one_message_and_what_was_there_stays(name, before, run_folder, tmp_path):
+    target = tmp_path / name
+    if before is not None:
+        target.write_bytes(before)
+    words = f"fmu shock_table {target} --force" if name == "o.fmu" else f"export {run_folder} {target} --force"
+    code, told = limited(5_000, words, tmp_path)
+    assert code == 2
+    (line,) = told.strip().splitlines()
+    assert line.startswith(f"wirerope: {target}: there is no space left for it")
+    assert {path: path.read_bytes() for path in tmp_path.iterdir()} == ({} if before is None else {target: before})
 
 
 @pytest.mark.parametrize("number", ["ENOSPC", "EDQUOT", "EFBIG"])

@@ -2,6 +2,8 @@
 
 import json
 import re
+import shutil
+from pathlib import Path
 
 import pytest
 
@@ -65,3 +67,33 @@ def test_what_cannot_be_shared_is_said_in_one_line(run, shared, tmp_path, capsys
     assert "--force" in capsys.readouterr().err
     assert main(["share", str(run), str(shared), "--force"]) == 0
     assert "MB" in capsys.readouterr().out
+
+
+def test_what_a_link_leads_to_is_not_shared(run, tmp_path, capsys):
+    copy = Path(shutil.copytree(run, tmp_path / "run"))
+    (tmp_path / "secret").write_text("secret")
+    for name in ("report.html", "run.rrd"):
+        there = (copy / name).read_bytes()
+        (tmp_path / "secret").write_bytes(there)
+        (copy / name).unlink()
+        (copy / name).symlink_to(tmp_path / "secret")
+        assert main(["share", str(copy), str(tmp_path / "out")]) == 2
+        assert f"{name}: this is a link" in capsys.readouterr().err
+        assert not (tmp_path / "out").exists()
+        (copy / name).unlink()
+        (copy / name).write_bytes(there)
+    assert main(["share", str(copy), str(tmp_path / "out")]) == 0
+
+
+@pytest.mark.parametrize("name", ["report.html", "run.rrd"])
+def test_what_was_altered_is_not_shared_and_a_report_made_anew_is(run, tmp_path, capsys, name):
+    copy = Path(shutil.copytree(run, tmp_path / "run"))
+    with (copy / name).open("ab") as file:
+        file.write(b"<script>alert(1)</script>")
+    assert main(["share", str(copy), str(tmp_path / "out")]) == 2
+    assert f"{name} was altered or added since the run was written, and is not shared" in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+    if name == "report.html":
+        assert main(["report", str(copy), "--force"]) == 0
+        assert main(["share", str(copy), str(tmp_path / "out")]) == 0
+        assert "alert(1)" not in (tmp_path / "out" / "index.html").read_text(encoding="utf-8")

@@ -2,8 +2,10 @@
 
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from importlib import import_module
+from io import FileIO
 from pathlib import Path
 from typing import Any
 
@@ -126,10 +128,35 @@ def _write_csv(table: Exported, path: Path) -> None:
         writer.close()
 
 
+class _Unfailing(FileIO):
+    """A file that keeps the error of a write for later: HDF5 ends the process if it meets one, as on a full disk."""
+
+    failure: OSError | None = None
+
+    def write(self, content: Any) -> int:
+        """Write all of `content`, or nothing more once a write has failed."""
+        rest = memoryview(content).cast("B")
+        while len(rest) and self.failure is None:
+            try:
+                rest = rest[super().write(rest) :]
+            except OSError as error:
+                self.failure = error
+        return len(memoryview(content).cast("B"))
+
+    @contextmanager
+    def failures_raised(self) -> Iterator[None]:
+        """Raise the error of a write that failed during the block, whatever came of it there."""
+        try:
+            yield
+        finally:
+            if self.failure is not None:
+                raise self.failure
+
+
 def _write_hdf5(table: Exported, path: Path) -> None:
     """Write a dataset for every column, called as it is, its unit an attribute."""
     h5py = _needed("h5py")
-    with h5py.File(path, "w", locking=False) as file:  # whoever writes atomically holds the temporary file already
+    with _Unfailing(path, "w+b") as target, target.failures_raised(), h5py.File(target, "w") as file:
         file.attrs.update(table.about)
         for number, (name, unit) in enumerate(zip(table.names, table.units, strict=True)):
             values = table.column(number)

@@ -1,6 +1,7 @@
 """A system as a functional mock-up unit: FMI 3, co-simulation."""
 
 import re
+import shutil
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -10,6 +11,7 @@ from wirerope_mj.engine.simulation.simulate import checked_step
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, full_disk_named
 from wirerope_mj.foundation.errors import RecordError
 
 OUTPUTS = ("position", "acceleration", "relative_displacement", "deflection", "force")
@@ -46,15 +48,14 @@ def write_fmu(
         raise RecordError(f"{target}: a functional mock-up unit is a file that ends in .fmu.")
     if target.exists() and not force:
         raise RecordError(f"{target}: a file stands here already; --force replaces it.")
-    if not target.parent.is_dir():
-        raise RecordError(f"{target}: there is no folder {target.parent}.")
+    check_writable(target)
     try:
         from pythonfmu3.builder import FmuBuilder
     except ImportError:
         raise RecordError("The package pythonfmu3 is missing: install wirerope-mj with its extra `fmu`.") from None
     step = SAFE * stable_step(system) if timestep is None else checked_step(system, timestep, 1.0)
     identifier = re.sub(r"\W", "_", system.path.stem if system.path else "system", flags=re.ASCII)
-    with TemporaryDirectory() as scratch:
+    with full_disk_named(target), TemporaryDirectory() as scratch:
         here = Path(scratch)
         model = write_model(system, here / "model")
         about = {
@@ -68,5 +69,6 @@ def write_fmu(
         (here / "unit.toml").write_text(tomli_w.dumps(about), encoding="utf-8")
         script = Path(__file__).with_name("fmu_slave.py")
         made = FmuBuilder.build_FMU(script, here / "out", [here / "model", here / "unit.toml"])
-        target.write_bytes(made.read_bytes())
+        with atomic_file(target) as temporary:
+            shutil.copyfile(made, temporary)
     return target

@@ -4,7 +4,7 @@ import shutil
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.checksums import warn_of_alterations
+from wirerope_mj.runs.checksums import alterations
 from wirerope_mj.runs.folder import atomic_run
 from wirerope_mj.runs.page import REPORT
 from wirerope_mj.views.recording.paths import FILE
@@ -25,7 +25,8 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
         force: whether a shared folder that is there is replaced.
 
     Raises:
-        RecordError: the run has no report or no recording, or `out` is there and must not be replaced.
+        RecordError: the run has no report or no recording, or one that is a link or was altered since it was written, or `out`
+            is there and must not be replaced.
         WireRopeError: the viewer does not hand out its files.
     """
     folder, target = Path(folder), Path(out)
@@ -37,7 +38,7 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
     recording = find_recording(folder)
     if target.resolve().is_relative_to(folder.resolve()):
         raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")
-    warn_of_alterations(folder)
+    _require_as_written(folder, (report, recording))
     with atomic_run(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
         pages = viewer_pages()
         (beside / INDEX).write_text(linked_report(report.read_text(encoding="utf-8")), encoding="utf-8")
@@ -46,3 +47,23 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
         for name, content in pages.items():
             (beside / VIEWER / name).write_bytes(content)
     return sorted(path for path in target.rglob("*") if path.is_file())
+
+
+def _require_as_written(folder: Path, files: tuple[Path, ...]) -> None:
+    """Raise RecordError unless files are the run's own, as they were written: what is shared is shown to others."""
+    for file in files:
+        if file.is_symlink():
+            raise RecordError(
+                f"{file}: this is a link, and what it leads to is not the run's to share. Put the file itself in "
+                f"its place; `wirerope report {folder}` writes the report anew."
+            )
+    changed = alterations(folder)
+    if changed is None:  # a run of an older version
+        return
+    names = {file.relative_to(folder).as_posix() for file in files}
+    faulty = sorted(names & {*changed.altered, *changed.added})
+    if faulty:
+        raise RecordError(
+            f"{folder}: {' and '.join(faulty)} was altered or added since the run was written, and is not shared. "
+            f"`wirerope report {folder}` writes the report anew; a recording is written with its run."
+        )

@@ -48,6 +48,16 @@ def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
     return model
 
 
+def check_regular(model: Path) -> None:
+    """Raise ModelError if a model, or a file that it includes, names a pipe or a device, for which MuJoCo would wait."""
+    try:
+        for _ in named_files(model):
+            pass
+    except ModelError as error:
+        if isinstance(error.__cause__, OSError):
+            raise  # MuJoCo says itself what else is wrong
+
+
 def _isolator_files(model: Path) -> Iterator[tuple[str, Path]]:
     """Yield what a model calls its isolator files, and where they are looked for first."""
     for tree, _ in model_trees(model):
@@ -88,7 +98,7 @@ def _is_there(file: Path) -> bool:
     try:
         return regular(file).is_file()
     except OSError as error:
-        raise ModelError(f"{file}: the model cannot be read: {why_unread(error)}") from None
+        raise ModelError(f"{file}: the model cannot be read: {why_unread(error)}") from error
 
 
 def _tree(file: Path) -> ElementTree.Element:

@@ -13,6 +13,7 @@ from wirerope_mj.engine.system.changes import Changes
 from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
 from wirerope_mj.engine.system.finite import check_joints, check_numbers, check_written
 from wirerope_mj.engine.system.limits import declared_limits, judges_combined_travel
+from wirerope_mj.engine.system.named_files import check_regular
 from wirerope_mj.engine.system.refused import refused
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
@@ -139,6 +140,8 @@ def _checked(isolators: Mapping[str, Isolator]) -> Mapping[str, Isolator]:
 def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:
     """Return the system of an MJCF text, which stands in the file `path` if there is one."""
     check_written(text, path)
+    if path is not None and "file" in text:
+        check_regular(path)
     try:
         spec = mujoco.MjSpec.from_file(str(path)) if path else mujoco.MjSpec.from_string(text)
         check_names(spec)
