@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.travel import BOTTOMING
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.columns import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
@@ -116,9 +117,11 @@ def other_differences(
 def summary_differences(stored: Mapping[str, Any], computed: Mapping[str, Any], *, texts: bool) -> Iterator[Difference]:
     """Yield the differences between the stored content of summary.json and what the stored response gives.
 
-    With `texts`, texts and the entries themselves are compared, which another version may write otherwise.
+    With `texts`, texts and the entries themselves are compared, which another version may write otherwise, and bottoming, which
+    it may judge against the whole height of a mount; the compressions themselves stand among the mounts.
     """
-    yield from _plain_differences(stored, computed, SUMMARY, texts=texts, without=_OF_THIS_TIME)
+    without = _OF_THIS_TIME if texts else (*_OF_THIS_TIME, f"judged.{BOTTOMING} of ")
+    yield from _plain_differences(stored, computed, SUMMARY, texts=texts, without=without)
 
 
 def _plain_differences(
