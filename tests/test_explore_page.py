@@ -89,13 +89,13 @@ def seconds_until(page, changed):
 
 def reset(page):
     page.get_by_role("button", name="Reset all").click()
-    api.expect(page.locator("#headline")).to_contain_text("Exceeded: 18 of 136 limits")
+    api.expect(page.locator("#headline")).to_contain_text("Exceeded: 18 of 132 limits")
 
 
 def test_the_level_slider_changes_the_verdict_within_two_seconds(browser, floor):
     with opened(browser, floor) as page:
         reset(page)
-        for position, words in ((200, "Within all 136 limits"), (400, "Exceeded"), (200, "Within all 136 limits")):
+        for position, words in ((200, "Within all 132 limits"), (400, "Exceeded"), (200, "Within all 132 limits")):
             before = headline(page)
             move(page, LEVEL, position)
             took = seconds_until(page, lambda before=before: headline(page) != before)
@@ -115,8 +115,8 @@ def test_the_last_two_runs_lie_over_each_other(browser, floor):
             lines = page.locator("#curves svg").nth(number).locator("polyline")
             assert [lines.nth(n).get_attribute("class") for n in range(2)] == ["line before", "line now"]
         table = page.locator("#figures").inner_text()
-        assert "18 of 136" in table
-        assert "0 of 136" in table
+        assert "18 of 132" in table
+        assert "0 of 132" in table
 
 
 def test_a_slider_that_is_dragged_simulates_what_it_can_and_ends_where_it_rests(browser, floor):
@@ -137,7 +137,7 @@ def test_a_slider_that_is_dragged_simulates_what_it_can_and_ends_where_it_rests(
         took = seconds_until(page, lambda: page.locator("#result").get_attribute("aria-busy") == "false")
         assert took < WITHIN
         assert len(asked) <= 15, "sixty movements in 1.5 s would have been sixty runs"
-        assert "Within all 136 limits" in headline(page)
+        assert "Within all 132 limits" in headline(page)
         value = page.get_by_label(f"{LEVEL}, as a number [times]").input_value()
         assert f"{LEVEL} ×\N{NO-BREAK SPACE}{float(value):.4g}" in page.locator("#state").text_content()
         assert page.locator("#before-name").text_content() == f"before: {rested}"

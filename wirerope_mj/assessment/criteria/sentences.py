@@ -128,7 +128,8 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     flat = [row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
     if flat:
         lines.append(
-            f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model."
+            f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
+            "it is too far away or too soft."
         )
     untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
