@@ -1,5 +1,6 @@
 """A service life as a file: runs, and how often each of them happens."""
 
+import math
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
@@ -13,13 +14,13 @@ from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
 
-DAMAGE_ERROR = 0.02
-"""By how much damage may change with every other sample alone: that of all is known within a third of it, less than 1 %."""
+DAMAGE_ERROR = 0.01
+"""By how much damage may change with every other sample alone: that of all samples is known better than that."""
 
 NEGLIGIBLE = 0.01
 """Damage over that of the worst mount and axis below which it does not matter how well it is known."""
 
-PER_PERIOD = 60
+PER_PERIOD = 100
 """Samples to a period of the mean frequency of a deflection that are asked for where there are too few."""
 
 _SHORTEST = 0.05
@@ -156,7 +157,7 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
     ]  # fmt: skip
     worst = max((one.total for one in damages), default=0.0)
     for damage, error, frequency, stage, rate in sorted(coarse, key=lambda one: -one[0]):
-        if damage > NEGLIGIBLE * worst:
+        if damage >= NEGLIGIBLE * worst or math.isinf(error):
             enough = max(PER_PERIOD * frequency, 2.0 * rate)
             raise RecordError(
                 f"{stage.run}: {rate:.4g} samples a second are too few to count cycles: with every other of them the damage "
