@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any, get_args
 
 from wirerope_mj.assessment.between_samples import sample_rate
+from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
 from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mounts import Quantity
@@ -136,6 +137,9 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
     coarse: list[tuple[float, float, float, Stage, float]] = []
     for number, stage in enumerate(mission.stages):
         response = load_response(stage.run)
+        kinds = {part.get("kind") for part in elements(response.motion)}
+        if (early := too_short(response)) and not kinds <= STEADY | {"random-vibration"}:
+            raise RecordError(f"{stage.run}: {early}. What it does to the mounts is not over.")
         start, end, length = _counted(response, stage)
         times = stage.repetitions if stage.hours is None else 3600.0 * stage.hours / length
         assert times is not None
