@@ -11,7 +11,7 @@ from wirerope_mj.assessment.criteria import COMBINED, judge, rattle_verdicts, tr
 from wirerope_mj.assessment.durability.mounts import deflection_rates
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.runs.mission import DAMAGE_ERROR, Mission, Stage, mission_damage
+from wirerope_mj.runs.mission import Mission, Stage, mission_damage
 
 SHOCK = sum(
     (wr.HalfSine(peak=15 * 9.80665, duration=0.011, direction=axis, start=0.05) for axis in "yz"),
@@ -182,7 +182,6 @@ def test_damage_is_the_same_at_any_rate_or_refused_with_one_that_suffices(cabine
     assert len(refused) >= 3
     for rate in {rate for rate in refused if rate > 500.0}:
         assert damage(rate) == pytest.approx(reference, rel=0.01)
-    assert DAMAGE_ERROR / 3.0 < 0.01
     assert main(["durability", str(tmp_path / "25"), "--exponent", "5", "--quantity", quantity]) == 2
 
 

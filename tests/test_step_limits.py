@@ -40,8 +40,13 @@ def pulse_record(path):
 def choice(system, errors, monkeypatch, accuracy=1e-4):
     """Return what is chosen from 1 ms on if the pilots touch and differ by `errors`, halving by halving, and the pilots."""
     tried = []
-    pilot = SimpleNamespace(touches=True, run=None, rows=np.zeros(0))
-    monkeypatch.setattr(module, "_pilot", lambda *arguments: tried.append(arguments[-1]) or pilot)
+
+    def pilot(*arguments):
+        tried.append(arguments[-1])
+        run = SimpleNamespace(steps=round(0.2 / arguments[-1]))
+        return SimpleNamespace(touches=True, hits=False, run=run, rows=np.zeros(0))
+
+    monkeypatch.setattr(module, "_pilot", pilot)
     differences = iter(errors)
     monkeypatch.setattr(module, "_difference", lambda *_: next(differences) / module.RICHARDSON)
     start = wr.equilibrium(system).state

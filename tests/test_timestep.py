@@ -48,6 +48,7 @@ def differences(a, b):
 
 
 @pytest.mark.slow
+@pytest.mark.filterwarnings("ignore:the base moves at up to 30 Hz")
 @pytest.mark.parametrize("which", range(6), ids=["half-sine", "sawtooth", "trapezoid", "step", "sine", "sweep"])
 def test_chosen_step_keeps_the_accuracy_and_is_not_a_sixth_of_what_would(system, which):
     direction = "z" if len(system.assembly.driven_dofs) == 1 else (1.0, 0.7, 1.0)

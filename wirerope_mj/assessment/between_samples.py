@@ -14,6 +14,9 @@ _OF_MISFIT = 0.25
 """Error of a cubic over one interval, over the misfit of that over two: with a second derivative that jumps."""
 
 
+_LEAST = 4.0
+"""Samples to a period of the mean frequency, rms of the rates over 2 pi that of the values, below which cubics tell nothing."""
+
 _TRUSTED = 0.01
 """Error, as a fraction of the range, above which a cubic's extreme says nothing, and the samples alone count."""
 
@@ -65,6 +68,9 @@ def peak_between(time: Array, values: Array, rates: Array) -> tuple[float, float
     k = int(reached.argmax())
     error = misfit(values, rates, spacing)
     beside = np.minimum(places.astype(np.int64), values.size - 2)
+    if np.std(rates) * _LEAST * spacing > 2.0 * np.pi * np.std(values):
+        k = int(values.argmax())
+        return float(values[k]), float(time[k]), np.inf
     highest = float((reached + np.maximum(error[beside], error[beside + 1])).max())
     if highest - reached[k] > _TRUSTED * np.ptp(values):
         k = int(np.searchsorted(places, values.argmax()))

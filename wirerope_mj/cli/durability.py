@@ -70,6 +70,8 @@ def durability(
     ]  # fmt: skip
     method = f"Rainflow cycles of the {mission.quantity} (ASTM E1049), open ones as halves"
     note = f"{method}; exponent {mission.exponent:g}; {len(damages)} counted."
+    if any(stage.hours is not None for stage in mission.stages):
+        note += " Hours are of steady vibration: without rise, fall and what follows."
     if known:
         note += f" The worst lasts {1.0 / worst:.3g} such lives." if worst else ""
     names = " + ".join(_often(stage.repetitions, stage.hours, stage.run.name) for stage in mission.stages)

@@ -44,7 +44,7 @@ class MountCycles:
     def damage_error(self, exponent: float) -> float:
         """Return the damage of every other sample over that of all less 1, in size; infinite where nothing can be told.
 
-        The damage of all samples is off by a third of it or less: errors fall with the square of the rate at the least.
+        The damage of all samples is off by about a third of it: errors fall with the square of the rate at the least.
         """
         pairs = [(all_of.damage(exponent), half.damage(exponent)) for all_of, half in self.coarser]
         return max((abs(half / damage - 1.0) if damage else 0.0 for damage, half in pairs), default=math.inf)

@@ -252,7 +252,8 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     """Return the frequency up to which samples hold a spectrum of theirs within 1 % [Hz]; 0 where they hold no line.
 
     Errors of samples, of straight lines between them and of what is faster than they can tell, fall with the square of the rate
-    at the least: a line is within 1 % where every other sample changes it by less than 3 %, up to a twentieth of the rate.
+    as a rule, and by chance do not: lines hold up to the first that every other sample changes by more than 1 %, and to a
+    twentieth of the rate at most.
 
     Args:
         time: uniform instants [s], (n,).
@@ -265,6 +266,6 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
         return 0.0
     coarse = shock_response_spectrum(time[::2], acceleration[::2], lines, q=spectrum.q).maximax
     fine = spectrum.maximax[: lines.size]
-    within = np.abs(coarse - fine) <= 0.03 * np.abs(fine)
+    within = np.abs(coarse - fine) <= 0.01 * np.abs(fine)
     within = within if within.ndim == 1 else (within | (fine <= 1e-6 * fine.max())).all(axis=1)
     return float(lines[np.flatnonzero(~within)[0] - 1] if not within.all() else lines[-1]) if within[0] else 0.0
