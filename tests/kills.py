@@ -15,8 +15,11 @@ import sys
 import tempfile
 import time
 from collections import Counter
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from threading import Timer
 
 from rig_records import rig_record, write_record
 
@@ -75,6 +78,23 @@ def start(folder: Path, words: str) -> subprocess.Popen[bytes]:
         [sys.executable, "-c", code, *words.split()], cwd=folder, start_new_session=True,
         stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
     )  # fmt: skip
+
+
+@contextmanager
+def interruptible(command: list[str], **options) -> Iterator[subprocess.Popen[str]]:
+    """Run a command that an interrupt ends, also where these tests ignore it, as in the background; killed after the block."""
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL), **options,
+    )  # fmt: skip
+    timer = Timer(120.0, process.kill)  # who reads a line would wait for ever
+    timer.start()
+    try:
+        yield process
+    finally:
+        timer.cancel()
+        process.kill()
+        process.communicate()
 
 
 def finish(folder: Path, words: str) -> None:

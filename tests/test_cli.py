@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+from kills import interruptible
 
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import RecordError
@@ -50,14 +51,14 @@ def test_the_main_job_prints_every_peak_against_its_limit_and_replays(tmp_path):
 @pytest.mark.slow
 def test_an_interrupted_run_leaves_nothing_and_exits_130(tmp_path):
     command = [*WIREROPE, "run", "floating_floor_sweep", "--out", "deep/sweep"]
-    process = subprocess.Popen(command, cwd=tmp_path, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    deadline = time.monotonic() + 60.0
-    while not list(tmp_path.glob("deep/.sweep.*.part/response.parquet.part")):  # the simulation is under way
-        assert process.poll() is None, process.communicate()[1]
-        assert time.monotonic() < deadline
-        time.sleep(0.05)
-    process.send_signal(signal.SIGINT)
-    out, err = process.communicate(timeout=60)
+    with interruptible(command, cwd=tmp_path) as process:
+        deadline = time.monotonic() + 60.0
+        while not list(tmp_path.glob("deep/.sweep.*.part/response.parquet.part")):  # the simulation is under way
+            assert process.poll() is None, process.communicate()[1]
+            assert time.monotonic() < deadline
+            time.sleep(0.05)
+        process.send_signal(signal.SIGINT)
+        out, err = process.communicate(timeout=60)
     assert process.returncode == 130
     assert err == "wirerope: interrupted; no half-written result was left behind.\n"
     assert out == ""
@@ -199,5 +200,18 @@ def test_a_reader_that_has_seen_enough_is_no_error(tmp_path):
         text=True,
         check=False,
     )
+    assert done.returncode == 0
+    assert done.stderr == ""
+
+
+@pytest.mark.parametrize("closed", ["stdout", "stderr", "both"])
+def test_a_closed_stream_is_no_error(closed, tmp_path):
+    """`wirerope levels >&-`: what would be printed has no reader, and no file takes the place of the stream."""
+    redirected = {"stdout": ">&-", "stderr": "2>&-", "both": ">&- 2>&-"}[closed]
+    code = "import sys; from wirerope_mj.cli import main; sys.exit(main())"
+    done = subprocess.run(
+        f'"{sys.executable}" -c "{code}" levels {redirected}',
+        shell=True, cwd=tmp_path, capture_output=True, text=True, timeout=120,
+    )  # fmt: skip
     assert done.returncode == 0
     assert done.stderr == ""

@@ -2,14 +2,15 @@
 
 import http.client
 import json
+import signal
 import socket
 import struct
-import subprocess
 import sys
 import time
 from threading import Event, Thread
 
 import pytest
+from kills import interruptible
 
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import SimulationError
@@ -203,11 +204,11 @@ def test_of_the_runs_that_wait_only_the_newest_is_computed():
 def test_the_command_prints_its_address_and_ends_on_an_interrupt(tmp_path):
     code = "import sys; from wirerope_mj.cli import main; sys.exit(main())"
     command = [sys.executable, "-c", code, "explore", "shock_table", "--no-browser", "--no-viewer"]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=tmp_path) as process:
+    with interruptible(command, cwd=tmp_path) as process:
         assert process.stdout is not None
         lines = [process.stdout.readline() for _ in range(3)]
         assert lines[1].startswith("Open http://127.0.0.1:")
-        process.send_signal(2)
+        process.send_signal(signal.SIGINT)
         out, err = process.communicate(timeout=30)
     assert (process.returncode, out.strip(), err) == (0, "Ended.", "")
 

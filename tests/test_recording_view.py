@@ -1,6 +1,5 @@
 import signal
 import socket
-import subprocess
 import sys
 import time
 import urllib.request
@@ -8,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from kills import interruptible
 from made_up_floor import floor_response
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, judge, verdict_lines
@@ -207,15 +207,11 @@ def test_a_folder_without_a_recording_is_named(tmp_path):
 
 def test_the_browser_gets_the_viewer_from_this_machine_only(recording):
     code = f"from wirerope_mj.views.recording import show; show({str(recording)!r}, web=True)"
-    process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-    try:
+    with interruptible([sys.executable, "-c", code]) as process:
         address = process.stdout.readline().split()[1]
         page = fetch(address)
         process.send_signal(signal.SIGINT)
         assert process.wait(timeout=20) == 0
-    finally:
-        process.kill()
-        process.communicate()
     assert address.startswith("http://127.0.0.1:")
     assert "rerun%2Bhttp%3A%2F%2F127.0.0.1%3A" in address
     assert b"<html" in page.lower()

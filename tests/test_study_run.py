@@ -4,7 +4,6 @@ import os
 import re
 import shutil
 import signal
-import subprocess
 import sys
 import time
 import tomllib
@@ -12,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from kills import interruptible
 from table_study import PULSE, VARY, G, rows, table_study
 
 import wirerope_mj as wr
@@ -238,7 +238,7 @@ def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
         f"study.run({str(tmp_path / 'study')!r}, workers=2)\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(Path(wr.__file__).parent.parent)}
-    with subprocess.Popen([sys.executable, script], env=environment, stderr=subprocess.PIPE, text=True) as process:
+    with interruptible([sys.executable, str(script)], env=environment) as process:
         deadline = time.monotonic() + 120.0
         while time.monotonic() < deadline and not list(tmp_path.glob("study/parts/0*.parquet")):
             time.sleep(0.02)

@@ -175,6 +175,19 @@ def _say_notes(error: BaseException) -> None:
         _say(note)
 
 
+def _open_closed_streams() -> None:
+    """Send to nowhere what goes to a standard stream that is closed; else the next file that is opened would take its place."""
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDWR)  # takes the lowest number that is free
+    if sys.stdout is None:
+        sys.stdout = open(1, "w", closefd=False)  # noqa: SIM115 - for the life of the process
+    if sys.stderr is None:
+        sys.stderr = open(2, "w", closefd=False)  # noqa: SIM115
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
@@ -183,6 +196,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         arguments is None
     ):  # no Python that the command starts, libraries included, imports modules of the current folder
         os.environ["PYTHONSAFEPATH"] = "1"
+    _open_closed_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:
         with _warnings_shown():
