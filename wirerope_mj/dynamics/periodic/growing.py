@@ -16,7 +16,7 @@ from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions
 from wirerope_mj.dynamics.periodic.shooting import shot
-from wirerope_mj.dynamics.periodic.side_branches import pass_by, unstable_stretches
+from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, find_beyond, pass_by, unstable_stretches
 from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import direction_text
@@ -97,7 +97,11 @@ class GrowingBranch:
         """Take one step and note what it says; `message` is set where the branch ends."""
         options = self.options
         (point, length), leapt = self._next(last, length), False
-        past = None if point is None or not turns(last, point) else self._past(last, point, length)
+        past = None
+        if point is not None and last.tangent[-1] * options.sign > 0.0 and turns(last, point):
+            past = self._past(last, point, length)
+        elif point is not None and point.tangent[-1] * options.sign < 0.0:
+            past = self._taken_up(point)
         if past is not None:
             point, length, leapt = past, FIRST, True
         elif point is None or (turns(last, point) and unstable(last) == unstable(point)):
@@ -143,6 +147,23 @@ class GrowingBranch:
         self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
         return passed.point
+
+    def _taken_up(self, point: Point) -> Point | None:
+        """Return the point beyond the farthest one if the branch goes back on itself, None if it does not."""
+        returned = back_on_itself(self.options, self.rows, self._row(point))
+        if returned is None:
+            return None
+        farthest, difference = returned
+        row = self.rows[farthest]
+        value = row.frequency if self.options.parameter == "frequency" else row.acceleration
+        beyond = find_beyond(self.path, self.options, row.unknowns, value, self.options.sign)
+        if beyond is None:
+            return None
+        del self.rows[farthest + 1 :]
+        self.events = [event for event in self.events if event.index < farthest]
+        self.gaps = [gap for gap in self.gaps if (gap[1] - value) * self.options.sign < 0.0]
+        self._note(SideBranch(start=point.parameter, stop=value, difference=difference))
+        return beyond
 
     def _note(self, side: SideBranch) -> None:
         """Keep a side branch, unless both of its motions are one within the accuracy."""
@@ -235,8 +256,10 @@ class GrowingBranch:
             del self.events[-2:]
 
     def _add(self, point: Point, index: int | None = None) -> None:
-        row = row_of(self.system, point, self.options.payload, self.options.response_direction)
-        self.rows.insert(len(self.rows) if index is None else index, row)
+        self.rows.insert(len(self.rows) if index is None else index, self._row(point))
+
+    def _row(self, point: Point) -> Row:
+        return row_of(self.system, point, self.options.payload, self.options.response_direction)
 
     def _where(self, point: Point) -> str:
         return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"
