@@ -141,7 +141,10 @@ def _psd_rms() -> Comparison:
 ORBITS = (
     "own table of steady motions, computed without this library by event-split DOP853 integration and Newton's method"
 )
-DIFFERENCES = "the variational equation has reversals between steps by a parabola, a thousand times less exact than the motion's 1e-6"
+DIFFERENCES = (
+    "the variational equation has reversals between steps by a parabola, a thousand times less exact than the motion's "
+    "1e-6"
+)
 
 CASES = (
     Case(name="orbits-bouc-wen", title="Steady motions of a mass on the plain law, harmonic balance",

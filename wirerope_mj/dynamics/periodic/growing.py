@@ -16,7 +16,7 @@ from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions
 from wirerope_mj.dynamics.periodic.shooting import shot
-from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, find_beyond, pass_by, unstable_stretches
+from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
 from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import direction_text
@@ -62,7 +62,7 @@ class GrowingBranch:
         self.gaps: list[tuple[float, float]] = []
         self.side_branches: list[SideBranch] = []
         self.complete, self.message, self._earlier_steps = False, "", 0
-        self._saved = time.monotonic()
+        self._saved, self._jump = time.monotonic(), -1
 
     def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
         """Return the branch, followed from its start or resumed from its last point."""
@@ -141,7 +141,10 @@ class GrowingBranch:
         event = locate(self.path, a, b, length)
         assert event is not None
         fold, towards = event[2], 1.0 if a.tangent[-1] > 0.0 else -1.0
-        passed = pass_by(self.path, self.options, fold, towards)
+        passed = pass_by(
+            self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
+            amplitude=self._row(fold).amplitude, towards=towards,
+        )  # fmt: skip
         if passed is None:
             return None
         self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
@@ -150,20 +153,23 @@ class GrowingBranch:
 
     def _taken_up(self, point: Point) -> Point | None:
         """Return the point beyond the farthest one if the branch goes back on itself, None if it does not."""
-        returned = back_on_itself(self.options, self.rows, self._row(point))
-        if returned is None:
+        farthest = back_on_itself(self.options, self.rows, self._row(point))
+        if farthest is None or farthest == self._jump:
             return None
-        farthest, difference = returned
         row = self.rows[farthest]
         value = row.frequency if self.options.parameter == "frequency" else row.acceleration
-        beyond = find_beyond(self.path, self.options, row.unknowns, value, self.options.sign)
-        if beyond is None:
+        passed = pass_by(
+            self.path, self.options, unknowns=row.unknowns, parameter=value, amplitude=row.amplitude,
+            towards=self.options.sign,
+        )  # fmt: skip
+        if passed is None:  # the needle of a resonance, whose two sides are as near
+            self._jump = farthest
             return None
         del self.rows[farthest + 1 :]
         self.events = [event for event in self.events if event.index < farthest]
         self.gaps = [gap for gap in self.gaps if (gap[1] - value) * self.options.sign < 0.0]
-        self._note(SideBranch(start=point.parameter, stop=value, difference=difference))
-        return beyond
+        self._note(SideBranch(start=point.parameter, stop=value, difference=passed.difference))
+        return passed.point
 
     def _note(self, side: SideBranch) -> None:
         """Keep a side branch, unless both of its motions are one within the accuracy."""

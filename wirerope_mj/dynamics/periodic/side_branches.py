@@ -41,34 +41,28 @@ class Passed:
     difference: float
 
 
-def pass_by(path: Continuation, options: BranchOptions, fold: Point, towards: float) -> Passed | None:
+def pass_by(
+    path: Continuation, options: BranchOptions, *, unknowns: Array, parameter: float, amplitude: float, towards: float
+) -> Passed | None:
     """Return the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
 
     Args:
         path: the numerics of the branch.
         options: of the branch.
-        fold: the point that reaches farthest.
+        unknowns: of the motion that reaches farthest, (n_x,).
+        parameter: its frequency [Hz] or acceleration [m/s^2].
+        amplitude: its amplitude [m/s^2].
         towards: 1 if the parameter rose up to there, else -1.
     """
     search = path.search
-    here = amplitude_of(search.system, fold.shot.track, options.payload, options.response_direction)
-    for value, beyond in _beyond(path, options, fold.shot.x, fold.parameter, towards):
-        back = search.closed(shot(path.flow, beyond.x, path.drive(fold.parameter)), options.tolerance)
+    for value, beyond in _beyond(path, options, unknowns, parameter, towards):
+        back = search.closed(shot(path.flow, beyond.x, path.drive(parameter)), options.tolerance)
         if back.residual > options.tolerance:
             continue
         there = amplitude_of(search.system, back.track, options.payload, options.response_direction)
-        if abs(there / here - 1.0) < ALIKE:
+        if abs(there / amplitude - 1.0) < ALIKE:
             point = path.point(beyond, value, before=None, sign=towards)
-            return Passed(point=point, difference=abs(there / here - 1.0))
-    return None
-
-
-def find_beyond(
-    path: Continuation, options: BranchOptions, unknowns: Array, value: float, towards: float
-) -> Point | None:
-    """Return the nearest motion beyond a value of the parameter, None if there is none."""
-    for further, motion in _beyond(path, options, unknowns, value, towards):
-        return path.point(motion, further, before=None, sign=towards)
+            return Passed(point=point, difference=abs(there / amplitude - 1.0))
     return None
 
 
@@ -91,10 +85,10 @@ def _beyond(
             yield further, motion
 
 
-def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> tuple[int, float] | None:
-    """Return the farthest row and the relative difference there if a point that leads back lies on the rows before it.
+def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> int | None:
+    """Return the farthest row if a point that leads back is within 1 % of the rows before that; None if it is not.
 
-    Behind a fold that is a jump the amplitude differs by far more than 1 % before the branch has gone back a step.
+    Behind most folds that are jumps the amplitude differs by more before the branch has gone back a step.
     """
     values = np.array([_parameter(options, row) for row in rows])
     farthest = int(np.argmax(options.sign * values))
@@ -107,8 +101,7 @@ def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> t
     i = int(passed[-1])
     fraction = (here - values[i]) / (values[i + 1] - values[i]) if values[i + 1] != values[i] else 0.0
     before = rows[i].amplitude + fraction * (rows[i + 1].amplitude - rows[i].amplitude)
-    difference = abs(point.amplitude / before - 1.0)
-    return (farthest, difference) if difference < ALIKE else None
+    return farthest if abs(point.amplitude / before - 1.0) < ALIKE else None
 
 
 def unstable_stretches(
