@@ -142,7 +142,8 @@ ORBITS = (
     "own table of steady motions, computed without this library by event-split DOP853 integration and Newton's method"
 )
 DIFFERENCES = (
-    "multipliers are differences of neighbouring integrations, a thousand times less exact than the motion's 1e-6"
+    "the variational equation has reversals between steps by a parabola, a thousand times less exact than the motion's "
+    "1e-6"
 )
 
 CASES = (

@@ -74,6 +74,8 @@ def _event_rows(branch: Branch) -> list[Row]:
     jumps = {jump.parameter: jump for jump in branch.jumps}
     for event in branch.bifurcations:
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
+        if event.kind == "fold" and jump is None:
+            continue  # both of its motions are within 1 %
         notes = [f"{event.before} -> {event.after} multipliers outside the unit circle"]
         if jump is not None:
             landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s^2"

@@ -16,6 +16,9 @@ from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 
+ALIKE = 0.01
+"""Relative difference of two amplitudes above which a sweep is seen to jump from one to the other."""
+
 Parameter = Literal["frequency", "acceleration"]
 Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
 
@@ -177,8 +180,9 @@ class Branch(Summarised):
 
     @property
     def jumps(self) -> tuple[Jump, ...]:
-        """Jumps of slow sweeps, at the folds."""
-        return tuple(self._jump(fold) for fold in self.folds)
+        """Jumps of slow sweeps, at the folds whose amplitude differs by more than 1 % from that on which they land."""
+        jumps = (self._jump(fold) for fold in self.folds)
+        return tuple(jump for jump in jumps if not abs(jump.landing / jump.amplitude - 1.0) < ALIKE)
 
     @property
     def peak(self) -> int:

@@ -74,9 +74,10 @@ def _extreme(path: Continuation, a: Point, b: Point, length: float) -> tuple[Poi
         return -sign * math.log(point.parameter)
 
     bounds = (-WIDER * length, (1.0 + WIDER) * length)
-    scipy.optimize.minimize_scalar(
-        depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS}
-    )
+    with np.errstate(invalid="ignore"):  # where the corrector does not get there the depth is infinite
+        scipy.optimize.minimize_scalar(
+            depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS}
+        )
     arclength = max(seen, key=lambda s: sign * seen[s].parameter)
     return seen[arclength], arclength
 

@@ -16,7 +16,7 @@ from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
 from wirerope_mj.dynamics.periodic.shooting import shot
-from wirerope_mj.dynamics.periodic.side_branches import pass_by, unstable_stretches
+from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
 from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
@@ -58,7 +58,7 @@ class GrowingBranch:
         self.gaps: list[tuple[float, float]] = []
         self.side_branches: list[SideBranch] = []
         self.complete, self.message, self._earlier_steps = False, "", 0
-        self._saved = time.monotonic()
+        self._saved, self._jump = time.monotonic(), -1
 
     def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
         """Return the branch, followed from its start or resumed from its last point."""
@@ -93,7 +93,11 @@ class GrowingBranch:
         """Take one step and note what it says; `message` is set where the branch ends."""
         options = self.options
         (point, length), leapt = self._next(last, length), False
-        past = None if point is None or not turns(last, point) else self._past(last, point, length)
+        past = None
+        if point is not None and last.tangent[-1] * options.sign > 0.0 and turns(last, point):
+            past = self._past(last, point, length)
+        elif point is not None and point.tangent[-1] * options.sign < 0.0:
+            past = self._taken_up(point)
         if past is not None:
             point, length, leapt = past, FIRST, True
         elif point is None or (turns(last, point) and unstable(last) == unstable(point)):
@@ -133,11 +137,34 @@ class GrowingBranch:
         event = locate(self.path, a, b, length)
         assert event is not None
         fold, towards = event[2], 1.0 if a.tangent[-1] > 0.0 else -1.0
-        passed = pass_by(self.path, self.options, fold, towards)
+        passed = pass_by(
+            self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
+            amplitude=self._row(fold).amplitude, towards=towards,
+        )  # fmt: skip
         if passed is None:
             return None
         self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
+        return passed.point
+
+    def _taken_up(self, point: Point) -> Point | None:
+        """Return the point beyond the farthest one if the branch goes back on itself, None if it does not."""
+        farthest = back_on_itself(self.options, self.rows, self._row(point))
+        if farthest is None or farthest == self._jump:
+            return None
+        row = self.rows[farthest]
+        value = row.frequency if self.options.parameter == "frequency" else row.acceleration
+        passed = pass_by(
+            self.path, self.options, unknowns=row.unknowns, parameter=value, amplitude=row.amplitude,
+            towards=self.options.sign,
+        )  # fmt: skip
+        if passed is None:  # the needle of a resonance, whose two sides are as near
+            self._jump = farthest
+            return None
+        del self.rows[farthest + 1 :]
+        self.events = [event for event in self.events if event.index < farthest]
+        self.gaps = [gap for gap in self.gaps if (gap[1] - value) * self.options.sign < 0.0]
+        self._note(SideBranch(start=point.parameter, stop=value, difference=passed.difference))
         return passed.point
 
     def _note(self, side: SideBranch) -> None:
@@ -229,8 +256,10 @@ class GrowingBranch:
             del self.events[-2:]
 
     def _add(self, point: Point, index: int | None = None) -> None:
-        row = row_of(self.system, point, self.options.payload, self.options.response_direction)
-        self.rows.insert(len(self.rows) if index is None else index, row)
+        self.rows.insert(len(self.rows) if index is None else index, self._row(point))
+
+    def _row(self, point: Point) -> Row:
+        return row_of(self.system, point, self.options.payload, self.options.response_direction)
 
     def _where(self, point: Point) -> str:
         return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"

@@ -11,19 +11,20 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.dynamics.periodic.branch import Bifurcation, SideBranch
+from wirerope_mj.dynamics.periodic.branch import ALIKE, Bifurcation, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.options import BranchOptions
-from wirerope_mj.dynamics.periodic.shooting import shot
+from wirerope_mj.dynamics.periodic.shooting import Shot, shot
 from wirerope_mj.dynamics.periodic.storage import Row, amplitude_of
 from wirerope_mj.dynamics.periodic.track import Drive
-
-ALIKE = 0.01
-"""Relative difference of two amplitudes above which a sweep is seen to jump from one to the other."""
+from wirerope_mj.foundation.arrays import Array
 
 LEAPS = (0.1, 0.25, 0.5, 1.0)
 """Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for."""
+
+SETTLE = 60
+"""Periods after which Newton's method is tried again beyond a fold."""
 
 SETTLING, SEEN = 300, 8
 """Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read."""
@@ -40,32 +41,67 @@ class Passed:
     difference: float
 
 
-def pass_by(path: Continuation, options: BranchOptions, fold: Point, towards: float) -> Passed | None:
+def pass_by(
+    path: Continuation, options: BranchOptions, *, unknowns: Array, parameter: float, amplitude: float, towards: float
+) -> Passed | None:
     """Return the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
 
     Args:
         path: the numerics of the branch.
         options: of the branch.
-        fold: the point that reaches farthest.
+        unknowns: of the motion that reaches farthest, (n_x,).
+        parameter: its frequency [Hz] or acceleration [m/s^2].
+        amplitude: its amplitude [m/s^2].
         towards: 1 if the parameter rose up to there, else -1.
     """
     search = path.search
-    here = amplitude_of(search.system, fold.shot.track, options.payload, options.response_direction)
-    for leap in LEAPS:
-        value = fold.parameter * float(np.exp(towards * leap * options.largest_step))
-        if (value - options.stop) * options.sign >= 0.0 or (value - options.start) * options.sign <= 0.0:
-            return None
-        beyond = search.closed(shot(path.flow, fold.shot.x, path.drive(value)), options.tolerance)
-        if beyond.residual > options.tolerance:
-            continue
-        back = search.closed(shot(path.flow, beyond.x, path.drive(fold.parameter)), options.tolerance)
+    for value, beyond in _beyond(path, options, unknowns, parameter, towards):
+        back = search.closed(shot(path.flow, beyond.x, path.drive(parameter)), options.tolerance)
         if back.residual > options.tolerance:
             continue
         there = amplitude_of(search.system, back.track, options.payload, options.response_direction)
-        if abs(there / here - 1.0) < ALIKE:
+        if abs(there / amplitude - 1.0) < ALIKE:
             point = path.point(beyond, value, before=None, sign=towards)
-            return Passed(point=point, difference=abs(there / here - 1.0))
+            return Passed(point=point, difference=abs(there / amplitude - 1.0))
     return None
+
+
+def _beyond(
+    path: Continuation, options: BranchOptions, unknowns: Array, value: float, towards: float
+) -> Iterator[tuple[float, Shot]]:
+    """Yield motions beyond a value of the parameter: by Newton's method from there, then after letting the system settle."""
+    search = path.search
+    for settling, leap in [(0, leap) for leap in LEAPS] + [(SETTLE, leap) for leap in LEAPS[1:]]:
+        further = value * float(np.exp(towards * leap * options.largest_step))
+        if (further - options.stop) * options.sign >= 0.0 or (further - options.start) * options.sign <= 0.0:
+            continue
+        drive, x = path.drive(further), unknowns
+        if settling:
+            x = path.flow.ends(
+                x[np.newaxis], replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
+            )[0]
+        motion = search.closed(shot(path.flow, x, drive), options.tolerance)
+        if motion.residual <= options.tolerance:
+            yield further, motion
+
+
+def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> int | None:
+    """Return the farthest row if a point that leads back is within 1 % of the rows before that; None if it is not.
+
+    Behind most folds that are jumps the amplitude differs by more before the branch has gone back a step.
+    """
+    values = np.array([_parameter(options, row) for row in rows])
+    farthest = int(np.argmax(options.sign * values))
+    here = _parameter(options, point)
+    if options.sign * np.log(values[farthest] / here) < options.largest_step:
+        return None
+    passed = np.flatnonzero((values[:farthest] - here) * (values[1 : farthest + 1] - here) <= 0.0)
+    if not passed.size:
+        return None
+    i = int(passed[-1])
+    fraction = (here - values[i]) / (values[i + 1] - values[i]) if values[i + 1] != values[i] else 0.0
+    before = rows[i].amplitude + fraction * (rows[i + 1].amplitude - rows[i].amplitude)
+    return farthest if abs(point.amplitude / before - 1.0) < ALIKE else None
 
 
 def unstable_stretches(
