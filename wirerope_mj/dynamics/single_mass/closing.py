@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import position, reversals
-from wirerope_mj.mounts.laws.kernels import evaluate
+from wirerope_mj.mounts.laws.kernels import PARALLEL, component, evaluate
 from wirerope_mj.mounts.laws.power import ORDER
 from wirerope_mj.mounts.laws.steady import carry, next_start
 from wirerope_mj.mounts.laws.timed import follow_time
@@ -64,13 +64,37 @@ def round_path(law, p, turning, z, c, a):
 
 
 @njit
+def lead_each(p, start, z, memory, cycle):
+    """Lead the state of each law in parallel that has one to where its cycle closes, and return whether any still moves.
+
+    No law sees the states of another. A row of `memory`, (n_states, 6), holds the last two starts and gains, and the bracket.
+    """
+    moves = False
+    for part in range(int(p[0])):
+        _, _, state, count = component(p, 0, part, z.size)
+        if count != 1:
+            continue
+        starts, gains, bracket = memory[state, :2], memory[state, 2:4], memory[state, 4:]
+        starts[0], gains[0] = starts[1], gains[1]
+        starts[1], gains[1] = start[state], z[state] - start[state]
+        small = abs(gains[1]) < 1e-13 * abs(z[state])
+        if gains[1] == 0.0 or (cycle > 3 and small and abs(gains[1]) >= abs(gains[0])):
+            continue  # closed, to rounding
+        moves = True
+        z[state] = next_start(starts, gains, bracket)
+    return moves
+
+
+@njit
 def closed_states(law, p, turning, n_states):
     """Return the states (n_states,) with which a rate-independent law enters a cycle that it leaves with the same ones.
 
     The law enters unloaded at zero deflection. One state is found by the secant on what it gains in a cycle, within a bracket,
-    several by going round; NaN where the force leaves the finite numbers.
+    as is that of each law in parallel which has one; others by going round. NaN where the force leaves the finite numbers.
     """
     z, start, before = np.zeros(n_states), np.zeros(n_states), np.zeros(n_states)
+    memory = np.zeros((n_states, 6))
+    memory[:, 4], memory[:, 5] = -np.inf, np.inf
     c, a = np.empty(ORDER + 1), np.empty(ORDER + 1)
     fine = carry(law, p, 0.0, turning[0], z, c, a) if n_states > 0 else True
     starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
@@ -84,6 +108,8 @@ def closed_states(law, p, turning, n_states):
             if cycle > 1 and (z == before).all():  # two ends that alternate by rounding
                 break
             before[:] = start
+            if law == PARALLEL and not lead_each(p, start, z, memory, cycle) and cycle > 3:
+                break
             continue
         starts[0], gains[0] = starts[1], gains[1]
         starts[1], gains[1] = start[0], z[0] - start[0]
