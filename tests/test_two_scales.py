@@ -54,7 +54,6 @@ def test_friction_of_the_rule_is_that_of_its_law(number, reach):
     assert stiffness * amplitude == pytest.approx(700.0 * rule.friction(amplitude, yielding, steady=True), rel=1e-7)
 
 
-@pytest.mark.quick
 @pytest.mark.parametrize("name", SHEETS)
 def test_all_but_three_numbers_of_an_axis_follow_from_the_rule(name):
     isolator, ratios = fitted(name), RULES[2].scales[1]
