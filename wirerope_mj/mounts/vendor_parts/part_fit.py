@@ -3,7 +3,7 @@
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
-from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE
+from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, VIBRATION_AMPLITUDE
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, two_stiffnesses
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_sheet
 
@@ -12,8 +12,12 @@ BAR = 1.7
 1.54 to 1.80."""
 
 
-def fit_part(part: VendorPart) -> Isolator:
+def fit_part(part: VendorPart, *, scales: int = 1) -> Isolator:
     """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
+
+    Args:
+        part: the row.
+        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.fit_rule`).
 
     Raises:
         ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
@@ -42,7 +46,8 @@ def fit_part(part: VendorPart) -> Isolator:
             compression=compression,
             shear=_axis(part, "shear", None),
             static_load=part.modes["compression"].static_load,
-            damping_amplitude=DAMPING_AMPLITUDE,
+            damping_amplitude=DAMPING_AMPLITUDE if scales == 1 else VIBRATION_AMPLITUDE * compression.travel,
+            scales=scales,
             damping_range=part.series.damping_range,
             assumed=assumed,
         )

@@ -1,25 +1,24 @@
 """Ni's laws from the secant stiffnesses that vendors state.
 
-The curve of the elastic part comes from the rope loop, F1 = k1 (x + kappa x^3) and F2 = exp(lambda x). Friction yields at x_y,
-with n = 1 and gamma = 0: d (1 - exp(-x / x_y)) on the virgin path, and +-d tanh(a / x_y) at the ends of the steady loop of
-amplitude a. A secant is then linear in the two scales d and k1, and what a vendor states of the loop's width gives x_y:
+The curve of the elastic part comes from the rope loop, F1 = k1 (x + kappa x^3) and F2 = exp(lambda x). Friction is d v(a / x_y)
+on the virgin path and +-d s(a / x_y) at the ends of the steady loop of amplitude a, v and s those of the rule (`FitRule`): with
+one state of n = 1, 1 - exp(-a / x_y) and tanh(a / x_y). A secant is then linear in the two sizes d and k1, and what a vendor
+states of the loop's width gives x_y:
 
-    virgin, at a compression of a    exp(-lambda a) [d (1 - exp(-a / x_y)) / a + k1 (1 + kappa a^2)]
-    steady, amplitude a              cosh(lambda a) [d tanh(a / x_y) / a       + k1 (1 + kappa a^2)]
+    virgin, at a compression of a    exp(-lambda a) [d v(a / x_y) / a + k1 (1 + kappa a^2)]
+    steady, amplitude a              cosh(lambda a) [d s(a / x_y) / a + k1 (1 + kappa a^2)]
 """
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, SymmetricBoucWen
-from wirerope_mj.mounts.vendor_parts.law_values import Secant, damping_ratio
-
-NiLaw = AsymmetricBoucWen | SymmetricBoucWen
+from wirerope_mj.mounts.laws import Parallel
+from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, FitRule, NiLaw
+from wirerope_mj.mounts.vendor_parts.law_values import Secant
 
 VIBRATION_AMPLITUDE = 0.07
 """Amplitude of a vibration stiffness where the vendor states none, as a fraction of the rated travel. It is where VMC's values
@@ -33,27 +32,27 @@ _REACH = (0.02, 20.0)
 """Yield deflections that are tried, in amplitudes of the damping: below, the loop is a parallelogram, above, a thread."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class ElasticShape:
-    """Shape of the elastic part: exponent lambda of F2 [1/m] (None: a law that is odd) and kappa = k3 / k1 [1/m^2]."""
-
-    asymmetry: float | None
-    cubic: float
-
-
-def fit_secants(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float) -> NiLaw:
+def fit_secants(
+    secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, rule: FitRule = RULES[1]
+) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
     Args:
         secants: at least two.
         curve: of the elastic part.
         yielding: yield deflection x_y of friction [m].
+        rule: how all else of the law follows.
 
     Raises:
         ConvergenceError: the secants ask for friction or a spring that is not positive.
     """
-    rows = np.array([_row(secant, curve, yielding) for secant in secants])
-    friction, spring = _nearest(rows)
+    friction, spring = _sizes(secants, curve, yielding, rule)
+    return rule.law(friction, yielding, spring, curve)
+
+
+def _sizes(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
+    """Return friction [N] and spring [N/m] of these secants; ConvergenceError unless both are positive."""
+    friction, spring = _nearest(np.array([_row(secant, curve, yielding, rule) for secant in secants]))
     if friction <= 0.0 or spring <= 0.0:
         stated = ", ".join(f"{1e-3 * s.stiffness:.6g} N/mm at {1e3 * s.deflection:.4g} mm" for s in secants)
         raise ConvergenceError(
@@ -61,26 +60,24 @@ def fit_secants(secants: tuple[Secant, ...], curve: ElasticShape, yielding: floa
             f"{1e-3 * spring:.6g} N/mm. A secant at a small amplitude must exceed that at a large one by more than the "
             "elastic part of the rope loop does."
         )
-    values = {
-        "alpha": friction / yielding, "beta": 1.0 / yielding, "gamma": 0.0, "n": 1.0,
-        "k1": spring, "k2": 0.0, "k3": curve.cubic * spring,
-    }  # fmt: skip
-    # Nine digits are what a file should show; they are far below every tolerance.
-    values = {key: float(f"{value:.9g}") for key, value in values.items()}
-    if curve.asymmetry is None:
-        return SymmetricBoucWen(**values)
-    return AsymmetricBoucWen(**values, b=math.e, c=float(f"{curve.asymmetry:.9g}"))
+    return friction, spring
 
 
-def fit_damped(secants: tuple[Secant, ...], curve: ElasticShape, *, damping: float, amplitude: float) -> NiLaw:
+def fit_damped(
+    secants: tuple[Secant, ...], curve: ElasticShape, *, damping: float, amplitude: float, rule: FitRule = RULES[1]
+) -> NiLaw | Parallel:
     """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
 
     Raises:
         ConvergenceError: no yield deflection gives that damping; says what can be reached.
     """
+    exponent = curve.asymmetry or 0.0
 
     def surplus(yielding: float) -> float:
-        return damping_ratio(fit_secants(secants, curve, yielding), amplitude) - damping
+        friction, spring = _sizes(secants, curve, yielding, rule)
+        held = friction * rule.friction(amplitude, yielding, steady=True)
+        tips = math.cosh(exponent * amplitude) * (held + amplitude * spring * (1.0 + curve.cubic * amplitude**2))
+        return friction * rule.lost(amplitude, yielding, exponent) / (2.0 * math.pi * tips * amplitude) - damping
 
     tried = amplitude * np.geomspace(*_REACH, 25)
     reached: list[float] = []
@@ -93,10 +90,10 @@ def fit_damped(secants: tuple[Secant, ...], curve: ElasticShape, *, damping: flo
         if reached[index] >= 0.0 > reached[index + 1]:
             # To 1e-13 of a yield deflection of millimetres.
             yielding = float(scipy.optimize.brentq(surplus, tried[index], tried[index + 1], xtol=1e-16, rtol=1e-13))
-            return fit_secants(secants, curve, yielding)
+            return fit_secants(secants, curve, yielding, rule)
     known = [damping + value for value in reached if math.isfinite(value)]
     if not known:
-        fit_secants(secants, curve, float(tried[len(tried) // 2]))  # says why there is no law at all
+        fit_secants(secants, curve, float(tried[len(tried) // 2]), rule)  # says why there is no law at all
     raise ConvergenceError(
         f"no law with these secants has a damping ratio of {damping:.3g} at {1e3 * amplitude:.4g} mm: damping ratios reach "
         f"{min(known):.3g} to {max(known):.3g}; try another target."
@@ -117,12 +114,9 @@ def _nearest(rows: Array) -> tuple[float, float]:
     return friction, spring
 
 
-def _row(secant: Secant, curve: ElasticShape, yielding: float) -> tuple[float, float]:
+def _row(secant: Secant, curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
     """Return the secants of 1 N of friction and of 1 N/m of the spring, as fractions of a stated secant."""
     a, exponent = secant.deflection, curve.asymmetry or 0.0
-    if secant.steady:
-        factor, friction = math.cosh(exponent * a), math.tanh(a / yielding)
-    else:
-        factor, friction = math.exp(-exponent * a), -math.expm1(-a / yielding)
-    factor /= secant.stiffness
+    factor = (math.cosh(exponent * a) if secant.steady else math.exp(-exponent * a)) / secant.stiffness
+    friction = rule.friction(a, yielding, steady=secant.steady)
     return factor * friction / a, factor * (1.0 + curve.cubic * a * a)

@@ -90,6 +90,7 @@ class DataSheet:
         static_load: rated load in compression [N]; None where it is not stated.
         damping_amplitude: amplitude of the damping ratios [m].
         roll_of_loop: whether roll follows from the rope loop; else it is the same as shear.
+        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.fit_rule`).
         yielding: yield deflection of friction [m]; None where a damping ratio gives it.
         damping_range: lowest and highest damping ratio that the vendor states [-]; None where it states none.
         assumed: what no source gives, one text each.
@@ -111,6 +112,7 @@ class DataSheet:
     diagonal: AxisValues | None = None
     roll_of_loop: bool = False
     yielding: float | None = None
+    scales: int = 1
     damping_range: tuple[float, float] | None = None
     assumed: tuple[str, ...] = ()
 

@@ -12,6 +12,9 @@ the vendor states values at 45 degrees: they are compared, never fitted. An axis
     cycles_mm_N_per_mm     [[amplitude, secant stiffness], ...] of steady loops
     resonance              of the mass of the static load, cycles of the static deflection about the sag; compared only
 
+`scales = 2` fits friction on two scales by the rule of `wirerope_mj.mounts.vendor_parts.fit_rule`; the damping ratio is then
+that of the vibration stiffness' amplitude where `damping_amplitude` does not say otherwise.
+
 `compared` lists values of an axis that are printed beside the fit and not fitted. `roll = "rope loop"` says that the table
 [shear] is that of shear alone: roll is then what the loop gives beside the axial stiffness.
 """
@@ -24,8 +27,9 @@ from typing import Any
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.vendor_parts.fit_rule import RULES
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
-from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE
+from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, VIBRATION_AMPLITUDE
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, two_stiffnesses
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH, STIFFNESS, TomlTable
 
@@ -38,7 +42,9 @@ def read_datasheet(path: str | Path) -> DataSheet:
         if key not in tables:
             raise ModelError(f"{path}: the table [{key}] is missing.")
     axes: dict[str, Any] = {key: _axis(TomlTable(content, f"{path}: [{key}]")) for key, content in tables.items()}
-    target = table.optional_number("damping_target")
+    target, scales = table.optional_number("damping_target"), table.optional_integer("scales") or 1
+    if scales not in RULES:
+        raise ModelError(f"{path}: `scales` must be {' or '.join(map(str, RULES))}, got {scales}.")
     if axes["compression"].damping is None:
         axes["compression"] = replace(axes["compression"], damping=target)
     sheet = DataSheet(
@@ -52,7 +58,9 @@ def read_datasheet(path: str | Path) -> DataSheet:
         loops=table.optional_integer("loops"),
         bar_length=table.optional_quantity("bar_length", LENGTH),
         static_load=table.quantity("static_load", FORCE),
-        damping_amplitude=table.optional_quantity("damping_amplitude", LENGTH) or DAMPING_AMPLITUDE,
+        damping_amplitude=table.optional_quantity("damping_amplitude", LENGTH)
+        or _damping_amplitude(axes["compression"], scales),
+        scales=scales,
         roll_of_loop=_roll_of_loop(table),
         yielding=table.optional_quantity("yield_deflection", LENGTH),
         damping_range=_damping_range(table, axes),
@@ -65,6 +73,14 @@ def read_datasheet(path: str | Path) -> DataSheet:
             f"{path}: give either `damping_target` or `yield_deflection_mm`: stiffnesses do not fix the loop's width."
         )
     return sheet
+
+
+def _damping_amplitude(compression: AxisValues, scales: int) -> float:
+    """Return the amplitude of damping ratios where the sheet states none [m]."""
+    if scales == 1:
+        return DAMPING_AMPLITUDE
+    small = (value.secant.deflection for value in compression.stated if value.name == "vibration stiffness")
+    return next(small, VIBRATION_AMPLITUDE * compression.travel)
 
 
 def _roll_of_loop(table: TomlTable) -> bool:

@@ -13,7 +13,7 @@ from typing import Any
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
-from wirerope_mj.mounts.laws import LoopCoupling, SymmetricBoucWen
+from wirerope_mj.mounts.laws import LoopCoupling, Parallel
 from wirerope_mj.mounts.rope_loop import (
     AxisCurves,
     axis_curves,
@@ -24,7 +24,8 @@ from wirerope_mj.mounts.rope_loop import (
 )
 from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
-from wirerope_mj.mounts.vendor_parts.secants import ElasticShape, NiLaw, fit_damped, fit_secants
+from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, FitRule, NiLaw, first_state
+from wirerope_mj.mounts.vendor_parts.secants import fit_damped, fit_secants
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue
 from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
 
@@ -63,8 +64,12 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
         compression=compression.travel, roll=None if shear is None else shear.travel,
     )  # fmt: skip
-    along = ElasticShape(asymmetry=curves.asymmetry, cubic=curves.axial_cubic * compression.hardening)
-    axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude)
+    rule = RULES[sheet.scales]
+    along = ElasticShape(
+        asymmetry=rule.asymmetry * curves.asymmetry,
+        cubic=rule.asymmetry * curves.axial_cubic * compression.hardening,
+    )
+    axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
     travel = None if shear is None else shear.travel
     isolator = Isolator(
@@ -74,7 +79,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
             static_load=sheet.static_load, travel=Travel(compression=compression.travel, shear=travel, roll=travel)
         ),
         geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
-        spread=Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),)),
+        spread=_spread(curves) if sheet.scales == 1 else None,
         rotation=_rotation(sheet, axial, across.get("roll"), curves),
         **across,
     )
@@ -88,52 +93,63 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     return replace(isolator, provenance=provenance)
 
 
-def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw, curves: AxisCurves) -> dict[str, Any]:
+def _spread(curves: AxisCurves) -> Spread:
+    """Return the scatter of the asymmetry, for what the bars hold."""
+    return Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),))
+
+
+def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves: AxisCurves) -> dict[str, Any]:
     """Return the laws of shear and roll and the coupling of roll and axial, as arguments of the isolator."""
-    curve = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening)
-    law = _fit(shear, curve, 1.0 / axial.beta, sheet.damping_amplitude)
-    roll = _rolling(axial, law, curves) if sheet.roll_of_loop else law
+    curve, rule = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening), RULES[sheet.scales]
+    yielding = rule.shear_yield * first_state(axial).normalised.x_y
+    law = _fit(shear, curve, yielding, sheet.damping_amplitude, rule)
+    roll = _rolling(axial, law, curves, rule) if sheet.roll_of_loop else law
     return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
 
 
-def _fit(stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float) -> NiLaw:
+def _fit(
+    stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float, rule: FitRule
+) -> NiLaw | Parallel:
     """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
     if stated.damping is not None:
-        return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude)
+        return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude, rule=rule)
     if yielding is None:
         raise ValueError("`yielding` must be given where no damping ratio is.")
-    return fit_secants(stated.fitted, curve, yielding)
+    return fit_secants(stated.fitted, curve, yielding, rule)
 
 
-def _rolling(axial: NiLaw, shear: NiLaw, curves: AxisCurves) -> SymmetricBoucWen:
+def _rolling(axial: NiLaw | Parallel, shear: NiLaw | Parallel, curves: AxisCurves, rule: FitRule) -> NiLaw | Parallel:
     """Return the law of roll that the rope loop has beside an axial law, with friction in the proportion of shear's."""
-    spring = axial.k1 * curves.roll_stiffness / curves.axial_stiffness
-    values = {"alpha": shear.alpha * spring / shear.k1, "k1": spring, "k3": curves.roll_cubic * spring}
-    rounded = {key: float(f"{value:.9g}") for key, value in values.items()}
-    return SymmetricBoucWen(**rounded, beta=shear.beta, gamma=0.0, n=1.0, k2=0.0)
+    spring, beside = first_state(axial).k1 * curves.roll_stiffness / curves.axial_stiffness, first_state(shear)
+    friction, yielding = beside.normalised.z_max * spring / beside.k1, beside.normalised.x_y
+    return rule.law(friction, yielding, spring, ElasticShape(asymmetry=None, cubic=curves.roll_cubic))
 
 
-def _rotation(sheet: DataSheet, axial: NiLaw, roll: NiLaw | None, curves: AxisCurves) -> Rotation | None:
+def _rotation(
+    sheet: DataSheet, axial: NiLaw | Parallel, roll: NiLaw | Parallel | None, curves: AxisCurves
+) -> Rotation | None:
     """Return the rotational stiffness of the loops, spread over the bars; None where their length is not stated."""
     if sheet.bar_length is None or sheet.loops is None:
         return None
     stiffness = rotational_stiffness(
         loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope),
-        bending_stiffness=axial.k1 / (sheet.loops * curves.axial_stiffness),
+        bending_stiffness=first_state(axial).k1 / (sheet.loops * curves.axial_stiffness),
         positions=loop_positions(sheet.loops, sheet.bar_length),
-        axial=axial.k1,
-        roll=None if roll is None else roll.k1,
+        axial=first_state(axial).k1,
+        roll=None if roll is None else first_state(roll).k1,
     )
     about_roll, about_shear, about_axial = (float(f"{value:.6g}") for value in stiffness)
     return Rotation(roll=about_roll, shear=about_shear, axial=about_axial)
 
 
-def _coupling(sheet: DataSheet, range_of_roll: float, axial: NiLaw, roll: NiLaw, curves: AxisCurves) -> LoopCoupling:
+def _coupling(
+    sheet: DataSheet, range_of_roll: float, axial: NiLaw | Parallel, roll: NiLaw | Parallel, curves: AxisCurves
+) -> LoopCoupling:
     """Return the loop's coupling energy, in the size that both axes ask for: the geometric mean of their EI.
 
     Over the 50 parts of Enidine's table that leaves 45 degrees nearest to the catalogue.
     """
-    sizes = axial.k1 / curves.axial_stiffness, roll.k1 / curves.roll_stiffness
+    sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
     shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
     travel = sheet.compression.travel
     coupling = fit_coupling(
@@ -172,12 +188,22 @@ def _stated(value: StatedValue) -> str:
 
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
     """Return the assumptions that no source gives, one text each."""
-    texts = [
-        f"axial: c ln b and k3 / k1 from the rope loop, to {100.0 * curves.misfit:.2g} % of its secants; nobody "
-        f"measured tension; standard deviation of c in [spread], {curves.asymmetry_deviation:.3g} 1/m, for what the bars hold",
-        "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
-        "tension travel is not stated and not judged",
-    ]
+    if sheet.scales == 1:
+        shape = [
+            f"axial: c ln b and k3 / k1 from the rope loop, to {100.0 * curves.misfit:.2g} % of its secants; nobody measured "
+            f"tension; standard deviation of c in [spread], {curves.asymmetry_deviation:.3g} 1/m, for what the bars hold",
+            "n = 1, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
+        ]
+    else:
+        shape = [
+            f"axial: c ln b and k3 / k1 are a third of the rope loop's, whose c is {curves.asymmetry:.3g} 1/m with a standard "
+            f"deviation of {curves.asymmetry_deviation:.3g} 1/m for what the bars hold: nobody measured tension, and the "
+            "shocks of a rack on CB1400-15 in both senses ask for a third",
+            "two scales of friction on every axis, the second with an eighth of the force and a twentieth of the yield "
+            "deflection of the first: damping that does not vanish in small cycles",
+            "n = 2, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
+        ]
+    texts = [*shape, "tension travel is not stated and not judged"]
     if sheet.shear is not None:
         axes = "shear" if sheet.roll_of_loop else "shear and roll"
         texts.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
@@ -189,7 +215,8 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
             "roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's"
         )
     if sheet.shear is not None and sheet.shear.damping is None:
-        texts.append("shear and roll: friction yields at the deflection of the axial law")
+        part = "" if sheet.scales == 1 else "three quarters of "
+        texts.append(f"shear and roll: friction yields at {part}the deflection of the axial law")
     if sheet.damping_range is not None:
         texts.append("damping ratio: the vendor states {:g} to {:g} for the whole series".format(*sheet.damping_range))
     return (*texts, *sheet.assumed)
