@@ -50,12 +50,12 @@ def require_memory(what: str, size: float, remedy: str) -> None:
 
 
 def require_disk(what: str, size: float, folder: Path, remedy: str) -> None:
-    """Raise BudgetError if a file takes more of a folder's disk than is free; as `require_memory`."""
+    """Raise BudgetError if a file may take more of a folder's disk than is free; `size` is what it takes at the most [B]."""
     there = next((path for path in (folder, *folder.absolute().parents) if path.is_dir()), Path())
     free = shutil.disk_usage(there).free
     if size > DISK_SHARE * free:
         raise BudgetError(
-            f"{what} would take {bytes_text(size)} of disk; the limit is {bytes_text(DISK_SHARE * free)}, "
+            f"{what} may take up to {bytes_text(size)} of disk; the limit is {bytes_text(DISK_SHARE * free)}, "
             f"{DISK_SHARE:.0%} of what is free. {remedy}"
         )
 

@@ -4,6 +4,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.response.contacts import ContactPeak
+from wirerope_mj.foundation.errors import ModelError
 
 MOST = 32
 """Rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state."""
@@ -25,8 +26,14 @@ def declared_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
 
 
 def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak]:
-    """Return the model's declared pairs by name, as contacts that have not touched."""
+    """Return the model's declared pairs by name, as contacts that have not touched; ModelError if one is there twice."""
     pairs = [payload_first(model, base, pair) for pair in declared_pairs(model)]
+    for number, pair in enumerate(pairs):
+        if set(pair) in map(set, pairs[:number]):
+            raise ModelError(
+                f"the <pair> of geoms {geom_name(model, pair[0])!r} and {geom_name(model, pair[1])!r} stands there twice, and "
+                "their forces would be doubled. Remove one, or give it geoms of its own."
+            )
     return {contact_name(model, pair): untouched(model, pair) for pair in pairs}
 
 

@@ -135,7 +135,7 @@ class Choice:
         if not (all(booleans) or (all(numbers) and not any(booleans)) or all(isinstance(one, str) for one in plain)):
             raise ValueError(f"the values of a `Choice` must all be numbers, booleans or strings, got {list(plain)}.")
         for one in plain:
-            if isinstance(one, int | float) and not isinstance(one, bool) and finite("Choice", one) != one:
+            if isinstance(one, int) and finite("Choice", int(one)) != one:
                 raise ValueError(
                     f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}."
                 )
