@@ -149,3 +149,10 @@ def test_a_folder_is_written_anew_while_another_process_still_removes_the_one_be
     write("second")
     assert (folder / "mark").read_text() == "third"
     assert names(tmp_path) == ["run"]
+
+
+def test_a_pipe_of_a_hidden_name_makes_nobody_wait(tmp_path):
+    os.mkfifo(tmp_path / ".run.wirerope.part")
+    with hidden_folder(tmp_path / "run") as hidden:
+        assert hidden.is_dir()
+    assert names(tmp_path) == [".run.wirerope.part"]

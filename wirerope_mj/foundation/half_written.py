@@ -118,6 +118,8 @@ def _made(folder: Path, patience: float) -> tuple[Path, str, int | None]:
             time.sleep(0.05)
         with suppress(FileExistsError):
             hidden.mkdir(parents=True)
+        if not hidden.is_dir() and hidden.exists():  # a pipe, say: another name is taken
+            break
         lock, handle = _lock(hidden)
     if lock in (HELD, TAKEN):
         return hidden, lock, handle
