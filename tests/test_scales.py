@@ -128,6 +128,7 @@ def test_auto_takes_as_many_scales_as_the_device_has():
         assert [row.count for row in fit.scale_rows] == list(range(1, len(sizes) + 2))
 
 
+@pytest.mark.slow
 def test_auto_keeps_what_it_could_judge():
     # Five amplitudes less one are too few for the 13 parameters of three scales.
     fit = wr.identify(noisy_loops(rope(c=0.0), AMPLITUDES[1:]), law=wr.SymmetricBoucWen, scales="auto", profiles=False)
