@@ -10,6 +10,9 @@ from laws_for_tests import path_through
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
+from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.engine.kernel.held import equations
 from wirerope_mj.engine.kernel.numbers import Numbers
 from wirerope_mj.engine.statics.side_by_side import rester
@@ -155,6 +158,20 @@ def test_cycles_and_tangents_are_those_of_the_law_in_the_plane():
             slopes.append(np.diff(force, axis=0)[0] / (sign * step))
         slope = np.linalg.solve(turns, np.array(slopes)).T
         np.testing.assert_allclose(tangent, 0.5 * (slope + slope.T), rtol=0, atol=1e-4 * np.abs(slope).max())
+
+
+@pytest.mark.slow
+def test_the_variational_equation_has_the_states_of_both_scales():
+    search = OrbitSearch(
+        mass_on(device(shear=parts(2.0, k1=4e4)[0])), direction="z", history="relaxed", accuracy=1.5625e-6
+    )
+    with search.flow.ready():
+        drive = search.drive(8.0, 3.0)
+        x = search._settled(search.coordinates.rest(), drive, 20)
+        found = close(search.flow, shot(search.flow, x, drive), tolerance=1e-6, iterations=10)
+        columns, quick = monodromy(search.flow, found), variational_of(search.flow).matrix(found)
+    # 5e-5; as for one scale both miss where a reversal stands within a step.
+    assert np.abs(columns - quick).max() / np.abs(columns).max() < 3e-3
 
 
 def test_the_file_keeps_both_scales(tmp_path):
