@@ -12,6 +12,10 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 
 
+LARGEST = 100.0
+"""Largest end of a box [m]: no loop of rope is larger, and powers of the ends stay numbers."""
+
+
 @dataclass(frozen=True, kw_only=True)
 class LoopCoupling:
     """Elastic energy of roll u and axial deflection w that is there only where both are, beside the axes' own laws.
@@ -38,7 +42,10 @@ class LoopCoupling:
 
     def __post_init__(self) -> None:
         for name in ("roll", "compression", "tension"):
-            positive(name, getattr(self, name), unit="m")
+            if positive(name, getattr(self, name), unit="m") > LARGEST:
+                raise ValueError(
+                    f"`{name}` must be at most {LARGEST:g} m, got {getattr(self, name)!r} m: check its unit."
+                )
         rows = self.coefficients
         if not isinstance(rows, list | tuple) or not all(isinstance(row, list | tuple) for row in rows):
             raise ValueError(f"`coefficients` must be rows of numbers [J], got {rows!r}.")
