@@ -65,6 +65,7 @@ def modes_command(
     print_lines(
         [
             *about_small(system, small),
+            *below_tests(system),
             *beyond_rating(system, large),
             *outside_tests(system, large),
             *about_rest(system, small, large),
@@ -150,6 +151,21 @@ def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
                 f"{1e3 * (result.amplitude or 0.0):g} mm takes mounts beyond their rated travel: {', '.join(beyond)} "
                 f"({worst} up to {100.0 * beyond[worst]:.0f} % of it, sag included). Nobody vouches for the law there."
             )
+
+
+def below_tests(system: System) -> Iterator[str]:
+    """Yield a sentence on the isolators whose small cycles lie below what was tested."""
+    least = {
+        f"{mount.isolator.name} {axis} ({1e3 * one.amplitude[0]:.3g} mm)": None
+        for mount in system.mounts.values()
+        for axis, one in mount.isolator.validity.stated.items()
+        if one.amplitude[0] > 0.0
+    }
+    if least:
+        yield (
+            "Small cycles lie below the least amplitude that isolators were tested at, and their frequencies are extrapolated: "
+            f"{', '.join(least)}."
+        )
 
 
 def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:

@@ -9,7 +9,7 @@ from typing import TypeVar
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.steady import steady_interval
-from wirerope_mj.assessment.criteria.tested import untested_line
+from wirerope_mj.assessment.criteria.tested import falling_line, untested_line
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.system import System
@@ -57,7 +57,7 @@ def judged_run(system: System, response: Response) -> JudgedRun:
         statics=statics,
         verdicts=(*judge(response, statics=known), *limited),
         random=random,
-        untested=untested_line(isolators, response),
+        untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
         model_warnings=model_warnings(system),
     )
 

@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.falling import falling_text
 
 _NAMED = 3  # mounts and axes that a sentence names
 
@@ -33,4 +34,19 @@ def untested_line(isolators: Mapping[str, Isolator], response: Response) -> str:
     return where and (
         f"Outside the cycles that the isolator was identified from, and so extrapolated: {where}. The error of the fit says "
         "nothing of forces there."
+    )
+
+
+def falling_line(isolators: Mapping[str, Isolator], response: Response) -> str:
+    """Return a sentence on the mounts that went where their force falls as the deflection grows; "" where none did."""
+    found = []
+    for name, mount in response.peaks.mounts.items():
+        ends = zip(isolators[name].axes.items(), mount.deflection.minimum, mount.deflection.maximum, strict=True)
+        for (axis, law), low, high in ends:
+            if law is not None and (text := falling_text(law, min(float(low), 0.0), max(float(high), 0.0))):
+                found.append(f"{name} {axis}: {text}")
+    more = len(found) - _NAMED
+    listed = "; ".join(found[:_NAMED]) + (f"; and {more} more" if more > 0 else "")
+    return (
+        listed and f"Mounts went where their force falls as the deflection grows, and pushes the load away: {listed}."
     )

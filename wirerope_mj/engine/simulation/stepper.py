@@ -1,6 +1,7 @@
 """A system on its way through a time grid: what is prepared for every segment, and what MuJoCo's warnings mean."""
 
 import copy
+import math
 from typing import Any
 
 import mujoco
@@ -16,6 +17,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator.falling import falling_text
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 _NEAR = 0.8
@@ -104,11 +106,13 @@ class Stepper:
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
-                        raise SimulationError(self._message(mujoco.mjtWarning(kind).name) + self._beyond(deflections))
+                        falling = self._falling(deflections)
+                        message = self._message(mujoco.mjtWarning(kind).name, grew=_GREW_FALLING if falling else _GREW)
+                        raise SimulationError(message + (falling or self._beyond(deflections)))
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
 
-    def _message(self, warning: str) -> str:
-        remedy = _REMEDIES.get(warning, "see MuJoCo's documentation of this warning")
+    def _message(self, warning: str, *, grew: str) -> str:
+        remedy = grew if warning in _GROWING else _REMEDIES.get(warning, "see MuJoCo's documentation of this warning")
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
         return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
@@ -118,10 +122,19 @@ class Stepper:
         return self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()
 
     def _beyond(self, deflections: Array) -> str:
-        """Return a note on a mount that was near or beyond the end of its law, "" if there is none."""
+        """Return a note on a mount near or beyond the end of its law, "" if there is none."""
         for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
             if beyond := beyond_law(mount.isolator.axes, row, row, fraction=_NEAR):
                 return f" Mount {name!r} stood {beyond}."
+        return ""
+
+    def _falling(self, deflections: Array) -> str:
+        """Return a note on the first mount that stood where its force falls as the deflection grows, "" if there is none."""
+        for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
+            for (axis, law), x in zip(mount.isolator.axes.items(), map(float, row), strict=True):
+                reach = min(max(x, -_FARTHEST), _FARTHEST) if math.isfinite(x) else 0.0
+                if law is not None and (text := falling_text(law, min(reach, 0.0), max(reach, 0.0))):
+                    return f" Mount {name!r} stood at {1e3 * x:.4g} mm on its {axis} axis, where {text}."
         return ""
 
 
@@ -175,11 +188,14 @@ def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int6
     return np.flatnonzero(rides)
 
 
+_FARTHEST = 1.0  # m: where a motion has grown without bound it went through every smaller deflection
 _GREW = "the motion grew without bound; use a smaller `timestep`, and check masses, stops and mount loads"
+_GREW_FALLING = (
+    "the motion grew without bound because the force of a mount falls as its deflection grows: no timestep mends that; take a "
+    "law that holds there, or test larger amplitudes"
+)
+_GROWING = ("mjWARN_BADQACC", "mjWARN_BADQPOS", "mjWARN_BADQVEL")
 _REMEDIES = {
-    "mjWARN_BADQACC": _GREW,
-    "mjWARN_BADQPOS": _GREW,
-    "mjWARN_BADQVEL": _GREW,
     "mjWARN_BADCTRL": "a control is not finite or above 1e10; check what writes `ctrl`",
     "mjWARN_CNSTRFULL": "there are more contacts than memory; raise <size memory=...> in the model",
     "mjWARN_CONTACTFULL": "there are more contacts than memory; raise <size memory=...> in the model",

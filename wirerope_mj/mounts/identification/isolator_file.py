@@ -7,6 +7,7 @@ from typing import Any
 
 from wirerope_mj.mounts.identification.result import Identification, fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
+from wirerope_mj.mounts.isolator.falling import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen
 
 
@@ -35,6 +36,8 @@ def identified_isolator(
     sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
     points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
     assumed = [*assumptions(result, given), *(f"the data do not identify: {text}" for text in result.non_identifiable)]
+    if falling := result.falling or _falling_in_rating(result, axis, whole or known):
+        assumed.append(f"{falling}: the law does not hold there")
     if not result.converged:
         assumed.append(f"the fit did not converge ({result.message})")
     provenance = Provenance(
@@ -62,6 +65,14 @@ def identified_isolator(
     both = result.measured.joined(known.validity.stated.get(axis))
     validity = replace(known.validity, **{axis: both})
     return replace(known.conditioned, name=name, provenance=provenance, spread=None, validity=validity, **axes)
+
+
+def _falling_in_rating(result: Identification, axis: str, rated: Isolator | None) -> str:
+    """Return from which deflections on the tangent stiffness is negative within the rated travel, as text."""
+    if rated is None:
+        return ""
+    below, above = (travel or 0.0 for travel in rated.rated_travel(axis))
+    return falling_text(result.law, -below, above)
 
 
 def _both(before: str, now: str) -> str:

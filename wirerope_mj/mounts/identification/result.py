@@ -14,7 +14,11 @@ from wirerope_mj.mounts.identification.stages import Stage
 from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.identification.validity import measured_range, validity_of
 from wirerope_mj.mounts.isolator import MeasuredRange
+from wirerope_mj.mounts.isolator.falling import falling_text
 from wirerope_mj.mounts.laws import Law
+
+BEYOND = 2.0
+"""Times the tested deflections up to which a law is looked at: a shock goes there."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -113,6 +117,12 @@ class Identification(Summarised):
         pairs = zip(self.scales, self.law.components, strict=False)
         return ", ".join(f"{name} scale {1e3 * yield_deflection(one):.3g} mm" for name, one in pairs)
 
+    @property
+    def falling(self) -> str:
+        """From which deflections on the tangent stiffness is negative within twice the tested ones, as text; "" if nowhere."""
+        low, high = self.measured.deflection
+        return falling_text(self.law, BEYOND * min(low, 0.0), BEYOND * max(high, 0.0))
+
     def __str__(self) -> str:
         """The law, its error, its parameters with units and errors, what is not identifiable, and its range of validity."""
         lines = [
@@ -130,7 +140,7 @@ class Identification(Summarised):
         lines += [f"not identifiable: {text}" for text in self.non_identifiable]
         if self.not_told_from_zero:
             lines.append(f"not told from zero: {', '.join(self.not_told_from_zero)}")
-        return "\n".join([*lines, self.validity])
+        return "\n".join([*lines, self.validity, *filter(None, [self.falling])])
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -159,6 +159,10 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
     if unseen := result.not_told_from_zero:
         texts.append(f"not told from zero: {', '.join(unseen)}; a law without them may fit as well")
     texts.append(result.validity)
+    if result.falling:
+        texts.append(
+            f"{result.falling}: a shock that goes there has no answer; test larger amplitudes, or take another law"
+        )
     if (correlation := neighbours_correlation(fits)) > _BENT:
         texts.append(
             f"what is left is no white noise (neighbouring residuals correlate by {correlation:.2f}): standard errors count it "
