@@ -10,6 +10,7 @@ from wirerope_mj.dynamics.periodic.coordinates import Coordinates
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
 from wirerope_mj.dynamics.periodic.scaled_states import ScaledStates
+from wirerope_mj.dynamics.periodic.smoothing import widths_of
 from wirerope_mj.dynamics.periodic.stepping import go, look_around
 from wirerope_mj.dynamics.periodic.track import Drive, Track
 from wirerope_mj.engine.control.layout import MAX_STEPS
@@ -20,7 +21,6 @@ from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
-from wirerope_mj.mounts.laws.kernels import SMOOTHED
 
 RATE = 6
 """Place of the deflection's rate in a mount's record, behind deflection and force."""
@@ -52,7 +52,8 @@ class KernelFlow(Flow):
         super().smooth(width)
         lay, num = self._equations.lay, self._equations.num.copy()
         axes = lay[lay[at.AXES] :][: 3 * at.AXIS_COLUMNS * lay[at.N_MOUNTS]].reshape(-1, at.AXIS_COLUMNS)
-        num[lay[at.PARAMETERS] + axes[axes[:, 0] == SMOOTHED, 1]] = width
+        first = int(lay[at.PARAMETERS])
+        num[first + widths_of(axes[:, :2], num[first:])] = width
         self._equations = replace(self._equations, num=num)
         if self._beyond is not None:
             self._beyond.smooth(width)

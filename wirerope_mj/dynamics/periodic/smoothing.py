@@ -44,12 +44,16 @@ def width_indices(system: System) -> npt.NDArray[np.int64]:
     layout, parameters = int(numbers[1]), int(numbers[2])
     first = layout + int(model.numeric_data[layout + at.AXES])
     rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
+    return parameters + widths_of(rows[:, :2], model.numeric_data[parameters:])
+
+
+def widths_of(laws: npt.NDArray[Any], parameters: npt.NDArray[np.float64]) -> npt.NDArray[np.int64]:
+    """Find the widths of smoothed laws, also those in parallel, among the parameters of (number, first parameter) rows."""
     found = []
-    for law, at_law in rows[:, :2].astype(int).tolist():
-        first = parameters + at_law
+    for law, first in laws.astype(int).tolist():
         found += [first] if law == SMOOTHED else []
-        parts = int(model.numeric_data[first]) if law == PARALLEL else 0
-        for part in model.numeric_data[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
+        parts = int(parameters[first]) if law == PARALLEL else 0
+        for part in parameters[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
             found += [first + part[1]] if part[0] == SMOOTHED else []
     return np.array(found, dtype=np.int64)
 
