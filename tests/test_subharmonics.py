@@ -29,7 +29,7 @@ def subharmonic(system, once):
     """What is left after 400 periods: started on the unstable motion, rounding alone drives the system away from it."""
     settled = wr.simulate(
         system, once.motion, duration=400.0 / FREQUENCY, initial=once.state, timestep=1.0 / (256 * FREQUENCY),
-        sample_rate=FREQUENCY,
+        sample_rate=10.0 * FREQUENCY,
     )  # fmt: skip
     guess = wr.State(values=settled.final_state.values, time=0.0)
     return wr.periodic_orbit(

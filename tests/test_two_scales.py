@@ -16,7 +16,8 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.mounts.vendor_parts import fit_part, vendor_parts
+from wirerope_mj.mounts.vendor_parts import vendor_parts
+from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, first_state
 from wirerope_mj.mounts.vendor_parts.law_values import damping_ratio, virgin_force

@@ -12,7 +12,7 @@ import pytest
 from wirerope_mj.cli import main
 from wirerope_mj.runs import judged as judged_module
 
-SHORT = ["run", "shock_table", "--duration", "0.15", "--out"]
+SHORT = ["run", "shock_table", "--duration", "0.4", "--out"]
 
 
 class Terminal(io.StringIO):

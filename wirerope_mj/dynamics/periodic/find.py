@@ -204,7 +204,7 @@ class OrbitSearch:
         try:
             simulate(
                 self.system, sine, duration=drive.duration, initial=state, timestep=step,
-                sample_rate=1.0 / drive.duration,
+                sample_rate=drive.steps / drive.duration,
             )  # fmt: skip
         except SimulationError as error:
             level = f"at {drive.frequency:.5g} Hz and {abs(drive.acceleration):.4g} m/s^2"
