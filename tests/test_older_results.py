@@ -61,8 +61,8 @@ def test_an_identification_gives_the_same_law(tmp_path):
     new = new.replace("\N{MINUS SIGN}", "-").replace("\N{EN DASH}", "-")
     after_rows = [re.findall(r"<td[^>]*>(.*?)</td>", row) for row in re.findall(r"<tr>(.*?)</tr>", new, re.DOTALL)]
     for old_row, new_row in zip(numbers_of(before_rows), numbers_of(after_rows), strict=True):
-        # What is left of these loops, 0.0011 to 0.0019 % of their range, is smooth along them. Standard errors took it for white
-        # noise: of n and sigma, both 1 in the device, they were a third of the distance, and are 3 to 9 times as large now.
+        # What is left of these loops, 0.0011 to 0.0019 % of their range, is smooth along them. Standard errors took it for
+        # white noise: of n and sigma, both 1 in the device, they were a third of the distance, now 2 to 9 times as large.
         errors = slice(2, 4) if len(old_row) == 5 else slice(0, 0)
         for old_error, new_error in zip(old_row[errors], new_row[errors], strict=True):
             assert 1.0 < float(new_error) / float(old_error) < 10.0
