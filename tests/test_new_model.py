@@ -48,6 +48,14 @@ def make(*options, name="genset"):
     return main(["new", name, "--mounts", "mounts.csv", "--masses", "masses.csv", *options])
 
 
+def test_a_model_that_nothing_holds_up_is_written_and_exits_with_1_as_the_help_says(here, capsys):
+    good_tables()
+    write("masses.csv", MASSES, ["engine, 90000, 0, 0, 500, 9000, 9000, 9000, 0"])
+    assert make() == 1
+    assert "no equilibrium was found" in capsys.readouterr().err
+    assert Path("genset/genset.xml").is_file()
+
+
 def compiled(path="genset/genset.xml"):
     """Return what MuJoCo alone compiles, and the inertia of the payload about its centre along the world's axes."""
     model = mujoco.MjModel.from_xml_path(str(path))

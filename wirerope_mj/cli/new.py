@@ -1,5 +1,6 @@
 """`wirerope new`: a model from tables, or from a template."""
 
+import sys
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -38,7 +39,8 @@ def new(
         pdf: write the plan as PDF, too.
         force: replace the model's folder that is there.
     """
-    from wirerope_mj.cli.statics import statics
+    from wirerope_mj.cli.statics import MISSING, statics
+    from wirerope_mj.foundation.errors import ConvergenceError
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.runs.new_model import from_template, new_model
 
@@ -61,4 +63,8 @@ def new(
         )  # fmt: skip
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
-    return statics(str(model))
+    try:
+        return statics(str(model))
+    except ConvergenceError as error:  # the model stands, as its tables say it: its mounts are too few or too soft
+        print(plain(f"wirerope: {error}"), file=sys.stderr)
+        return MISSING
