@@ -25,6 +25,7 @@ STOPS = "name, x [mm], y [mm], z [mm], gap [mm], stiffness [MN/m], damping [kN s
 FEET = [f"m{n}, {x}, {y}, 100, enidine_wr16_400, 30, {-90 if y > 0 else 90}"
         for n, (x, y) in enumerate([(x, y) for y in (-300, 300) for x in (-800, 0, 800)], start=1)]  # fmt: skip
 PARTS = ["engine, 700, -400, 20, 500, 50, 90, 80, 3", "alternator, 500, 600, -10, 450, 25, 40, 35, -1"]
+SOFT = [(1, -300, -300), (2, 300, -300), (3, 0, 300)]
 STOP_ROWS = ["s1, -800, 0, 100, 40, 10, 15", "s2, 800, 0, 100, 40, 10, 15"]
 
 
@@ -50,8 +51,9 @@ def make(*options, name="genset"):
 
 def test_a_model_that_nothing_holds_up_is_written_and_exits_with_1_as_the_help_says(here, capsys):
     good_tables()
-    write("masses.csv", MASSES, ["engine, 90000, 0, 0, 500, 9000, 9000, 9000, 0"])
-    assert make() == 1
+    write("mounts.csv", MOUNTS, [f"m{n}, {x}, {y}, 100, enidine_wr12_400, 0, 0" for n, x, y in SOFT])
+    write("masses.csv", MASSES, ["engine, 90000, 0, 0, 600, 6000, 6000, 6000, 0"])
+    assert main(["new", "genset", "--mounts", "mounts.csv", "--masses", "masses.csv"]) == 1
     assert "no equilibrium was found" in capsys.readouterr().err
     assert Path("genset/genset.xml").is_file()
 
