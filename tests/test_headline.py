@@ -18,7 +18,7 @@ def row(value=1.0, limit=2.0, **changes):
 
 
 def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(tmp_path):
-    done = wirerope("run", "floating_floor_shock", "--duration", "0.12", "--out", "here", cwd=tmp_path)
+    done = wirerope("run", "floating_floor_shock", "--duration", "0.4", "--out", "here", cwd=tmp_path)
     sentence = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))["headline"]
     assert re.match(r"Exceeded: \d+ of \d+ limits; .*\.$", sentence)
     assert sentence in [line.strip() for line in done.stdout.splitlines()]
@@ -37,7 +37,7 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
         "run",
         "shock_table",
         "--duration",
-        "0.12",
+        "0.4",
         "--level-g",
         "60",
         "--timestep",

@@ -26,6 +26,7 @@ LAW = wr.AsymmetricBoucWen.from_normalised(
     z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
 )
 SHEAR = wr.SymmetricBoucWen.from_normalised(z_max=500.0, x_y=1.5e-3, sigma=0.9, n=1.0, k1=4e4, k2=0.0, k3=4e8)
+SCALES = ((360.0, 6e-3, 3e4), (45.0, 0.4e-3, 0.0))  # z_max, x_y, k of a rope that yields on two scales
 STOP = Stop(gap_below=0.01, k=1e6, rounding=1e-3)
 
 
@@ -48,6 +49,8 @@ def identification():
     records("shear.csv", "roll.csv", law=SHEAR)
     records("bumper.csv", law=STOP, amplitudes=(0.012, 0.015, 0.018))
     records("bottoming.csv", law=Parallel(laws=(LAW, STOP)), amplitudes=(5e-3, 0.012, 0.015, 0.018))
+    two = [wr.BoucWen.from_normalised(z_max=z, x_y=x, sigma=0.6, n=1.6, k=k) for z, x, k in SCALES]
+    records("rope.csv", law=Parallel(laws=two), amplitudes=(0.5e-3, 1e-3, 3e-3, 8e-3, 15e-3))
     wr.Isolator(name="known", axial=LAW, provenance=wr.Provenance(kind="illustrative", source="a test")).save(
         "isolator.toml"
     )
