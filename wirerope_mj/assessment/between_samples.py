@@ -1,4 +1,4 @@
-"""What a sampled history does between its samples, where its rate is known at them: cubics, and how far they can be trusted.
+"""Sampled histories between their samples, by cubics where the rate is known at them, and the error of these cubics.
 
 Between two samples stands the cubic that has the values and rates of both (Hermite). Where a cubic over two intervals misses
 the sample in between, by m, those over single intervals miss the history by m / 16 where it is smooth, and by m / 4 where its
@@ -52,7 +52,7 @@ def path(values: Array, rates: Array, spacing: float) -> tuple[Array, Array]:
 
 
 def misfit(values: Array, rates: Array, spacing: float) -> Array:
-    """Return how far the cubics may miss the history beside each sample, (n,); infinite where there are not three samples."""
+    """Estimate the error of the cubics beside each sample, (n,), in units of the history; infinite below three samples."""
     if values.size < 3:
         return np.full(values.size, np.inf)
     middle = 0.5 * (values[:-2] + values[2:]) + 0.25 * spacing * (rates[:-2] - rates[2:])

@@ -1,4 +1,4 @@
-"""Whether a run goes on until its peaks are over: what ends before is not judged, unless a limit is exceeded already.
+"""Runs that end before their peaks are over: nothing in them is judged but what is exceeded already.
 
 A shock, or a record, is over when its motion is, and the slowest mode has had the time for its largest swings to both sides
 after it. A sweep, and random vibration, are whole when they have been run through: they go on after it or fade by themselves.
@@ -17,10 +17,10 @@ from wirerope_mj.assessment.criteria.verdict import WITHIN, Verdict
 from wirerope_mj.engine.response import Response
 
 TOO_EARLY = "the run ends at"
-"""How the notes begin on what is not judged because the run ends too early."""
+"""Beginning of the notes on values that are not judged because the run ends too early."""
 
 GROWS = "it still grows when the run ends"
-"""How they begin on what grows until the end."""
+"""Beginning of the notes on values that grow until the end of the run."""
 
 PERIODS = 2.0
 """Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long."""

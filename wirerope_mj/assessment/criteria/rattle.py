@@ -67,7 +67,7 @@ def _rate_between(response: Response, name: str) -> Array:
 
 
 Side = tuple[float, float, float]
-"""How far something went one way [m], when [s], and how much farther it may have gone between the samples [m]."""
+"""Displacement one way [m], its instant [s], and by how much it may be larger between the samples [m]."""
 
 
 def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
