@@ -10,7 +10,7 @@ import pytest
 from kills import interruptible
 from made_up_floor import floor_response
 
-from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, judge, verdict_lines
+from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.over_time import used_limits
 from wirerope_mj.assessment.criteria.sentences import against_limit
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
@@ -105,7 +105,13 @@ def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
 def test_what_is_nearest_to_its_limit_may_be_a_static_load():
     """Loads at rest do not change over time, and have no lane; the answer names them nevertheless."""
     response = floor_response()
-    load = Verdict(criterion="static load in compression, relaxed", subject="m07", value=2.6e3, limit=2e3, unit="N")
+    load = Verdict(
+        criterion=Criterion("static load in compression", sense="relaxed"),
+        subject="m07",
+        value=2.6e3,
+        limit=2e3,
+        unit="N",
+    )
     selection = select(response, (*judge(response), load))
     words = verdict_markdown(selection)
     assert "farthest beyond: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words

@@ -18,6 +18,7 @@ from wirerope_mj.assessment.criteria import (
     mount_peaks,
     verdict_lines,
 )
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION
 from wirerope_mj.assessment.criteria.sentences import rule_lines
 from wirerope_mj.cli.screen import console, print_table, print_warnings
 from wirerope_mj.engine.response import Response
@@ -85,7 +86,7 @@ def _folders(folder: Path) -> str:
 
 def _accelerations(scenario: Scenario, response: Response, verdicts: Sequence[Verdict]) -> Table:
     sweep = scenario.motion if isinstance(scenario.motion, Sweep) else None
-    judged = [row for row in verdicts if row.criterion.startswith("acceleration") and row.utilisation is not None]
+    judged = [row for row in verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
     limited = {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
     columns = [
         Column(align="left"),
@@ -113,8 +114,7 @@ def _against_limit(row: Verdict | None) -> list[Cell]:
     """Return limit and utilisation of the component that is nearest to its limit."""
     if row is None or row.limit is None:
         return [Mark("-", "quiet")] * 2
-    axis = row.criterion.removeprefix("acceleration along ")
-    along = "" if axis == row.criterion else f"{axis} "
+    along = f"{row.criterion.axis} ".lstrip()
     return [f"{along}{in_unit(row.limit, 'g'):.4g}", _used(row.utilisation)]
 
 

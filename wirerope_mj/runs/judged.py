@@ -7,6 +7,7 @@ from functools import partial
 from typing import TypeVar
 
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
+from wirerope_mj.assessment.criteria.criterion import LARGEST
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.assessment.criteria.tested import falling_line, untested_line
@@ -67,7 +68,7 @@ def _random(response: Response) -> tuple[Verdict, ...]:
     alone, first, _ = steady_interval(response.motion)
     if not alone or first == -math.inf:
         return ()
-    return tuple(row for row in judge_random(response) if not row.criterion.startswith("largest"))
+    return tuple(row for row in judge_random(response) if row.criterion.kind != LARGEST)
 
 
 def result_or_absent(compute: Callable[[], Result]) -> Result | Absent:

@@ -10,7 +10,7 @@ _AXES = ("x", "y", "z")
 
 def random_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Return a row for every body and point, or None where there is nothing."""
-    values = {(row.subject, row.criterion): row.value for row in verdicts}
+    values = {(row.subject, str(row.criterion)): row.value for row in verdicts}
     names = list(dict.fromkeys(row.subject for row in verdicts))
     if not names:
         return None

@@ -1,9 +1,11 @@
 """Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
-from wirerope_mj.assessment.criteria.contact import STOP as STOP
 from wirerope_mj.assessment.criteria.contact import closing_text as closing_text
 from wirerope_mj.assessment.criteria.contact import contact_verdicts as contact_verdicts
+from wirerope_mj.assessment.criteria.criterion import COMBINED as COMBINED
+from wirerope_mj.assessment.criteria.criterion import STOP as STOP
+from wirerope_mj.assessment.criteria.criterion import Criterion as Criterion
 from wirerope_mj.assessment.criteria.headline import headline as headline
 from wirerope_mj.assessment.criteria.judge import judge as judge
 from wirerope_mj.assessment.criteria.mount_load import peak_force_verdicts as peak_force_verdicts
@@ -25,7 +27,6 @@ from wirerope_mj.assessment.criteria.ship import velocity_lines as velocity_line
 from wirerope_mj.assessment.criteria.srs import spectrum_verdict as spectrum_verdict
 from wirerope_mj.assessment.criteria.summary import summary as summary
 from wirerope_mj.assessment.criteria.transmissibility import transmissibility_verdict as transmissibility_verdict
-from wirerope_mj.assessment.criteria.travel import COMBINED as COMBINED
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts as bottoming_verdicts
 from wirerope_mj.assessment.criteria.travel import travel_verdicts as travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import CLEAR as CLEAR

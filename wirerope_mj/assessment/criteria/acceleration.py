@@ -6,6 +6,7 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION, Criterion
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
 from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
@@ -59,7 +60,7 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
         notes = [note, UNLIMITED if limit is None else ""]
         return [
             Verdict(
-                criterion="acceleration",
+                criterion=Criterion(ACCELERATION),
                 subject=name,
                 value=peak.value,
                 limit=None if limit is None else limit.values[0],
@@ -74,7 +75,7 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
         when = peak.minimum_time[axis] if low else peak.maximum_time[axis]
         verdicts.append(
             Verdict(
-                criterion=f"acceleration along {'xyz'[axis]}",
+                criterion=Criterion(ACCELERATION, axis="xyz"[axis]),
                 subject=name,
                 value=float(max(-peak.minimum[axis], peak.maximum[axis])),
                 limit=allowed or None,

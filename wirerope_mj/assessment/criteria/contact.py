@@ -1,10 +1,8 @@
 """Contacts and stops of mounts: whether they were struck, and how hard."""
 
+from wirerope_mj.assessment.criteria.criterion import CONTACT, STOP
 from wirerope_mj.assessment.criteria.verdict import CLEAR, STRUCK, TOUCHING, Verdict
 from wirerope_mj.engine.response import ContactPeak, Response
-
-CONTACT, STOP = "contact", "stop"
-"""Criteria on a pair of geoms, and on a stop among the laws of a mount."""
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:

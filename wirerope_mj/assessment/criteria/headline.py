@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.assessment.criteria.contact import STOP
+from wirerope_mj.assessment.criteria.criterion import STOP
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict
 

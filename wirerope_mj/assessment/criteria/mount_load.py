@@ -5,6 +5,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD, Criterion
 from wirerope_mj.assessment.criteria.limits import payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_start
 from wirerope_mj.assessment.criteria.verdict import Verdict
@@ -16,9 +17,6 @@ from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
 
 AT_REST = 1e-3 * STANDARD_GRAVITY
 """Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g."""
-
-STATIC_LOAD = "static load in compression"
-"""Criterion on static loads, before the history if there is one."""
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -32,7 +30,7 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     unsettled = "" if max(start, default=0.0) < AT_REST else "the run does not begin at rest in equilibrium"
     return tuple(
         _static(
-            STATIC_LOAD,
+            Criterion(STATIC_LOAD),
             mount.name,
             read_start(response, f"mounts/{mount.name}/force/roll", 3),
             mount.static_load,
@@ -48,7 +46,7 @@ def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     Not judged where no load is rated, where the mount hangs, and where it carries more across its axis than along it.
     """
     return tuple(
-        _static(f"{STATIC_LOAD}, {history}", name, mount.force, mount.static_load)
+        _static(Criterion(STATIC_LOAD, sense=history), name, mount.force, mount.static_load)
         for history, sag in table.sags.items()
         for name, mount in sag.listed.items()
     )
@@ -58,7 +56,7 @@ def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     """Return for each history without an equilibrium that its static loads are not judged, and why."""
     return tuple(
         Verdict(
-            criterion=f"{STATIC_LOAD}, {history}",
+            criterion=Criterion(STATIC_LOAD, sense=history),
             subject="every mount",
             value=math.nan,
             limit=None,
@@ -70,7 +68,7 @@ def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
 
 
 def _static(
-    criterion: str, name: str, force: Sequence[float] | Array, rated: float | None, unjudged: str = ""
+    criterion: Criterion, name: str, force: Sequence[float] | Array, rated: float | None, unjudged: str = ""
 ) -> Verdict:
     note = unjudged or static_load_unjudged(force, rated)
     compression = max(-float(force[2]), 0.0)
@@ -98,7 +96,13 @@ def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None =
         note = "" if limit is not None else "no largest force is rated"
         verdicts.append(
             Verdict(
-                criterion="peak force", subject=name, value=peak.value, limit=limit, unit="N", time=peak.time, note=note
+                criterion=Criterion("peak force"),
+                subject=name,
+                value=peak.value,
+                limit=limit,
+                unit="N",
+                time=peak.time,
+                note=note,
             )
         )
     return tuple(verdicts)

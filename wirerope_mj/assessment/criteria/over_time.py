@@ -5,9 +5,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION, BOTTOMING, COMBINED, RATTLE_SPACE, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import read_columns
-from wirerope_mj.assessment.criteria.travel import BOTTOMING, COMBINED, combined_travel
+from wirerope_mj.assessment.criteria.travel import combined_travel
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
@@ -60,40 +61,39 @@ def utilisation_over_time(response: Response, verdict: Verdict) -> Array | None:
     """Return value over limit at each sample, (n_t,); None where nothing is judged, or it does not change over time."""
     if verdict.limit is None or verdict.utilisation is None:
         return None
-    what, _, which = verdict.criterion.partition(" along ")
+    criterion = verdict.criterion
     mount = next((mount for mount in response.scene.isolating if mount.name == verdict.subject), None)
-    if what == "acceleration":
+    if criterion.kind == ACCELERATION:
         kind = "bodies" if verdict.subject in response.bodies else "points"
-        value = _along(read_columns(response, f"{kind}/{verdict.subject}/acceleration/x", 3), which)
-    elif what == "rattle space":
-        value = _rattle(response, verdict.subject, which)
-    elif mount is not None and what.startswith(("travel", BOTTOMING)):
-        value = _travel(read_columns(response, f"mounts/{mount.name}/deflection/roll", 3), verdict, mount)
+        value = _along(read_columns(response, f"{kind}/{verdict.subject}/acceleration/x", 3), criterion)
+    elif criterion.kind == RATTLE_SPACE:
+        value = _rattle(response, verdict.subject, criterion)
+    elif mount is not None and criterion.kind in (TRAVEL, COMBINED, BOTTOMING):
+        value = _travel(read_columns(response, f"mounts/{mount.name}/deflection/roll", 3), criterion, mount)
     else:
         return None
     return np.asarray(value / verdict.limit)
 
 
-def _travel(deflection: Array, verdict: Verdict, mount: SceneMount) -> Array:
-    if verdict.criterion == COMBINED:
+def _travel(deflection: Array, criterion: Criterion, mount: SceneMount) -> Array:
+    if criterion == COMBINED:
         return combined_travel(mount, deflection)
-    rating = verdict.criterion.removeprefix("travel in ")
-    return travel_in("compression" if rating == BOTTOMING else rating, deflection)
+    return travel_in("compression" if criterion == BOTTOMING else criterion.sense, deflection)
 
 
-def _rattle(response: Response, subject: str, which: str) -> Array:
+def _rattle(response: Response, subject: str, criterion: Criterion) -> Array:
     if subject not in response.points and BETWEEN in subject:
-        return _along(between_points(response, subject), which)
+        return _along(between_points(response, subject), criterion)
     if subject in response.points:
-        return _along(response.points[subject].relative_displacement, which)
+        return _along(response.points[subject].relative_displacement, criterion)
     body = next(body for body in response.scene.bodies if body.name == subject)
     moved = corner_displacements(response, body, body_corners(body))
-    return np.asarray(np.max([_along(corner, which) for corner in moved], axis=0))
+    return np.asarray(np.max([_along(corner, criterion) for corner in moved], axis=0))
 
 
-def _along(values: Array, which: str) -> Array:
-    """Return components of vectors (n_t, 3) along "x" (both ways), "-x" or "+x", or their length for ""."""
-    if not which:
+def _along(values: Array, criterion: Criterion) -> Array:
+    """Return components of vectors (n_t, 3) along the axis of a criterion, in its sense or both; without one their length."""
+    if not criterion.axis:
         return np.asarray(np.linalg.norm(values, axis=1))
-    along = values[:, "xyz".index(which[-1])]
-    return np.abs(along) if len(which) == 1 else np.maximum(along if which[0] == "+" else -along, 0.0)
+    along = values[:, "xyz".index(criterion.axis)]
+    return np.maximum(along if criterion.sense == "+" else -along, 0.0) if criterion.sense else np.abs(along)

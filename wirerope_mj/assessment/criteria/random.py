@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
+from wirerope_mj.assessment.criteria.criterion import LARGEST, RMS, SIGMA, Criterion
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.steady import elements, steady_interval
@@ -49,7 +50,7 @@ def random_verdicts(
         limit: largest acceleration allowed [m/s^2], which 3 sigma and the largest value are judged by; None is not judged.
         rms_limit: largest rms allowed [m/s^2]; None is not judged.
         resolution: of the density the bandwidth comes from [Hz]; see `power_spectral_density`.
-        along: " along x", if the acceleration is a component.
+        along: "x", "y" or "z", if the acceleration is a component.
 
     Raises:
         ValueError: the samples are not as they must be, or too short.
@@ -69,13 +70,13 @@ def random_verdicts(
     uncertainty = _uncertainty(density, rms)
     largest, when = sampled_peak(instants, np.abs(values - values.mean()))
     rows = (
-        (f"rms acceleration{along}", rms, rms_limit, None, uncertainty),
-        (f"{SIGMAS:g}-sigma acceleration{along}", SIGMAS * rms, limit, None, uncertainty),
-        (f"largest acceleration{along}", largest, limit, when, _expected(density, rms, largest)),
+        (RMS, rms, rms_limit, None, uncertainty),
+        (SIGMA, SIGMAS * rms, limit, None, uncertainty),
+        (LARGEST, largest, limit, when, _expected(density, rms, largest)),
     )
     return tuple(
         Verdict(
-            criterion=criterion,
+            criterion=Criterion(kind, axis=along),
             subject=subject,
             value=value,
             limit=allowed,
@@ -83,7 +84,7 @@ def random_verdicts(
             time=instant,
             note="; ".join(part for part in (note, UNLIMITED if allowed is None else "") if part),
         )
-        for criterion, value, allowed, instant, note in rows
+        for kind, value, allowed, instant, note in rows
     )
 
 
@@ -133,7 +134,7 @@ def judge_random(
                 end=last,
                 limit=values[axis % len(values)] or None,
                 resolution=resolution,
-                along=f" along {'xyz'[axis]}",
+                along="xyz"[axis],
             )
     return _if_enough(response, verdicts)
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from wirerope_mj.assessment.between_samples import peak_between
+from wirerope_mj.assessment.criteria.criterion import RATTLE_SPACE, Criterion
 from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
@@ -145,7 +146,9 @@ def _judge(
     if limit is None:
         note = "; ".join(part for part in (note, UNLIMITED) if part)
         return [
-            Verdict(criterion="rattle space", subject=name, value=value, limit=None, unit="m", time=when, note=note)
+            Verdict(
+                criterion=Criterion(RATTLE_SPACE), subject=name, value=value, limit=None, unit="m", time=when, note=note
+            )
         ]
     allowed = limit.values if len(limit.values) == 6 else tuple(v for v in limit.values for _ in range(2))
     verdicts = []
@@ -161,7 +164,7 @@ def _judge(
         )
         verdicts.append(
             Verdict(
-                criterion=f"rattle space along {'-+'[side % 2]}{'xyz'[side // 2]}",
+                criterion=Criterion(RATTLE_SPACE, axis="xyz"[side // 2], sense="-+"[side % 2]),
                 subject=name,
                 value=max(reached, 0.0),
                 limit=None if unknown else room or None,

@@ -3,10 +3,9 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.contact import closing_text
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION, BOTTOMING, COMBINED, RATTLE_SPACE, STATIC_LOAD
 from wirerope_mj.assessment.criteria.ended import too_short
-from wirerope_mj.assessment.criteria.mount_load import STATIC_LOAD
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
-from wirerope_mj.assessment.criteria.travel import BOTTOMING, COMBINED
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict, most_used
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
@@ -36,7 +35,7 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
 
 def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
     """Return which mount has most of its rated static load; nothing where none is judged."""
-    worst = most_used(row for row in verdicts if row.criterion.startswith(STATIC_LOAD))
+    worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
     if worst is None:
         return []
     used = 100.0 * (worst.utilisation or 0.0)
@@ -88,14 +87,14 @@ def _listed(names: list[str], between: str = ", ") -> str:
 
 def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
     """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
-    kinds = ("acceleration", "rattle space")
-    rows = [row for row in verdicts if row.criterion.startswith(kinds)]
+    kinds = (ACCELERATION, RATTLE_SPACE)
+    rows = [row for row in verdicts if row.criterion.kind in kinds]
     judged = sorted((row for row in rows if row.verdict != NOT_JUDGED), key=lambda row: -(row.utilisation or 0.0))
     over = [row for row in judged if row.verdict == EXCEEDED]
     lines = [f"Exceeded: {against_limit(row)}." for row in over]
     if judged and not over:
         lines.append(f"Payload within its limits; nearest is {against_limit(judged[0])}.")
-    unjudged = [kind for kind in kinds if not any(row.criterion.startswith(kind) for row in judged)]
+    unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
     if unjudged and rows and not early:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
     return lines

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.points import check_rows
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.foundation.arguments import one_of
@@ -76,7 +77,7 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
         worst = int((v / allowed).argmax())
         verdicts.append(
             Verdict(
-                criterion=f"ISO 6954:1984 {name}",
+                criterion=Criterion(f"ISO 6954:1984 {name}"),
                 subject=subject,
                 value=float(v[worst]),
                 limit=float(allowed[worst]),
@@ -204,7 +205,7 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
     one_of("space", space, RMS_2000)
     return tuple(
         Verdict(
-            criterion=f"ISO 6954:2000 {space} {name}",
+            criterion=Criterion(f"ISO 6954:2000 {space} {name}"),
             subject=subject,
             value=velocity,
             limit=limit,

@@ -3,6 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.points import check_points, curve_at
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.motions.spectra import ShockResponseSpectrum
@@ -49,7 +50,7 @@ def spectrum_verdict(
     if judged[0] > points[0][0] * 1.06 or judged[-1] < points[0][-1] / 1.06:  # a twelfth of an octave
         note += f" of {points[0][0]:.4g} to {points[0][-1]:.4g} Hz"
     return Verdict(
-        criterion=criterion,
+        criterion=Criterion(criterion),
         subject=subject,
         value=float(values[worst]),
         limit=float(allowed[worst]),

@@ -5,6 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.points import check_points, check_rows, curve_at
 from wirerope_mj.assessment.criteria.verdict import Verdict
 from wirerope_mj.foundation.arguments import positive
@@ -51,7 +52,7 @@ def transmissibility_verdict(
         else f"at {frequencies[worst]:.4g} Hz; no limit is stated"
     )
     return Verdict(
-        criterion="transmissibility",
+        criterion=Criterion("transmissibility"),
         subject=subject,
         value=float(values[worst] / base),
         limit=limit,

@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.criterion import BOTTOMING, COMBINED, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
 from wirerope_mj.engine.response import Peak, Response
@@ -14,9 +15,6 @@ from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
-
-COMBINED, BOTTOMING = "travel combined", "bottoming"
-"""Names of the criteria on all axes at once, and on the bars that meet."""
 
 
 def travel_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -48,7 +46,7 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
     for rating, (axis, way) in RATINGS.items():
         down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
         verdicts[rating] = Verdict(
-            criterion=f"travel in {rating}",
+            criterion=Criterion(TRAVEL, sense=rating),
             subject=mount.name,
             value=float(reached[rating]),
             limit=mount.travel.get(rating),

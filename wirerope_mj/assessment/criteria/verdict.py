@@ -5,6 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.foundation.renamed import Renamed
 
@@ -28,7 +29,7 @@ class Verdict:
         contact: STRUCK, TOUCHING or CLEAR for a contact pair; "" for everything else.
     """
 
-    criterion: str
+    criterion: Criterion
     subject: str
     value: float
     limit: float | None
@@ -38,6 +39,8 @@ class Verdict:
     contact: str = ""
 
     def __post_init__(self) -> None:
+        if not isinstance(self.criterion, Criterion):  # a criterion of a caller's own, as text
+            object.__setattr__(self, "criterion", Criterion(self.criterion))
         if self.limit is not None and not 0.0 < self.limit < math.inf:
             raise ValueError(f"`limit` must be a finite number > 0 or None, got {self.limit!r}.")
 
@@ -72,7 +75,7 @@ class Verdict:
         """Return the verdict as plain values; what is not known or not finite is None."""
         margin = self.margin
         return {
-            "criterion": self.criterion,
+            "criterion": str(self.criterion),
             "subject": self.subject,
             "value": json_values(self.value),
             "limit": self.limit,

@@ -4,6 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict, smallest_margin
 from wirerope_mj.assessment.selection.shock import shock_of
 from wirerope_mj.assessment.selection.worksheet import (
@@ -223,7 +224,7 @@ def _verdicts(name: str, worksheet: Worksheet, carried: ModeValues, struck: Mode
 
     def against(criterion: str, value: float, limit: float | None, unit: str, missing: str = NOT_GIVEN) -> Verdict:
         note = missing if limit is None else ""
-        return Verdict(criterion=criterion, subject=name, value=value, limit=limit, unit=unit, note=note)
+        return Verdict(criterion=Criterion(criterion), subject=name, value=value, limit=limit, unit=unit, note=note)
 
     return (
         against("static load", worksheet.load, carried.static_load, "N", UNSTATED),

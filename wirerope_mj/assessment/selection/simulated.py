@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.verdict import Verdict, smallest_margin
 from wirerope_mj.assessment.selection.select import NOT_GIVEN, UNSTATED, Candidate
 from wirerope_mj.assessment.selection.worksheet import Shock, Worksheet
@@ -143,7 +144,9 @@ def _verdicts(
 ) -> tuple[Verdict, ...]:
     def verdict(criterion: str, value: float, limit: float | None, unit: str, missing: str) -> Verdict:
         note = missing if limit is None else ""
-        return Verdict(criterion=criterion, subject=part.name, value=value, limit=limit, unit=unit, note=note)
+        return Verdict(
+            criterion=Criterion(criterion), subject=part.name, value=value, limit=limit, unit=unit, note=note
+        )
 
     return (
         verdict("rated travel", deflection, rated, "m", UNSTATED),

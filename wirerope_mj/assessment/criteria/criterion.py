@@ -1,0 +1,47 @@
+"""What is judged, as a value with parts: its kind, the axis and the sense; its text is what outputs and files write."""
+
+from typing import Any, Final
+
+ACCELERATION: Final = "acceleration"
+RATTLE_SPACE: Final = "rattle space"
+TRAVEL: Final = "travel"
+RMS: Final = "rms acceleration"
+SIGMA: Final = "3-sigma acceleration"
+LARGEST: Final = "largest acceleration"
+STATIC_LOAD: Final = "static load in compression"
+
+
+class Criterion(str):
+    """What is judged, for instance "acceleration along z" or "travel in compression"; equal to its text.
+
+    Attributes:
+        kind: ACCELERATION, RATTLE_SPACE, TRAVEL, STATIC_LOAD, or the name of any other criterion.
+        axis: "x", "y" or "z"; "" for the size of a vector, or none.
+        sense: "+" or "-" along an axis, a rating of `mounts.isolator.travel` for a travel, a history for a static load.
+    """
+
+    kind: str
+    axis: str
+    sense: str
+
+    def __new__(cls, kind: str, *, axis: str = "", sense: str = "") -> "Criterion":
+        """Compose the text: "acceleration along z", "rattle space along -x", "travel in roll", "static load .., relaxed"."""
+        text = f"{kind} along {sense}{axis}" if axis else kind
+        if sense and not axis:
+            text += f"{' in ' if kind == TRAVEL else ', '}{sense}"
+        criterion = super().__new__(cls, text)
+        criterion.kind, criterion.axis, criterion.sense = kind, axis, sense
+        return criterion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _criterion, (self.kind, self.axis, self.sense)
+
+
+def _criterion(kind: str, axis: str, sense: str) -> Criterion:
+    return Criterion(kind, axis=axis, sense=sense)
+
+
+COMBINED: Final = Criterion("travel combined")
+BOTTOMING: Final = Criterion("bottoming")
+CONTACT: Final = Criterion("contact")
+STOP: Final = Criterion("stop")
