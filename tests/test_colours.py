@@ -4,7 +4,8 @@ import itertools
 
 import pytest
 
-from wirerope_mj.views.colours import DARK, LIGHT, Colours, numbered
+from wirerope_mj.content.selection import numbered
+from wirerope_mj.views.colours import DARK, LIGHT, Colours
 from wirerope_mj.views.recording.drawn_runs import COLORS
 
 coloraide = pytest.importorskip("coloraide")

@@ -31,6 +31,7 @@ HOUSE = {
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "selection", "durability")),
     "studies": (("inputs",), ("engines",), ("results",), ("search",)),
+    "content": (),
     "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),
     "runs": (),
     "cli": (),

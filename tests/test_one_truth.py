@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 from rerun.chunk import RrdReader
+from wirerope_mj.content.verdict_table import full_table
 
 from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, Verdict
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.runs.scenario import shipped_scenarios
-from wirerope_mj.views.verdict_table import full_table
 
 pytestmark = pytest.mark.slow
 

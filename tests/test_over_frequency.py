@@ -6,11 +6,11 @@ from house import sdof
 from test_recording import column, entities
 
 import wirerope_mj as wr
+from wirerope_mj.content.run_spectra import spectra_of
+from wirerope_mj.content.selection import select
 from wirerope_mj.runs.over_frequency import panel_over_frequency
-from wirerope_mj.runs.run_spectra import spectra_of
 from wirerope_mj.views.recording.drawn_runs import run_alone
 from wirerope_mj.views.recording.record import write_alone
-from wirerope_mj.views.selection import select
 
 G = wr.STANDARD_GRAVITY
 

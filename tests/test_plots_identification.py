@@ -6,8 +6,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
+from wirerope_mj.content.panels import Curve, Panel
 from wirerope_mj.mounts.identification.result import FittedLoop
-from wirerope_mj.views.curves import Curve, Panel
 from wirerope_mj.views.plots.identification import MOST, fit_chart, measures_chart, residual_chart
 from wirerope_mj.views.plots.svg_chart import WIDTH, Chart
 

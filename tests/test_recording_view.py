@@ -13,6 +13,7 @@ from made_up_floor import floor_response
 from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.over_time import used_limits
 from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording import loops, record_rerun, show
@@ -22,7 +23,6 @@ from wirerope_mj.views.recording.graphs import drawn
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
 from wirerope_mj.views.recording.viewer import free_port, web_address
-from wirerope_mj.views.selection import select
 from wirerope_mj.views.thin import rows_of_extremes, rows_of_line, rows_of_steps
 
 

@@ -14,25 +14,25 @@ import numpy as np
 import pytest
 from finished_runs import finished_of
 from house import sdof_text
+from wirerope_mj.content.response_charts import accelerations_chart, deflections_chart
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
+from wirerope_mj.content.blocks import Drawing, Folded, Picture
+from wirerope_mj.content.model import model_section
+from wirerope_mj.content.numbers import ABSENT, MINUS, fixed
+from wirerope_mj.content.run_spectra import run_spectra
+from wirerope_mj.content.scene_outline import crowded_label
 from wirerope_mj.engine.response import Peak
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.report import write_report
-from wirerope_mj.runs.run_spectra import run_spectra
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.views import report as report_package
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.display import ABSENT, MINUS, fixed
-from wirerope_mj.views.plots.report_response import accelerations_chart, deflections_chart
-from wirerope_mj.views.plots.scene_outline import crowded_label
 from wirerope_mj.views.report import judged, report_content, report_html, worst_names
-from wirerope_mj.views.report.content import Drawing, Folded, Picture
-from wirerope_mj.views.report.model import model_section
 
 HOSTILE = "<script>alert('deck')</script>"
 
@@ -536,7 +536,7 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
 @pytest.mark.quick
 def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     """A response of ten minutes is larger than memory: no more than a vector may be asked for at once."""
-    from wirerope_mj.views.report.motion import mounts_section, response_section
+    from wirerope_mj.content.motion import mounts_section, response_section
 
     widths = []
 

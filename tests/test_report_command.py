@@ -8,6 +8,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.blocks import ReportContent, Section
 from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRopeError
 from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.runs import page as page_module
@@ -16,7 +17,6 @@ from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.views.report import pdf as pdf_module
 from wirerope_mj.views.report import report_html
-from wirerope_mj.views.report.content import ReportContent, Section
 
 
 @pytest.fixture(scope="module")

@@ -4,13 +4,13 @@ import math
 from dataclasses import replace
 
 import pytest
+from wirerope_mj.content.verdict_table import full_table
 
 from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.content.blocks import Paragraph
+from wirerope_mj.content.numbers import fixed, listed, number, shown, shown_unit, title_of
 from wirerope_mj.foundation.tables import Column, Mark, Table
-from wirerope_mj.views.display import fixed, listed, number, shown, shown_unit, title_of
 from wirerope_mj.views.report import judged
-from wirerope_mj.views.report.content import Paragraph
-from wirerope_mj.views.verdict_table import full_table
 
 pytestmark = pytest.mark.quick
 

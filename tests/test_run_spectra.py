@@ -7,9 +7,9 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
+from wirerope_mj.content.run_spectra import run_densities, run_spectra
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.motions.spectra import power_spectral_density
-from wirerope_mj.runs.run_spectra import run_densities, run_spectra
 
 
 def test_the_pseudo_velocity_of_a_jump_is_that_of_damped_oscillators():

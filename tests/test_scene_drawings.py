@@ -10,10 +10,10 @@ import pytest
 from finished_runs import finished_of
 
 import wirerope_mj as wr
+from wirerope_mj.content.scene_outline import View, drawn_scene
+from wirerope_mj.content.worst import worst_instant
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.views.plots.scene_outline import View, drawn_scene
 from wirerope_mj.views.plots.scene_svg import moved_scene_svgs, scene_svgs
-from wirerope_mj.views.report.worst import worst_instant
 
 SVG = "{http://www.w3.org/2000/svg}"
 ELEVATION = 1

@@ -9,6 +9,8 @@ from test_recording import entities
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import contact_verdicts, headline, judge, mount_peaks, verdict_lines
+from wirerope_mj.content.model import _provenance
+from wirerope_mj.content.selection import select
 from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
@@ -18,8 +20,6 @@ from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.events import events_of
 from wirerope_mj.views.recording.stops import CLOSED, OPEN
-from wirerope_mj.views.report.model import _provenance
-from wirerope_mj.views.selection import select
 
 pytestmark = pytest.mark.quick
 

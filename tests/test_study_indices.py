@@ -13,6 +13,7 @@ from scipy.special import ndtri
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.study_tables import effects_table, indices_tables
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
@@ -20,7 +21,6 @@ from wirerope_mj.studies.results.measure import values_of
 from wirerope_mj.studies.results.statements import of_indices, statements
 from wirerope_mj.studies.results.statistics import exceedance
 from wirerope_mj.studies.results.study_summary import StudySummary
-from wirerope_mj.studies.results.tables import effects_table, indices_tables
 from wirerope_mj.views.plots.study_indices import indices_figure
 
 SINGLE = [[0], [1], [2]]

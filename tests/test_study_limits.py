@@ -7,9 +7,9 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.study_tables import measures_table
 from wirerope_mj.studies.results.stated_limits import StatedLimit, limit_of_text, limit_statement
 from wirerope_mj.studies.results.study_summary import summary_of
-from wirerope_mj.studies.results.tables import measures_table
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 

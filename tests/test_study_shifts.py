@@ -13,7 +13,7 @@ from genset import CENTRE, genset_study, genset_text
 from table_study import rows, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.cli.screen import print_table
+from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.study_report import write_study_report
 from wirerope_mj.studies.folder import TABLE
@@ -21,8 +21,8 @@ from wirerope_mj.studies.inputs.vary_option import read_vary
 from wirerope_mj.studies.inputs_file import STUDY, identity
 from wirerope_mj.studies.results.statements import statements
 from wirerope_mj.studies.results.study_summary import summary_of
-from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.results.varied import varied_of
+from wirerope_mj.views.terminal import print_table
 
 VALUE = {"body/genset/centre/z": wr.Normal(CENTRE, 0.03)}
 SHIFT = {"body/genset/centre_shift/z": wr.Normal(0.0, 0.03)}

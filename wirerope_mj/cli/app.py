@@ -206,7 +206,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()
         return code if isinstance(code, int) else 0
     except BrokenPipeError:  # the interpreter must not flush into it again
-        from wirerope_mj.cli.screen import without_reader
+        from wirerope_mj.views.terminal import without_reader
 
         without_reader()
         return 0

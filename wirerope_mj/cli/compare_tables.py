@@ -19,8 +19,8 @@ from wirerope_mj.assessment.comparison import (
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.views.terminal import console, print_table
 
 _MOST_MOUNTS = 8
 """Mounts that are printed: those that use most of their rated travel in any run."""

@@ -27,11 +27,11 @@ def durability(
         repetitions: how often the run happens in a service life.
         rows: mounts and axes that are printed, the worst first.
     """
-    from wirerope_mj.cli.screen import print_table
     from wirerope_mj.foundation.arguments import integer, positive
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.foundation.tables import Cell, Column, Table
     from wirerope_mj.runs.mission import Mission, Stage, mission_damage, read_mission
+    from wirerope_mj.views.terminal import print_table
 
     if source.suffix == ".toml":
         if exponent is not None or constant is not None or quantity != "deflection" or repetitions != 1.0:

@@ -5,12 +5,12 @@ from pathlib import Path
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.estimate import LoopEstimate, estimate_loop, estimated_isolator
+from wirerope_mj.views.terminal import console, print_table
 
 _MODES = {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}
 

@@ -8,7 +8,6 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
-from wirerope_mj.cli.screen import console, print_lines, print_warnings
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.orders import OrderBand, order_statements
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
@@ -19,6 +18,7 @@ from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.frequency_response import KIND, MARKS, write_frequency_response
+from wirerope_mj.views.terminal import console, print_lines, print_warnings
 
 NOT_COMPLETE = 1
 """Exit code of a response with a branch that ended before the end of the range."""

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
@@ -13,6 +12,7 @@ from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.tables import Column, Row, Table
+from wirerope_mj.views.terminal import console, print_lines, print_table
 
 _MARKED = 0.1
 """Ratio to the fundamental from which another harmonic gives a peak its name."""

@@ -9,7 +9,6 @@ from typing import Literal
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
@@ -33,6 +32,7 @@ from wirerope_mj.views.report.identification import (
     scale_tables,
     stage_table,
 )
+from wirerope_mj.views.terminal import console, print_lines, print_table
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""

@@ -5,7 +5,6 @@ from typing import Any
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.resources import catalogue_folder
@@ -17,6 +16,7 @@ from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, shipped_file, vendor_parts
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
+from wirerope_mj.views.terminal import console, print_table
 
 _FRACTIONS = (0.25, 0.5, 1.0)
 _FREQUENCY = 5.0

@@ -9,7 +9,6 @@ from typing import Any
 from rich.markup import escape
 
 from wirerope_mj.cli.isolators import check_picture, describe
-from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.tables import Cell, Column, Table
@@ -19,6 +18,7 @@ from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, save_cyclic_test, softening_to_hardening
 from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
+from wirerope_mj.views.terminal import console, print_lines, print_table
 
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
 """Default amplitudes as fractions of the rated travel: enough to see where softening ends."""

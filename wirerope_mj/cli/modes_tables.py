@@ -9,7 +9,6 @@ from rich.markup import escape
 
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
 from wirerope_mj.assessment.criteria.tested import untested
-from wirerope_mj.cli.screen import console, print_lines, print_table, print_warnings
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.dynamics.modes.carried import carried
 from wirerope_mj.dynamics.modes.travel import reached_in, travel_utilisation
@@ -23,6 +22,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.modes import KIND, MARKS, write_modes
+from wirerope_mj.views.terminal import console, print_lines, print_table, print_warnings
 
 _SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
 

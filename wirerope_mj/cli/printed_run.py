@@ -5,12 +5,11 @@ from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
 
-from wirerope_mj.cli.screen import without_reader
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.views.terminal import without_reader
 
 if TYPE_CHECKING:
-    from wirerope_mj.engine.response import Response
-    from wirerope_mj.runs.judged import JudgedRun
+    from wirerope_mj.content.judged_run import JudgedRun
 
 
 def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool = False) -> None:
@@ -23,10 +22,10 @@ def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool 
 
     began, printed = perf_counter(), False
 
-    def show(response: "Response", judged: "JudgedRun") -> None:
+    def show(judged: "JudgedRun") -> None:
         nonlocal printed
         try:
-            print_verdict(scenario, response, judged, seconds=perf_counter() - began)
+            print_verdict(scenario, judged, seconds=perf_counter() - began)
             sys.stdout.flush()  # into a file or a pipe it would come with the last line
         except BrokenPipeError:  # the folder is still wanted
             without_reader()

@@ -12,10 +12,10 @@ from wirerope_mj.assessment.selection import (
     simulate_candidate,
 )
 from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
-from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.views.terminal import console, print_lines, print_table
 
 NOTHING_FOUND = 1
 """Exit code if no part meets the worksheet."""

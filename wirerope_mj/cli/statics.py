@@ -19,12 +19,12 @@ def statics(model: str, *, json: Path | None = None) -> int:
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
-    from wirerope_mj.cli.screen import print_warnings
     from wirerope_mj.cli.statics_tables import print_statics
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.statics import model_warnings, static_table
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.views.terminal import print_warnings
 
     if json is not None:
         check_writable(json)

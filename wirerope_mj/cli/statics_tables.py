@@ -5,10 +5,10 @@ from collections.abc import Iterator, Sequence
 
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, WITHIN, Verdict
 from wirerope_mj.assessment.criteria.sentences import static_load_lines
-from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.modes import TippingStability
 from wirerope_mj.engine.statics import Sag, StaticTable
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.views.terminal import console, print_lines, print_table
 
 _MOUNT_COLUMNS = (
     Column("axial", "mm", "z.3f"),

@@ -10,7 +10,6 @@ from cyclopts import App, Parameter
 
 from wirerope_mj.cli.exit_codes import BAD_INPUT
 from wirerope_mj.cli.function_options import listing_options, own_option, run_with_options
-from wirerope_mj.cli.screen import console
 from wirerope_mj.cli.study_run import compute_and_print
 from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.foundation.errors import ModelError, StudyWarning
@@ -24,6 +23,7 @@ from wirerope_mj.studies.inputs.sampling import SAMPLINGS
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.study import Study
+from wirerope_mj.views.terminal import console
 
 _RUN = (
     own_option(

@@ -9,8 +9,8 @@ from typing import Any
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_table, print_warnings
 from wirerope_mj.cli.study_tables import print_search, print_study
+from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.folder import dead
@@ -20,11 +20,11 @@ from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
 from wirerope_mj.studies.results.stated_file import read_stated, write_stated
 from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
 from wirerope_mj.studies.results.study_summary import summary_of
-from wirerope_mj.studies.results.tables import varied_table
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
 from wirerope_mj.studies.unknown_measure import unknown_measure
+from wirerope_mj.views.terminal import console, print_table, print_warnings
 
 
 def compute_and_print(

@@ -4,14 +4,14 @@ from collections.abc import Sequence
 
 from rich.markup import escape
 
-from wirerope_mj.cli.screen import console, print_lines, print_table
+from wirerope_mj.content.search_tables import front_table
+from wirerope_mj.content.study_tables import effects_table, indices_tables, measures_table, worst_table
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.statements import failures, numbered, statements, travel_statements
 from wirerope_mj.studies.results.study_summary import StudySummary
-from wirerope_mj.studies.results.tables import effects_table, indices_tables, measures_table, worst_table
 from wirerope_mj.studies.search.result import SearchResult
-from wirerope_mj.studies.search.tables import front_table
+from wirerope_mj.views.terminal import console, print_lines, print_table
 
 _WORST, _INPUTS, _EFFECTS, _FRONT = 8, 4, 8, 24  # rows and columns that fit a screen
 

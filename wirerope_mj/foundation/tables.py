@@ -3,7 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.units import in_unit, significant
@@ -70,21 +70,39 @@ class Table:
         columns: headings, units and alignment.
         rows: cells: text, SI values, or either with a tone.
         note: what must be known to read it, below it.
+        id: the same in every output; "" for a table that only one output has.
+        shown: rows that are shown at once, where others can be folded away; None for all.
     """
 
     title: str
     columns: Sequence[Column]
     rows: Sequence[Row]
     note: str = ""
+    id: str = ""
+    shown: int | None = None
 
     def __post_init__(self) -> None:
         for row in self.rows:
             if len(row) != len(self.columns):
                 raise ValueError(f"`rows` must have {len(self.columns)} cells each, got {row!r}.")
 
+    def to_dict(self) -> dict[str, Any]:
+        """Return titles, headings, units and rows as JSON takes them: values in SI, cells without one as None."""
+        return {
+            "title": self.title,
+            "columns": [{"heading": " ".join(one.heading.split()), "shown_in": one.unit} for one in self.columns],
+            "rows": [[_plain(cell) for cell in row] for row in self.rows],
+            **({"note": self.note} if self.note else {}),
+        }
+
     def marks(self, *, absent: str = "-", minus: str = "-") -> list[list[tuple[str, str]]]:
         """Return text and tone of every cell, with these signs for absent values and in negative ones."""
         return [[_mark(*pair, absent, minus) for pair in zip(self.columns, row, strict=True)] for row in self.rows]
+
+
+def _plain(cell: Cell) -> Content:
+    content = cell.content if isinstance(cell, Mark) else cell
+    return None if isinstance(content, float) and not math.isfinite(content) else content
 
 
 def _mark(column: Column, cell: Cell, absent: str, minus: str) -> tuple[str, str]:

@@ -6,15 +6,15 @@ from itertools import count
 from time import perf_counter
 from typing import Any
 
+from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.content.numbers import title_of
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.judged import judged_run
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.write import checked_arguments
-from wirerope_mj.views.display import title_of
 from wirerope_mj.views.explore.answer import answer
 from wirerope_mj.views.explore.recorder import Recorder
 from wirerope_mj.views.explore.shown import ShownRun
@@ -119,7 +119,7 @@ class Exploration:
         with warnings.catch_warnings(record=True) as caught:
             warnings.simplefilter("always")
             response = simulate(system, motion, **arguments)
-            judged = judged_run(system, response)
+            judged = judged_run(system, motion, response)
         return ShownRun(
             number=next(self._numbers),
             values=values,

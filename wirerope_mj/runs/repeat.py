@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.in_lanes import moving
@@ -23,7 +24,6 @@ from wirerope_mj.runs.differences import (
     summary_differences,
 )
 from wirerope_mj.runs.folder import SUMMARY
-from wirerope_mj.runs.judged import judged_run
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
 from wirerope_mj.runs.summary import read_summary, summary_content
@@ -94,7 +94,7 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         system, motion = system_and_motion(folder, content)
         stored = load_response(folder)
         check_one_run(folder, content, system, stored)
-        computed = summary_content(content["name"], motion, stored, judged_run(system, stored), seconds=0.0)
+        computed = summary_content(judged_run(system, motion, stored, content), seconds=0.0)
         same_version = stored.numerics.versions.get("wirerope-mj") == versions()["wirerope-mj"]
         # Folders without checksums are older than some of the sentences.
         differences = list(

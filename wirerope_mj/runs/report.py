@@ -1,29 +1,17 @@
 """The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
 
-from collections.abc import Mapping
-from datetime import datetime
-from functools import partial
 from pathlib import Path
-from typing import Any
 
-import numpy as np
-
-from wirerope_mj.dynamics.modes import modes
-from wirerope_mj.engine.response import Response, load_response
-from wirerope_mj.engine.statics.result import HISTORIES
-from wirerope_mj.engine.system import System
+from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.content.run import run_content
+from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.motions import BaseMotion
-from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runs.frequency_response import KIND, MARKS
-from wirerope_mj.runs.judged import JudgedRun, judged_run, result_or_absent
 from wirerope_mj.runs.page import page_files, write_page
-from wirerope_mj.runs.run_spectra import RunSpectra, spectra_of
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
-from wirerope_mj.views.report import FinishedRun, report_content, report_html
-from wirerope_mj.views.selection import Selection, select
+from wirerope_mj.views.report import report_html
 
 
 def write_report(
@@ -49,63 +37,9 @@ def write_report(
     system, motion = system_and_motion(folder, content)
     response = load_response(folder)
     check_one_run(folder, content, system, response)
-    write_page(report_page(content, system, motion, response, judged_run(system, response)), files)
+    write_page(report_html(run_content(judged_run(system, motion, response, content))), files)
     update_checksums(folder, files)
     return files
-
-
-def report_page(
-    content: Mapping[str, Any],
-    system: System,
-    motion: BaseMotion,
-    response: Response,
-    judged: JudgedRun,
-    selection: Selection | None = None,
-    spectra: RunSpectra | None = None,
-) -> str:
-    """Return the report of a run as one HTML page.
-
-    Args:
-        content: of scenario.toml.
-        system: that was simulated.
-        motion: of its base.
-        response: what came out.
-        judged: verdicts on it.
-        selection: what is shown of it; made here if it is not given.
-        spectra: of the run, in the same way.
-    """
-    arguments, written = content["simulate"], content.get("written")
-    initial = str(arguments.get("initial", "settled"))
-    gravity = float(np.linalg.norm(system.model.opt.gravity))
-    histories = HISTORIES if gravity else HISTORIES[:1]  # without a load there is nothing to relax
-    spectra = spectra or spectra_of(motion, response, float(arguments["sample_rate"]))
-    run = FinishedRun(
-        name=str(content.get("name", response.scene.name)),
-        question=str(content.get("question", "")),
-        written=f"{written:%Y-%m-%d %H:%M} UTC" if isinstance(written, datetime) else "at an unknown time",
-        model=Path(content["model"]["file"]).name,
-        options=content.get("options", {}),
-        initial=initial,
-        duration=float(arguments["duration"]),
-        sample_rate=float(arguments["sample_rate"]),
-        motion=motion,
-        record_warnings=record_warnings(motion),
-        response=response,
-        isolators={name: mount.written for name, mount in system.mounts.items()},
-        gravity=gravity,
-        statics=judged.statics,
-        modes={history: result_or_absent(partial(modes, system, history=history)) for history in histories},
-        spectra=spectra.shock,
-        densities=spectra.densities,
-        spectra_held=spectra.held,
-        verdicts=judged.verdicts,
-        random=judged.random,
-        untested=judged.untested,
-        model_warnings=judged.model_warnings,
-        versions=content.get("versions", {}),
-        selection=selection or select(response, judged.verdicts),
-    )
-    return report_html(report_content(run))
 
 
 def _run_folder(folder: Path) -> Path:

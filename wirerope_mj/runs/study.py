@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from wirerope_mj.content.search_tables import front_table
+from wirerope_mj.content.study_tables import measures_table, worst_table
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
@@ -14,9 +16,7 @@ from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import input_names
 from wirerope_mj.studies.results.statistics import worst
 from wirerope_mj.studies.results.study_summary import StudySummary, summary_of
-from wirerope_mj.studies.results.tables import measures_table, worst_table
 from wirerope_mj.studies.search.result import SearchResult
-from wirerope_mj.studies.search.tables import front_table
 
 if TYPE_CHECKING:
     from wirerope_mj.views.plots.study_pictures import StudyPicture

@@ -6,29 +6,25 @@ from typing import Any
 
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.assessment.criteria.sampled import samples_hold
-from wirerope_mj.engine.response import Response
+from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.json_values import json_values
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.motions import BaseMotion
-from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
-from wirerope_mj.runs.judged import JudgedRun
 
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
 
-def summary_content(
-    name: str, motion: BaseMotion, response: Response, judged: JudgedRun, *, seconds: float
-) -> dict[str, Any]:
+def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
     """Return the content of summary.json; `seconds` is how long the simulation took."""
+    response = judged.response
     numerics = response.numerics
     return {
         "format": FORMAT,
-        "name": name,
-        "motion": motion.description,
-        "record_warnings": list(record_warnings(motion)),
+        "name": str(judged.inputs["name"]),
+        "motion": judged.motion.description,
+        "record_warnings": list(judged.record_warnings),
         **({"model_warnings": list(judged.model_warnings)} if judged.model_warnings else {}),
         **summary(response, judged.verdicts),
         **_random_content(judged),

@@ -8,33 +8,29 @@ from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import tomli_w
 
+from wirerope_mj.content.judged_run import JudgedRun, judged_run
+from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import checked_corners
-from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
-from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
-from wirerope_mj.runs.judged import JudgedRun, judged_run
 from wirerope_mj.runs.judging import judge_table, judged_by
 from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
-from wirerope_mj.views.selection import Selection, select
-
-if TYPE_CHECKING:
-    from wirerope_mj.runs.run_spectra import RunSpectra
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -70,7 +66,7 @@ def write_run(
     *,
     force: bool = False,
     progress: bool = False,
-    when_judged: Callable[[Response, JudgedRun], None] = lambda response, judged: None,
+    when_judged: Callable[[JudgedRun], None] = lambda judged: None,
     state: bool = False,
 ) -> None:
     """Do what `run_scenario` does without reading the response back.
@@ -80,7 +76,7 @@ def write_run(
         folder: so, too.
         force: so, too.
         progress: so, too.
-        when_judged: called with the response and its verdicts before anything is made of them; what it raises ends the run,
+        when_judged: called with the judged run before anything is made of them; what it raises ends the run,
             whose folder is not written then.
         state: whether the recording keeps every sample, too.
 
@@ -98,21 +94,17 @@ def write_run(
         long = is_streamed(arguments)
         response = simulate(system, scenario.motion, **arguments, out=beside if long else None, progress=progress)
         seconds = perf_counter() - started
-        judged = judged_run(system, response)
-        when_judged(response, judged)
+        text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
+        judged = judged_run(system, scenario.motion, response, tomllib.loads(text))
+        when_judged(judged)
         with progress_line(enabled=progress) as writing:
             writing("the response")
             if not long:
                 response.save(beside)
-            text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
             (beside / SCENARIO).write_text(text, encoding="utf-8")
-            content = summary_content(scenario.name, scenario.motion, response, judged, seconds=round(seconds, 3))
+            content = summary_content(judged, seconds=round(seconds, 3))
             (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-            selection = select(response, judged.verdicts)
-            spectra = _spectra(scenario.motion, response, arguments)
-            _write_views(scenario, response, selection, spectra, beside, writing, state=state)
-            writing("the report")
-            _write_report(text, system, scenario.motion, response, judged, selection, spectra, beside)
+            _write_views(scenario, judged, beside, writing, state=state)
             write_checksums(beside)
 
 
@@ -189,59 +181,33 @@ def _scenario_text(
     return tomli_w.dumps(content, multiline_strings=True)
 
 
-def _spectra(motion: BaseMotion, response: Response, arguments: Mapping[str, Any]) -> "RunSpectra":
-    from wirerope_mj.runs.run_spectra import spectra_of  # late, as the pictures
-
-    return spectra_of(motion, response, float(arguments.get("sample_rate", SAMPLE_RATE)))
-
-
 def _write_views(
-    scenario: Scenario,
-    response: Response,
-    selection: Selection,
-    spectra: "RunSpectra",
-    folder: Path,
-    writing: Callable[[str], None],
-    *,
-    state: bool,
+    scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool
 ) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
-    from wirerope_mj.runs.over_frequency import panel_over_frequency
-    from wirerope_mj.views.display import title_of
-    from wirerope_mj.views.plots.histories import save_histories, save_mount_loops
-    from wirerope_mj.views.plots.record_baseline import save_record_baseline
+    from wirerope_mj.content.over_frequency import panel_over_frequency
+    from wirerope_mj.content.run import run_content
+    from wirerope_mj.runs.page import REPORT
+    from wirerope_mj.views.plots.png_chart import save_charts
     from wirerope_mj.views.recording.drawn_runs import run_alone
     from wirerope_mj.views.recording.record import write_alone
+    from wirerope_mj.views.report import report_html
 
-    title, text = title_of(scenario.name), _scenario_markdown(scenario)
+    title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
     writing("the recording")
-    run = run_alone(response, selection)
-    panel = panel_over_frequency(scenario.motion, response, selection, spectra)
+    run, panel = run_alone(judged.response, judged.selection), panel_over_frequency(judged)
     write_alone(run, folder / "run.rrd", title=title, scenario_text=text, state=state, panel=panel)
     writing("the pictures")
-    save_histories(response, folder / "histories.png", selection, title=f"{title}: {scenario.motion.description}")
-    if response.scene.isolating:
-        save_mount_loops(response, folder / "loops.png", selection, title=title)
+    charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
+    drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]
+    save_charts(drawn, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
+    if "loops" in charts:
+        save_charts([charts["loops"]], folder / "loops.png", title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
-        save_record_baseline(record, folder / name, title=title)
-
-
-def _write_report(
-    text: str,
-    system: System,
-    motion: BaseMotion,
-    response: Response,
-    judged: JudgedRun,
-    selection: Selection,
-    spectra: "RunSpectra",
-    folder: Path,
-) -> None:
-    from wirerope_mj.runs.page import REPORT  # late, as the pictures
-    from wirerope_mj.runs.report import report_page
-
-    page = report_page(tomllib.loads(text), system, motion, response, judged, selection, spectra)
-    (folder / REPORT).write_text(page, encoding="utf-8")
+        save_charts([charts[f"record-{record.path.name}"]], folder / name, title=title)
+    writing("the report")
+    (folder / REPORT).write_text(report_html(content), encoding="utf-8")
 
 
 def _scenario_markdown(scenario: Scenario) -> str:

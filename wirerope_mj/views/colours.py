@@ -4,8 +4,9 @@ Texts in these colours have a contrast of 4.5 at least. Neighbours in the order 
 sees all colours and for who lacks one kind of cones. Red is for limits alone.
 """
 
-from collections.abc import Sequence
 from dataclasses import dataclass
+
+from wirerope_mj.content.selection import Selection
 
 Color = tuple[int, int, int]
 
@@ -45,14 +46,8 @@ LIGHT = Colours(
 )
 
 
-def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
-    """Return a number of a colour for every name, first come, first served; those of one group differ if there are enough."""
-    numbers: dict[str, int] = {}
-    count = len(DARK.series)
-    for group in groups:
-        for name in group:
-            if name not in numbers:
-                here = [numbers[other] for other in group if other in numbers]
-                taken = list(numbers.values())
-                numbers[name] = min(range(count), key=lambda n: (here.count(n), taken.count(n), n))
-    return numbers
+def colour_of(selection: Selection, name: str, ground: Colours = DARK) -> Color:
+    """Return the colour of a mount, a body or a point: grey if it is not among those that are named."""
+    if selection.run_color is not None and ground is DARK:
+        return selection.run_color
+    return ground.series[selection.numbers[name]] if name in selection.numbers else ground.others

@@ -1,48 +1,77 @@
 """The one sentence that answers whether a run keeps its limits, the same in every output."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
-from wirerope_mj.assessment.criteria.criterion import STOP
+from wirerope_mj.assessment.criteria.criterion import COMBINED, STATIC_LOAD, STOP, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.sampled import SAMPLED
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict, most_used
+
+FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"
+"""Answers with which a headline begins."""
 
 _SHOWN = 5
 
 
 def headline(verdicts: Sequence[Verdict]) -> str:
-    """Return the answer in one sentence: how many limits are exceeded, how many stops are struck, how much is not judged."""
+    """Say whether the limits are kept, what is most critical, how many stops are struck, and how much is not judged."""
     early = next((row.note.partition("; ")[0] for row in verdicts if row.note.startswith(TOO_EARLY)), "")
     over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
-    judged, contacts = over + within, sum(bool(row.contact) for row in verdicts)
+    judged = over + within
     if over:
-        # "of" the judged, so that it is not read as a share of everything
-        answer = f"Exceeded: {over} of {_several(judged, 'limit')}"
+        answer = f"{FAIL}: {over} of {_several(judged, 'check')} exceeded; worst {_used(verdicts)}"
     elif early:
-        answer = f"Not judged: {early}"
+        answer = f"{UNKNOWN}: {early}"
     elif judged:
-        answer = f"Within {'its limit' if judged == 1 else f'all {judged} limits'}"
+        checks = "the only check is" if judged == 1 else f"all {judged} checks are"
+        answer = f"{PASS}: {checks} within limits; most critical {_used(verdicts)}"
     else:
-        answer = "Nothing is judged: no limit is stated for anything in this run"
-    clauses = [answer]
+        answer = f"{UNKNOWN}: no limit is stated for anything in this run"
+    return "; ".join([answer, *_clauses(verdicts, early, over, within)]) + "."
+
+
+def _clauses(verdicts: Sequence[Verdict], early: str, over: int, within: int) -> Iterator[str]:
+    """Yield what else must be known to read the answer."""
+    contacts = sum(bool(row.contact) for row in verdicts)
     for thing, of_mounts in (("contact pair", False), ("stop", True)):
         outcomes = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
         if STRUCK in outcomes:
-            clauses.append(f"{outcomes.count(STRUCK)} of {_several(len(outcomes), thing)} struck")
-    left = len(verdicts) - judged - contacts
+            yield f"{outcomes.count(STRUCK)} of {_several(len(outcomes), thing)} struck"
+    left = len(verdicts) - over - within - contacts
     if early and within:
-        clauses.append(f"{_several(within, 'limit')} of the state at rest kept")
-    elif judged and left:
-        clauses.append(f"{_several(left, 'figure')} {'is' if left == 1 else 'are'} not judged")
+        yield f"{_several(within, 'check')} of the state at rest kept"
+    elif over + within and left:
+        other = any(
+            row.note.startswith((TOO_EARLY, SAMPLED)) or GROWS in row.note for row in verdicts if not row.contact
+        )
+        plain = f"{_several(left, 'value')} {'has' if left == 1 else 'have'} no limit"
+        yield f"{_several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if other else plain
     grows = sum(row.note.startswith(GROWS) for row in verdicts)
     if grows:
-        clauses.append(f"{grows} of them still {'grows' if grows == 1 else 'grow'} when the run ends: run longer")
+        yield f"{grows} of them still {'grows' if grows == 1 else 'grow'} when the run ends: run longer"
     if early and over:
-        clauses.append(early)
-    return f"{'; '.join(clauses)}."
+        yield early
+
+
+def _used(verdicts: Sequence[Verdict]) -> str:
+    """Name the most critical check, "h4, 124 % of combined travel"."""
+    worst = most_used(verdicts)
+    assert worst is not None
+    return f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}"
+
+
+def limit_of(criterion: Criterion) -> str:
+    """Return what a utilisation is a percentage of: "combined travel", "its limit of acceleration along z"."""
+    if criterion == COMBINED:
+        return "combined travel"
+    return f"rated {criterion}" if criterion.kind in _RATED else f"the limit of {criterion}"
+
+
+_RATED = (TRAVEL, STATIC_LOAD)
 
 
 class Verdicts(tuple[Verdict, ...]):
-    """Verdicts whose text is the answer, and those that are nearest to their limits or beyond."""
+    """Verdicts whose text is the answer, and those that use most of their limits."""
 
     def __repr__(self) -> str:
         judged = sorted((row for row in self if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))

@@ -12,8 +12,8 @@ from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
 OWN_RULE = (
-    "The ellipsoid through the rated travels is this program's own rule; `wirerope run --no-combined-travel`, or 0 for "
-    "limit/combined_travel in the model, leaves it out."
+    "Combined travel, the ellipsoid through the rated travels, is this program's own rule; `wirerope run "
+    "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
 )
 """Said wherever the rule is why a limit is exceeded."""
 
@@ -27,10 +27,10 @@ def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
         response: of a run.
         verdicts: what `judge` returns of it.
     """
-    early = too_short(response)
-    lines = [f"What is not exceeded yet is not judged: {early}."] if early else []
+    early = too_short(response)  # whose reason stands in the headline
+    lines = ["What is not exceeded yet is not judged."] if early else []
     lines += _payload_lines(verdicts, early) + _travel_lines(response, verdicts)
-    return lines + static_load_lines(verdicts) + contact_lines(response)
+    return lines + static_load_lines(verdicts) + contact_lines(response, early)
 
 
 def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -39,7 +39,7 @@ def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
     if worst is None:
         return []
     used = 100.0 * (worst.utilisation or 0.0)
-    return [f"{worst.subject} has most of its rated static load: {used:.1f} % ({worst.criterion}): {worst.verdict}."]
+    return [f"Static load: {worst.verdict}; most used {worst.subject}, {used:.1f} % of rated {worst.criterion}."]
 
 
 def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
@@ -47,7 +47,7 @@ def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
     return [OWN_RULE] if any(row.criterion == COMBINED and row.verdict == EXCEEDED for row in verdicts) else []
 
 
-def contact_lines(response: Response) -> list[str]:
+def contact_lines(response: Response, early: str = "") -> list[str]:
     """Return which pair of geoms was struck hardest and how many others were, which stops closed, and what touches always."""
     known = response.peaks.contacts or {}
     contacts = {name: contact for name, contact in known.items() if not contact.mount}
@@ -59,15 +59,15 @@ def contact_lines(response: Response) -> list[str]:
             f"{1e-3 * contacts[hardest].force:.3g} kN. Accelerations are uncertain from the first touch on."
         )
     elif contacts and not any(contact.touches for contact in contacts.values()):
-        lines.append(f"No stop is struck: {len(contacts)} pair{'s' if len(contacts) > 1 else ''} may touch, none did.")
-    lines += _stop_lines(response, len(known) - len(contacts))
+        lines.append(_untouched(len(contacts), "contact pair", early))
+    lines += _stop_lines(response, len(known) - len(contacts), early)
     resting = [contact.called(name) for name, contact in known.items() if contact.from_start and not contact.struck]
     if resting:
         lines.append(f"Touching from the start: {_listed(resting)}.")
     return lines
 
 
-def _stop_lines(response: Response, n_stops: int) -> list[str]:
+def _stop_lines(response: Response, n_stops: int, early: str) -> list[str]:
     """Return which stops of mounts closed, the first one first, or that none of them did."""
     contacts = response.peaks.contacts or {}
     closed = [name for name in response.peaks.struck if contacts[name].mount]
@@ -75,8 +75,14 @@ def _stop_lines(response: Response, n_stops: int) -> list[str]:
         text = _listed([closing_text(name, contacts[name]) for name in closed], "; ")
         return [f"{text[0].upper()}{text[1:]}. From then on accelerations depend on what the stops are made of."]
     if n_stops and not any(contact.touches for contact in contacts.values() if contact.mount):
-        return [f"No stop closes: {'there is one' if n_stops == 1 else f'there are {n_stops}'}."]
+        return [_untouched(n_stops, "bump stop", early)]
     return []
+
+
+def _untouched(count: int, thing: str, early: str) -> str:
+    """Say that nothing of a kind is touched, as far as the run goes."""
+    which = f"The {thing} is not" if count == 1 else f"None of the {count} {thing}s is"
+    return f"{which} touched{' until the run ends' if early else ''}."
 
 
 def _listed(names: list[str], between: str = ", ") -> str:
@@ -93,7 +99,7 @@ def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
     over = [row for row in judged if row.verdict == EXCEEDED]
     lines = [f"Exceeded: {against_limit(row)}." for row in over]
     if judged and not over:
-        lines.append(f"Payload within its limits; nearest is {against_limit(judged[0])}.")
+        lines.append(f"Payload within its limits; most critical {against_limit(judged[0])}.")
     unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
     if unjudged and rows and not early:
         lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
@@ -115,14 +121,10 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     if judged:
         worst = judged[0]
         used = 100 * (worst.utilisation or 0.0)
-        lines.append(f"{worst.name} uses most of its rated travel: {used:.0f} % in {worst.governing}.")
         over = {rating: [row.name for row in judged if rating in row.exceeded] for rating in RATINGS}
         exceeded = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
-        lines.append(
-            f"Rated travel exceeded {'; '.join(exceeded)}."
-            if exceeded
-            else "No mount exceeds a rated travel along one axis."
-        )
+        answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
+        lines.append(f"Travel along single axes: {answer}; most used {worst.name}, {used:.0f} % in {worst.governing}.")
         lines += _combined_line(verdicts)
     flat = [row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
     if flat:
@@ -139,13 +141,11 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def _combined_line(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return which mounts come to more than their ratings with all axes taken together."""
-    rows = [row for row in verdicts if row.criterion == COMBINED and row.verdict == EXCEEDED]
-    if not rows:
+    """Say at how many mounts all axes together come to more than the ratings."""
+    rows = [row for row in verdicts if row.criterion == COMBINED and row.verdict != NOT_JUDGED]
+    worst = most_used(rows)
+    if worst is None:
         return []
-    worst = max(rows, key=lambda row: row.value)
-    names = ", ".join(row.subject for row in rows)
-    return [
-        f"All axes together leave the ellipsoid through the rated travels at {names}; farthest at {worst.subject}: "
-        f"{100.0 * worst.value:.0f} %."
-    ]
+    over = sum(row.verdict == EXCEEDED for row in rows)
+    answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else f"is within at all {len(rows)} mounts"
+    return [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)."]

@@ -7,11 +7,12 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 from matplotlib.ticker import MultipleLocator
 
+from wirerope_mj.content.panels import short
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.measure import Measure, measure_of, values_of
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import RATED, WIDTH, report_style, short
+from wirerope_mj.views.plots.report_image import RATED, WIDTH, report_style
 
 
 def directions_figure(table: pa.Table, measure: str) -> Figure:

@@ -5,11 +5,11 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 
+from wirerope_mj.content.panels import OTHERS, Curve, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.result import FittedLoop
 from wirerope_mj.views.colours import LIGHT
-from wirerope_mj.views.curves import OTHERS, Curve, Panel
 from wirerope_mj.views.plots.svg_chart import Chart
 
 MOST = 12

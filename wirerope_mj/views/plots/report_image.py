@@ -8,11 +8,9 @@ from io import BytesIO
 from typing import Any
 
 import matplotlib
-import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.colours import LIGHT
 
@@ -28,10 +26,6 @@ _LARGEST_SVG = 200_000
 _PIXELS = 150
 """Of a figure stored as pixels, per inch: its letters stay sharp in print."""
 
-_CRESTS = 300
-"""Stretches of an envelope: each should hold a period at least."""
-
-_FITS = 28  # letters of a name in a legend
 _MM = 25.4  # of an inch
 
 _STYLE = {
@@ -87,20 +81,6 @@ def image_of(figure: Figure, *, detailed: bool = False) -> Image:
             data, kind = pixels.getvalue(), "png"
     width, height = (float(round(_MM * size, 1)) for size in figure.get_size_inches())
     return Image(data=data, kind=kind, width=width, height=height)
-
-
-def crest(x: Array, values: Array) -> tuple[Array, Array]:
-    """Return the positions and sizes of the largest value of each of many intervals: the envelope of what oscillates."""
-    length = max(x.size // _CRESTS, 1)
-    parts = values[: length * (x.size // length)].reshape(-1, length)
-    rows = length * np.arange(parts.shape[0]) + parts.argmax(axis=1)
-    return x[rows], values[rows]
-
-
-def short(name: str) -> str:
-    """Return a name as it fits a legend, its end kept, where numbers stand; never one that a legend leaves out."""
-    fits = name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
-    return f" {fits}" if fits.startswith("_") else fits  # matplotlib hides labels that begin with an underscore
 
 
 def round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:

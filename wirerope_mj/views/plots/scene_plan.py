@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from matplotlib.collections import PolyCollection
 
+from wirerope_mj.content.panels import short
+from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.views.plots.report_image import COLOURS, short
-from wirerope_mj.views.plots.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
+from wirerope_mj.views.plots.report_image import COLOURS
 
 _ROOM = 0.05  # around the drawing, of its width
 _MARKERS = "osD^vP"

@@ -4,12 +4,9 @@ from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
-from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
-from wirerope_mj.foundation.ticks import linear_ticks
-from wirerope_mj.views.plots.report_image import COLOURS, RATED, short
-from wirerope_mj.views.plots.scene_outline import (
+from wirerope_mj.content.blocks import SceneView
+from wirerope_mj.content.panels import short
+from wirerope_mj.content.scene_outline import (
     DrawnScene,
     Outline,
     View,
@@ -19,6 +16,11 @@ from wirerope_mj.views.plots.scene_outline import (
     outlines,
     shared_label,
 )
+from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.views.plots.report_image import COLOURS, RATED
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
 _MARKERS = (
@@ -43,8 +45,13 @@ _INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
 Place = Callable[[Array], Array]
 
 
-def scene_svgs(scene: Scene) -> list[str]:
-    """Return plan, elevation and key of the modelled geometry as SVG elements, mounts with their labels."""
+def scene_svgs(view: SceneView) -> list[str]:
+    """Return a scene as SVG elements: plan, elevation and key, or plan and elevation at its instant."""
+    return _modelled(view.scene) if view.moved is None else _at_instant(view, view.moved)
+
+
+def _modelled(scene: Scene) -> list[str]:
+    """Draw plan, elevation and key of the modelled geometry, mounts with their labels."""
     drawn, parts = drawn_scene(scene), []
     for view in drawn.views:
         place, size = _frame(drawn, view, WIDTH, _TALLEST)
@@ -53,23 +60,17 @@ def scene_svgs(scene: Scene) -> list[str]:
     return [*parts, _key(scene)] if scene.mounts else parts
 
 
-def moved_scene_svgs(scene: Scene, moved: Scene, ring: tuple[str, Array] | None, *, exceeded: bool) -> list[str]:
-    """Return plan and elevation of a scene at an instant, over the pale modelled geometry, as SVG elements.
-
-    Args:
-        scene: in the modelled geometry.
-        moved: the same scene as it stands at the instant, relative to its base.
-        ring: name and position (3,) [m] of what is ringed; None for nothing.
-        exceeded: whether the ring is red.
-    """
-    before, after, parts = drawn_scene(scene), drawn_scene(moved), []
+def _at_instant(block: SceneView, moved: Scene) -> list[str]:
+    """Draw plan and elevation of a scene at an instant, over the pale modelled geometry."""
+    before, after, parts = drawn_scene(block.scene), drawn_scene(moved), []
     for view in before.views:
         place, size = _frame(before, view, WIDTH / 2.0, _TALLEST_HALF)
         shown = [*_shapes(outlines(before, view), place, pale=True), *_shapes(outlines(after, view), place)]
         shown += _stretched(moved, view, place)
-        if ring is not None:
-            shown.append(_ring(ring[0], place(view.seen(ring[1])), RATED if exceeded else _INK))
-        parts.append(_svg(scene, view, size, place, WIDTH / 2.0, shown))
+        if block.ring is not None:
+            name, position = block.ring
+            shown.append(_ring(name, place(view.seen(position)), RATED if block.exceeded else _INK))
+        parts.append(_svg(block.scene, view, size, place, WIDTH / 2.0, shown))
     return parts
 
 

@@ -11,6 +11,7 @@ import pyarrow as pa
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
+from wirerope_mj.content.panels import short
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.studies.engines.compute import DONE
@@ -19,7 +20,7 @@ from wirerope_mj.studies.results.measure import Measure, measure_of, values_of
 from wirerope_mj.studies.results.statements import percent
 from wirerope_mj.studies.results.statistics import CONFIDENCE, exceedance_of, finite, quantiles
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style, short
+from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

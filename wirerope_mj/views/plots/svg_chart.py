@@ -5,17 +5,16 @@ charts in a browser comes as a script of megabytes, which a PDF does not run.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from html import escape
 from math import isfinite, log10
 
 import numpy as np
 
+from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.views.colours import LIGHT, Color
-from wirerope_mj.views.curves import BASE, OTHERS, Curve, Panel
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 WIDTH = 760.0
@@ -30,26 +29,21 @@ _FINE = 1 / 500  # of a panel's height, that a line may be off
 _ROOM = 0.05  # of the range, left free above and below
 
 
-@dataclass(frozen=True, kw_only=True)
-class Chart:
-    """Panels in rows, each `height` units high without its texts."""
-
-    rows: Sequence[Sequence[Panel]]
-    height: float = 120.0
-
-    def svg(self) -> str:
-        """Return the chart as an <svg> element; the curves' names stand above, each once."""
-        legend, top = _legend([panel for row in self.rows for panel in row])
-        parts, y = [legend], top
-        for number, row in enumerate(self.rows):
-            y += _TITLE if any(panel.title for panel in row) else 0.0
-            width = (WIDTH - _LEFT - _RIGHT - _GAP * (len(row) - 1)) / len(row)
-            labelled = any(panel.xlabel for panel in row)
-            for column, panel in enumerate(row):
-                parts.append(_panel(panel, _LEFT + column * (width + _GAP), y, width, self.height, labelled=labelled))
-            y += self.height + (_BELOW if labelled else 0.0) + (_BETWEEN if number + 1 < len(self.rows) else 0.0)
-        head = f'<svg class="chart" viewBox="0 0 {WIDTH:g} {y:g}" xmlns="http://www.w3.org/2000/svg" role="img"'
-        return f'{head} font-family="Helvetica, Arial, sans-serif" font-size="11">{"".join(parts)}</svg>'
+def chart_svg(chart: Chart) -> str:
+    """Return a chart as an <svg> element; the curves' names stand above, each once."""
+    legend, top = _legend([panel for row in chart.rows for panel in row])
+    parts, y = [legend], top
+    for number, row in enumerate(chart.rows):
+        y += _TITLE if any(panel.title for panel in row) else 0.0
+        width = (WIDTH - _LEFT - _RIGHT - _GAP * (len(row) - 1)) / len(row)
+        labelled = any(panel.xlabel for panel in row)
+        for column, panel in enumerate(row):
+            parts.append(_panel(panel, _LEFT + column * (width + _GAP), y, width, chart.height, labelled=labelled))
+        y += chart.height + (_BELOW if labelled else 0.0) + (_BETWEEN if number + 1 < len(chart.rows) else 0.0)
+    head = f'<svg class="chart" viewBox="0 0 {WIDTH:g} {y:g}" xmlns="http://www.w3.org/2000/svg" role="img"'
+    if chart.alt:
+        head += f' aria-label="{safe_text(chart.alt)}"'
+    return f'{head} font-family="Helvetica, Arial, sans-serif" font-size="11">{"".join(parts)}</svg>'
 
 
 def _legend(panels: Sequence[Panel]) -> tuple[str, float]:

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.panels import Panel
+from wirerope_mj.content.selection import Selection, main_direction
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.curves import Panel
 from wirerope_mj.views.recording.camera import whole_scene
 from wirerope_mj.views.recording.cursor import PATH as CURSOR
 from wirerope_mj.views.recording.documents import VERDICT
@@ -33,7 +34,6 @@ from wirerope_mj.views.recording.views import (
     time_axis,
     whole_scene_view,
 )
-from wirerope_mj.views.selection import Selection, main_direction
 
 
 def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], panel: Panel | None, *, tab: str) -> Any:

@@ -17,6 +17,7 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.views.recording.along import along_branch
@@ -31,7 +32,6 @@ from wirerope_mj.views.recording.poses import frames_of
 from wirerope_mj.views.recording.response_curve import log_response
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
-from wirerope_mj.views.selection import select
 
 
 def record_branches(result: FrequencyResponse, findings: list[LevelSummary], path: str | Path) -> Path:

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import NAMED, Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown
@@ -11,7 +12,6 @@ from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, Rows, at, entity
-from wirerope_mj.views.selection import NAMED, Selection
 
 PATH = ("cursor",)
 

@@ -10,6 +10,8 @@ import numpy as np
 from wirerope_mj.assessment.criteria import headline, verdict_lines
 from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.content.selection import Selection
+from wirerope_mj.content.verdicts import full_table
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
@@ -18,8 +20,6 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.paths import AXES, entity
-from wirerope_mj.views.selection import Selection
-from wirerope_mj.views.verdict_table import full_table
 
 VERDICT = "verdict"
 

@@ -7,12 +7,12 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
+from wirerope_mj.content.selection import Selection, select
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
-from wirerope_mj.views.selection import Selection, select
 
 MOST_MOUNTS = 4
 """Mounts of an axis whose histories and loops are drawn: each is a plot of its own, with a line for every run."""

@@ -6,11 +6,11 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import NAMED
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.frame import Color
 from wirerope_mj.views.recording.paths import at, child
-from wirerope_mj.views.selection import NAMED
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 _PEAK = (255, 255, 255)

@@ -10,11 +10,12 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE, Component, difference
+from wirerope_mj.content.contacts import touching
+from wirerope_mj.content.selection import travel_limits
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
-from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.contact_histories import touching
+from wirerope_mj.views.colours import DARK, colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
 from wirerope_mj.views.recording.graphs import (
     Graph,
@@ -27,7 +28,6 @@ from wirerope_mj.views.recording.graphs import (
     thinned,
 )
 from wirerope_mj.views.recording.paths import AXES, entity
-from wirerope_mj.views.selection import travel_limits
 
 DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
@@ -81,7 +81,7 @@ def _add_used(graphs: Graphs, run: DrawnRun) -> None:
         marker = Marker(time=first.time, value=in_unit(used[0].largest, "%"), text=text)
     labels = [f"{one.subject} {in_unit(one.largest, '%'):.0f} %" for one in used]
     lines = named_lines(
-        response.time, values, labels, [run.selection.color(one.subject) for one in used], _FINE * 100.0, marker
+        response.time, values, labels, [colour_of(run.selection, one.subject) for one in used], _FINE * 100.0, marker
     )
     title = f"Utilisation of limits [%]: {first.subject} {in_unit(used[0].largest, '%'):.0f} % of its limit of "
     limits = [Limit(below=("limit",), name="limit", value=in_unit(_ENTIRE, "%"), unit="%")]
@@ -100,7 +100,7 @@ def _add_accelerations(graphs: Graphs, run: DrawnRun, direction: str) -> None:
     tolerance = _FINE * max(float(np.abs([base, *values]).max()), 1e-9)
     marker = markers[parts[0]] if parts else None
     labels = [f"{part.label} {markers[part].value:.2f} g" for part in parts]
-    colors = [selection.color(part.name) for part in parts]
+    colors = [colour_of(selection, part.name) for part in parts]
     lines = [*drawn(response.time, base, tolerance, below=("0",), names=["base"], colors=[DARK.base], width=1.0)]
     if parts:
         lines += named_lines(response.time, np.stack(values, axis=1), labels, colors, tolerance, marker)
@@ -116,7 +116,7 @@ def _add_mounts(graphs: Graphs, run: DrawnRun, quantity: str, axis: str) -> None
     markers = [_mount_marker(name, response, name, quantity, axis) for name in names]
     labels = [f"{name} {marker.value:.4g} {unit}" for name, marker in zip(names, markers, strict=True)]
     tolerance = _FINE * max(float(np.ptp(values)), 1e-9)
-    colors = [selection.color(name) for name in names]
+    colors = [colour_of(selection, name) for name in names]
     lines = named_lines(response.time, values, labels, colors, tolerance, markers[0])
     limits = []
     if quantity == "deflection":  # the rated travel of the mount that uses most of it

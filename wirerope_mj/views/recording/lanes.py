@@ -5,12 +5,12 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.content.events import NEAR
+from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.recording.events import NEAR
 from wirerope_mj.views.recording.paths import at, entity
 from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
-from wirerope_mj.views.selection import Selection
 
 _MOST = 3
 """Lanes of what uses most of its limits: each is 40 points high."""

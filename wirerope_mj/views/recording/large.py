@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -17,7 +18,6 @@ from wirerope_mj.views.recording.plan import heat, used_by
 from wirerope_mj.views.recording.poses import Frame, grown
 from wirerope_mj.views.recording.scene import log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms
-from wirerope_mj.views.selection import Selection
 
 ROOT = "large"
 

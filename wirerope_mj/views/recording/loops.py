@@ -7,16 +7,17 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.content.selection import Selection, travel_limits
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MountResponse
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.colours import colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, fitting_width, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
-from wirerope_mj.views.selection import Selection, travel_limits
 from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
 MOST_TRAIL_ROWS = 1000
@@ -164,7 +165,7 @@ def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequ
         others = [(run, loop) for run, loop in drawn if loop.axis == axis and loop.plot is None]
         if others:
             loops = [loop for _, loop in others]
-            colors = [run.selection.color(loop.mount) for run, loop in others]
+            colors = [colour_of(run.selection, loop.mount) for run, loop in others]
             rec.log(entity("loops", axis, "others"), _outlines(loops, colors, [o.mount for o in loops]), static=True)
     for entry in plots:
         scenes = [run.response.scene for run, _ in entry.loops]
@@ -173,7 +174,7 @@ def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequ
         _log_loop_frame(rec, entry.path, entry.plot, mounts, entry.axis, lift=8.0 if alone else LARGE)
         rec.log(child(entry.path, "data"), entry.plot.transform(), static=True)
         for order, (run, loop) in enumerate(entry.loops):
-            path, color = entry.path_of(run), run.selection.color(loop.mount)
+            path, color = entry.path_of(run), colour_of(run.selection, loop.mount)
             rec.log(path, _outlines([loop], [color], [run.name or loop.mount]), static=True)
             _log_trail(rec, path, loop, color, cursor=_CURSOR if alone else color, order=order)
 

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.modes.animation import ModeAnimation
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.foundation.plain_text import markdown
@@ -22,7 +23,6 @@ from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.views import opening, whole_scene_view
-from wirerope_mj.views.selection import select
 
 MODE = "mode"
 """Timeline over the modes, numbered from 1; also the entity of the text about one."""

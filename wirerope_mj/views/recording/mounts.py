@@ -5,15 +5,16 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.colours import colour_of
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
 from wirerope_mj.views.recording.plan import heat, used_by
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
-from wirerope_mj.views.selection import Selection
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)
@@ -129,7 +130,7 @@ def _log_bars(
         look = {"half_sizes": halves, "centers": centers, "quaternions": quaternions, "fill_mode": "Solid"}
         path = child(frames[body].path, "bars")
         if selection.run_color or not selection.used:
-            rec.log(path, rr.Boxes3D(**look, colors=[selection.color(name) for name in names]), static=True)
+            rec.log(path, rr.Boxes3D(**look, colors=[colour_of(selection, name) for name in names]), static=True)
             continue
         rec.log(path, rr.Boxes3D(**look), static=True)
         colors = heat(used_by(selection, list(names)))
@@ -153,7 +154,7 @@ def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]
             rr.Points3D(
                 [device.mount.base_point for device in devices],
                 labels=[device.mount.name for device in devices],
-                colors=[selection.color(device.mount.name) for device in devices],
+                colors=[colour_of(selection, device.mount.name) for device in devices],
                 radii=rr.Radius.ui_points(0.0),
                 show_labels=True,
             ),
@@ -173,7 +174,7 @@ def _log_forces(
     if largest == 0.0:
         return
     feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
-    colors = [selection.color(device.mount.name) for device in devices]
+    colors = [colour_of(selection, device.mount.name) for device in devices]
     rec.log(
         child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True
     )

@@ -4,17 +4,17 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.panels import BASE, Curve, Panel
+from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.motions import Sweep, motion_from_dict
 from wirerope_mj.views.colours import DARK, Color
-from wirerope_mj.views.curves import BASE, Curve, Panel
 from wirerope_mj.views.recording.cursor import cursor_rows
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, Plot, log_frame
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.paths import at, child, entity
-from wirerope_mj.views.selection import Selection
 
 ROOT = "frequencies"
 

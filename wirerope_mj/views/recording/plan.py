@@ -4,13 +4,13 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.cursor import cursor_rows
 from wirerope_mj.views.recording.paths import at, child, entity
-from wirerope_mj.views.selection import Selection
 
 ROOT = "plan"
 

@@ -23,16 +23,18 @@ from typing import Any
 
 from wirerope_mj.assessment.comparison import Align, Inputs
 from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.content.events import main_instants
+from wirerope_mj.content.panels import Panel
+from wirerope_mj.content.selection import select
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Table
-from wirerope_mj.views.curves import Panel
 from wirerope_mj.views.recording.blueprint import blueprint_of
 from wirerope_mj.views.recording.comparison_blueprint import loop_widths, overlay_blueprint
 from wirerope_mj.views.recording.comparison_text import overlay_texts
 from wirerope_mj.views.recording.cursor import log_cursor
 from wirerope_mj.views.recording.documents import texts_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay, overlay_of, run_alone
-from wirerope_mj.views.recording.events import log_events, main_instants
+from wirerope_mj.views.recording.events import log_events
 from wirerope_mj.views.recording.ghosts import log_ghosts
 from wirerope_mj.views.recording.graphs import Graphs, log_graphs
 from wirerope_mj.views.recording.histories import graphs_of_overlay, graphs_of_run
@@ -46,7 +48,6 @@ from wirerope_mj.views.recording.properties import send_properties
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state
 from wirerope_mj.views.recording.target import atomic_recording, target_of
-from wirerope_mj.views.selection import select
 
 OVERLAY_FILE = "overlay.rrd"
 

@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
@@ -13,7 +14,6 @@ from wirerope_mj.views.recording.paths import Rows, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.recording.stops import log_stops
-from wirerope_mj.views.selection import Selection
 from wirerope_mj.views.thin import rows_of_steps
 
 _STILL = 1 / 50

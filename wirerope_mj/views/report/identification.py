@@ -4,12 +4,12 @@ import math
 from collections.abc import Iterable, Sequence
 from importlib.metadata import version
 
-from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.content.blocks import Block, Content, Picture, Section, Statement
+from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.mounts.identification.records import millimetres
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, neighbours_correlation
 from wirerope_mj.mounts.laws import Law, Stop
 from wirerope_mj.views.plots.identification import MOST, fit_chart, measures_chart, residual_chart
-from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, ReportContent, Section
 
 _UNITS = {
     "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
@@ -174,7 +174,7 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
 
 def identification_content(
     result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], given: Sequence[str]
-) -> ReportContent:
+) -> Content:
     """Return the report of a fit.
 
     Args:
@@ -191,27 +191,32 @@ def identification_content(
         f"Error over all loops {100.0 * result.residual:.3g} % of half their force range; {result.evaluations} evaluations "
         "from all starts."
     )
-    parameters: list[Block] = [*(Paragraph(text=f"Law: {text}") for text in law_lines(result)), parameter_table(result)]
+    parameters: list[Block] = [*(Statement(text=f"Law: {text}") for text in law_lines(result)), parameter_table(result)]
     parameters += scale_tables(result)
-    parameters += [Listing(items=tuple(meanings))] if meanings else []
-    return ReportContent(
+    parameters += [Statement(items=tuple(meanings))] if meanings else []
+    return Content(
         title=title,
         facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Which parameters of the law follow the measured loops, and how well are they known?",),
         verdict=_verdict(result, fits),
-        answer=(
-            Picture(
-                image=fit_chart(fits),
-                caption=f"Measured loops and those of the law; the error is that of the force over half its range.{drawn}",
-                alt="Loops, measured and fitted.",
-            ),
-            Listing(items=(*findings(result, fits), error, *given)),
-        ),
         sections=(
-            Section(title="Parameters", blocks=tuple(parameters)),
             Section(
+                id="answer",
+                title="",
+                build=lambda: (
+                    Picture(
+                        image=fit_chart(fits),
+                        caption=f"Loops, measured and fitted; the error is that of the force over half its range.{drawn}",
+                        alt="Loops, measured and fitted.",
+                    ),
+                    Statement(items=(*findings(result, fits), error, *given)),
+                ),
+            ),
+            Section(id="parameters", title="Parameters", build=lambda: tuple(parameters)),
+            Section(
+                id="loops-and-residuals",
                 title="Loops and residuals",
-                blocks=(
+                build=lambda: (
                     loop_table(fits),
                     Picture(
                         image=residual_chart(fits),
@@ -227,28 +232,29 @@ def identification_content(
                 ),
             ),
             Section(
+                id="how-well-the-parameters-are-known",
                 title="How well the parameters are known",
-                blocks=(
+                build=lambda: (
                     stage_table(result),
                     correlation_table(result),
-                    Paragraph(
+                    Statement(
                         text=f"Singular values: {singular}. Of the residual's change with the parameters, over its noise: one "
                         "over each is the standard error of one combination of them, in logarithms or in the size that it can "
                         "have. Small ones are not identifiable."
                     ),
                 ),
             ),
-            Section(title="Read from", blocks=(Listing(items=tuple(sources)),)),
+            Section(id="read-from", title="Read from", build=lambda: (Statement(items=tuple(sources)),)),
         ),
     )
 
 
-def _verdict(result: Identification, fits: Sequence[FittedLoop]) -> Mark:
+def _verdict(result: Identification, fits: Sequence[FittedLoop]) -> Statement:
     """Return whether the fit converged, whether the law follows the loops, and whether the data fix every parameter."""
     if not result.converged:
-        return Mark("NOT CONVERGED", "exceeded")
+        return Statement(id="headline", text="NOT CONVERGED", tone="exceeded")
     if neighbours_correlation(fits) > _BENT:
-        return Mark("Converged; the law does not follow the loops everywhere", "unjudged")
+        return Statement(id="headline", text="Converged; the law does not follow the loops everywhere", tone="unjudged")
     if result.non_identifiable:
-        return Mark("Converged; not every parameter is identifiable", "unjudged")
-    return Mark("Converged; the data identify every free parameter", "within")
+        return Statement(id="headline", text="Converged; not every parameter is identifiable", tone="unjudged")
+    return Statement(id="headline", text="Converged; the data identify every free parameter", tone="within")

@@ -10,19 +10,21 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from wirerope_mj.content.blocks import Block, Content, SceneView, Statement
+from wirerope_mj.content.numbers import ABSENT, MINUS
+from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.views.display import ABSENT, MINUS
 from wirerope_mj.views.plots.report_image import Image
-from wirerope_mj.views.plots.svg_chart import Chart
-from wirerope_mj.views.report.content import Drawing, Folded, Listing, Paragraph, ReportContent
+from wirerope_mj.views.plots.scene_svg import scene_svgs
+from wirerope_mj.views.plots.svg_chart import chart_svg
 
 _FOLDER = Path(__file__).parent
 _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen its column
 _MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 
 
-def report_html(content: ReportContent) -> str:
+def report_html(content: Content) -> str:
     """Return the page: styles and pictures are inside it, and every text of the content is escaped."""
     # The style sheet is ours alone; whatever a user has named reaches the page through the template, which escapes it.
     css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
@@ -47,22 +49,16 @@ def _environment() -> Environment:
     )
     environment.filters |= {
         "data_uri": _data_uri,
-        "svg": _svg,
-        "element": Markup,  # of SVG, whose texts are escaped where they are put in
+        "svg": lambda chart: Markup(chart_svg(chart)),  # whose texts are escaped where they are put in
+        "drawings": lambda view: Markup("".join(scene_svgs(view))),  # so, too
+        "named": _named,
         "breakable": _breakable,
         "instant": _instant,
         "letter": lambda column: column.align[0],
         "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
         "cells": lambda table: table.marks(absent=ABSENT, minus=MINUS),
     }
-    for name, kind in (
-        ("paragraph", Paragraph),
-        ("listing", Listing),
-        ("table", Table),
-        ("folded", Folded),
-        ("chart", Chart),
-        ("drawing", Drawing),
-    ):
+    for name, kind in (("statement", Statement), ("table", Table), ("chart", Chart), ("scene", SceneView)):
         environment.tests[name] = lambda item, kind=kind: isinstance(item, kind)
     return environment
 
@@ -78,9 +74,9 @@ def _instant(column: Column, value: object) -> float | None:
     return float(value) if inside and isinstance(value, int | float) and math.isfinite(value) else None
 
 
-def _svg(chart: Chart, alt: str) -> Markup:
-    """Return a chart as an element of the page, which escapes the names in it itself; `alt` says what it shows."""
-    return Markup(chart.svg().replace("<svg ", f'<svg aria-label="{escape(plain_lines(alt))}" ', 1))
+def _named(block: Block) -> Markup:
+    """Return the attribute that carries a block's id, the same in every output; nothing without one."""
+    return Markup(f' data-id="{escape(plain_lines(block.id))}"') if block.id else Markup("")
 
 
 def _data_uri(image: Image) -> str:

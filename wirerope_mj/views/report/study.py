@@ -2,24 +2,24 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.foundation.tables import Column, Mark, Table
-from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
-from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.stated_limits import limit_statement
-from wirerope_mj.studies.results.statements import failures, numbered, percent, statements
-from wirerope_mj.studies.results.study_summary import StudySummary
-from wirerope_mj.studies.results.tables import (
+from wirerope_mj.content.blocks import Block, Content, Picture, Section, Statement
+from wirerope_mj.content.numbers import number, several
+from wirerope_mj.content.study_tables import (
     effects_table,
     indices_tables,
     measures_table,
     varied_table,
     worst_table,
 )
-from wirerope_mj.views.display import number, several
+from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
+from wirerope_mj.studies.results.measure import input_names
+from wirerope_mj.studies.results.stated_limits import limit_statement
+from wirerope_mj.studies.results.statements import failures, numbered, percent, statements
+from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.study_pictures import StudyPicture, study_pictures
-from wirerope_mj.views.report.content import Block, Listing, Paragraph, Picture, ReportContent, Section
 
 _WORST, _INPUTS, _EFFECTS, _FAILED = 10, 5, 15, 20  # rows and columns that are read
 _METHODS = {
@@ -29,12 +29,12 @@ _METHODS = {
 }  # fmt: skip
 
 
-def study_content(summary: StudySummary) -> ReportContent:
+def study_content(summary: StudySummary) -> Content:
     """Return the report of a study that is complete."""
     result = summary.result
     study, content = result.study, result.inputs
     question = tuple(" ".join(part.split()) for part in study.question.strip().split("\n\n") if part.strip())
-    return ReportContent(
+    return Content(
         title=study.name.replace("_", " ").capitalize(),
         facts=(
             ("Model", content["model"]["file"].rpartition("/")[2]),
@@ -44,13 +44,25 @@ def study_content(summary: StudySummary) -> ReportContent:
         ),
         question=question or ("The study asks no question.",),
         verdict=_verdict(summary),
-        answer=(Listing(items=(*_of_stated(summary), *statements(result))), *failed_blocks(result)),
         sections=(
-            Section(title="Varied quantities", blocks=(varied_table(study),)),
-            Section(title="Results", blocks=(measures_table(summary), *pictures_of(study_pictures(summary)))),
-            Section(title="Inputs that matter", blocks=_of_inputs(summary)),
-            Section(title="Worst variants", blocks=(worst_table(summary, _WORST, inputs=_INPUTS),)),
-            Section(title="Numerics and versions", blocks=(numerics_table(result),)),
+            Section(
+                id="answer",
+                title="",
+                build=lambda: (Statement(items=(*_of_stated(summary), *statements(result))), *failed_blocks(result)),
+            ),
+            Section(id="varied-quantities", title="Varied quantities", build=lambda: (varied_table(study),)),
+            Section(
+                id="results",
+                title="Results",
+                build=lambda: (measures_table(summary), *pictures_of(study_pictures(summary))),
+            ),
+            Section(id="inputs-that-matter", title="Inputs that matter", build=lambda: _of_inputs(summary)),
+            Section(
+                id="worst-variants",
+                title="Worst variants",
+                build=lambda: (worst_table(summary, _WORST, inputs=_INPUTS),),
+            ),
+            Section(id="numerics-and-versions", title="Numerics and versions", build=lambda: (numerics_table(result),)),
         ),
     )
 
@@ -73,16 +85,22 @@ def motion_text(result: StudyResult) -> str:
     return f"{motions}; its {' and '.join(varies)} {'vary' if len(varies) > 1 else 'varies'}" if varies else motions
 
 
-def _verdict(summary: StudySummary) -> Mark:
+def _verdict(summary: StudySummary) -> Statement:
     judged = summary.judged
     if not judged:
-        return Mark(content="Not judged: no limit is stated", tone="unjudged")
+        return Statement(id="headline", text="Not judged: no limit is stated", tone="unjudged")
     most, ratio = max(judged, key=lambda one: one[0].count)
     failed = f"; {several(most.failed, 'more variant')} failed" if most.failed else ""
     if most.count:
         of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
-        return Mark(content=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded")
-    return Mark(content=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
+        return Statement(
+            id="headline", text=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded"
+        )
+    return Statement(
+        id="headline",
+        text=f"Within the limits in all {most.n} variants{failed}",
+        tone="unjudged" if failed else "within",
+    )
 
 
 def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
@@ -96,7 +114,7 @@ def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
         lines.append(f"{len(of_message) - _FAILED} other messages: see the column message of the table.")
     stand = "stands" if len(failed) == 1 else "stand"
     text = f"{several(len(failed), 'variant')} could not be simulated and {stand} in no statistic:"
-    return (Paragraph(text=text), Listing(items=tuple(lines)))
+    return (Statement(text=text), Statement(items=tuple(lines)))
 
 
 def pictures_of(pictures: Sequence[StudyPicture]) -> list[Picture]:

@@ -1,8 +1,9 @@
-"""The screen: a console on which control characters and emoji codes in texts are harmless, and tables on it."""
+"""The terminal: statements and tables on a console on which control characters and emoji codes in texts are harmless."""
 
 import os
 import sys
 from collections.abc import Iterable
+from functools import singledispatch
 from typing import Any
 
 from rich import box
@@ -10,6 +11,7 @@ from rich.console import Console
 from rich.table import Table as RichTable
 from rich.text import Text
 
+from wirerope_mj.content.blocks import Block, Content, Statement
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Table
 
@@ -18,7 +20,9 @@ WIDTH = 120
 
 _ROOMY = 100  # characters below which columns have no padding
 _LONG = 16  # characters of a heading above numbers that stands on several lines
-_STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold"}
+_STYLES = {
+    "exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold", "unjudged": "yellow", "within": "green",
+}  # fmt: skip
 
 
 class _Screen(Console):
@@ -42,6 +46,39 @@ def console() -> Console:
 def without_reader() -> None:
     """Send to nowhere what is still printed: the reader, such as `head`, has seen enough."""
     os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+
+
+def show(content: Content, *sections: str) -> None:
+    """Print sections of a result by their ids, each block below a blank line; those without blocks are left out."""
+    for section in content.sections:
+        if section.id in sections:
+            for block in section.blocks:
+                print_block(block)
+
+
+@singledispatch
+def print_block(block: Block) -> None:
+    """Print a block; charts and scenes have no place on a terminal."""
+
+
+@print_block.register
+def _(block: Statement) -> None:
+    if block.text:
+        print_lines([Text(plain_lines(block.text), style=_STYLES.get(block.tone, ""))])
+    print_lines(block.items, indent="    " if block.text else "  ")
+
+
+@print_block.register
+def _(block: Table) -> None:
+    print()
+    print_table(block)
+
+
+def print_headline(statement: Statement) -> None:
+    """Print the conclusion of a result, set apart from what stands above it."""
+    print()
+    style = f"bold {_STYLES.get(statement.tone, '')}".strip()
+    console().print(Text(f"  {plain_lines(statement.text)}", style=style), soft_wrap=True)
 
 
 def print_table(table: Table) -> None:
@@ -70,11 +107,11 @@ def print_table(table: Table) -> None:
         print_lines([table.note])
 
 
-def print_lines(lines: Iterable[str], indent: str = "  ") -> None:
+def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
     """Print lines as they are, however long they are."""
     screen = console()
     for line in lines:
-        screen.print(f"{indent}{line}", soft_wrap=True, markup=False)
+        screen.print(Text(indent) + line if isinstance(line, Text) else f"{indent}{line}", soft_wrap=True, markup=False)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.content.selection import worst_names
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.arrays import Array
@@ -19,9 +20,9 @@ from wirerope_mj.motions.spectra import (
 )
 from wirerope_mj.motions.spectra.arguments import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
-from wirerope_mj.views.plots.report_motion import moving_axes
-from wirerope_mj.views.plots.report_response import acceleration_along
-from wirerope_mj.views.report import BASE, worst_names
+
+BASE = "base"
+"""Name of the base among the spectra."""
 
 Q = 10.0
 """Amplification of the oscillators: the convention where nothing else is agreed."""
@@ -33,6 +34,9 @@ _LONG = 200_000  # samples from which spectra have fewer lines: each takes a hun
 _LINES, _FEW_LINES = 12, 6  # to an octave
 _STEADY = ("sweep", "sine", "vibration-lines")
 _LEAST_STEADY = 1.0  # [s] of stationary vibration below which a density is too uncertain to be shown
+
+
+_STILL = 1e-12  # [m]: an axis that moves less does not move
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -78,7 +82,7 @@ def run_spectra(
     if not axes:
         return Absent(reason="The base rests: there is no shock response spectrum.")
     if any(isinstance(term, RandomVibration) for term in terms):
-        return Absent(reason="The base vibrates at random: power spectral densities stand for shock response spectra.")
+        return Absent(reason="The base vibrates at random: PSDs are shown instead of SRS.")
     if any(term.kind in _STEADY for term in terms):
         return Absent(
             reason="The base is driven steadily: a shock response spectrum would say little, and none is shown."
@@ -165,3 +169,14 @@ def _of_base(motion: BaseMotion, response: Response, axis: int, frequencies: Arr
     time = np.arange(fine) / _FINE
     grid = octave_grid(_LOWEST, _HIGHEST, per_octave=_LINES)
     return shock_response_spectrum(time, motion.acceleration(time)[:, axis], grid, q=Q)
+
+
+def moving_axes(response: Response) -> list[int]:
+    """Return the axes along which the base moves, 0 = x; none if it rests."""
+    return [axis for axis in range(3) if np.abs(response.base.displacement[:, axis]).max(initial=0.0) > _STILL]
+
+
+def acceleration_along(response: Response, name: str, axis: int) -> Array:
+    """Return the sampled acceleration of a body, a point or the "base" along an axis, 0 = x [m/s^2], (n_t,)."""
+    room = "base" if name == "base" else f"bodies/{name}" if name in response.bodies else f"points/{name}"
+    return response.column(f"{room}/acceleration/{'xyz'[axis]}")

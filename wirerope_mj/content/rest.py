@@ -1,50 +1,48 @@
-"""The parts of a report about the system at rest: sag and loads of the mounts, and its modes."""
+"""The system at rest: sag and loads of mounts and payloads, and its modes."""
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import fixed, with_unit
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.statics import Sag
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.display import fixed, with_unit
-from wirerope_mj.views.report.content import Block, Paragraph, Section
-from wirerope_mj.views.report.run import FinishedRun
 
 _HISTORIES = {
     "virgin": "first loading, as after installation",
-    "relaxed": "after long vibration, when friction carries nothing any more",
+    "relaxed": "after long vibration (friction relaxed)",
 }
 _BALANCED = 1e-4  # of the weight, below which nobody asks where the rest is
 _NOTE = (
-    "Small cycles: the limit of vanishing amplitude; in a shock the mounts soften and the frequencies fall. Unloading and "
-    "further loading: with the mounts' tangents in either direction from rest, which the first quarter cycle feels. Mass: "
+    "Small amplitudes: the limit as the amplitude vanishes; in a shock the mounts soften and the frequencies fall. Unloading "
+    "and further loading: with the mounts' tangents in either direction from rest, which the first quarter cycle feels. Mass: "
     "fraction that takes part of the mass that can move along each axis."
 )
 
 
-def statics_section(run: FinishedRun) -> Section:
-    """Return sag and load of every mount and payload under gravity, on the first loading and relaxed."""
-    title = "At rest under gravity"
+def statics_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield sag and load of every mount and payload under gravity, on the first loading and relaxed."""
     if not run.response.scene.mounts:
-        return Section(title=title, blocks=())
+        return
     if not run.gravity:
-        return Section(
-            title=title, blocks=(Paragraph(text="The model has no gravity: the mounts carry nothing at rest."),)
-        )
+        yield Statement(id="statics", text="The model has no gravity: the mounts carry nothing at rest.")
+        return
     if isinstance(run.statics, Absent):
-        return Section(title=title, blocks=(Paragraph(text=run.statics.reason, tone="unjudged"),))
+        yield Statement(id="statics", text=run.statics.reason, tone="unjudged")
+        return
     sags = run.statics.sags
-    blocks: list[Block] = [
-        Paragraph(text=f"{history.capitalize()}: {reason}", tone="unjudged")
-        for history, reason in run.statics.missing.items()
-    ]
-    blocks += [_loads(run, sags), _payloads(sags)]
-    blocks += [Paragraph(text=_sum(history, sag)) for history, sag in sags.items()]
-    return Section(title=title, blocks=tuple(blocks))
+    for history, reason in run.statics.missing.items():
+        yield Statement(id=f"statics-{history}", text=f"{history.capitalize()}: {reason}", tone="unjudged")
+    yield _loads(run, sags)
+    yield _payloads(sags)
+    for history, sag in sags.items():
+        yield Statement(id=f"weight-{history}", text=_sum(history, sag))
 
 
-def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
+def _loads(run: JudgedRun, sags: Mapping[str, Sag]) -> Table:
     columns = [Column("mount", align="left")]
     for history in sags:
         for heading, unit, form in (("axial sag", "mm", 3), ("carries", "kN", 3), ("of rating", "%", "z.0f")):
@@ -60,6 +58,7 @@ def _loads(run: FinishedRun, sags: Mapping[str, Sag]) -> Table:
         rows.append(tuple(cells))
     histories = "; ".join(f"{history}: {_HISTORIES[history]}" for history in sags)
     return Table(
+        id="sag",
         title="Sag and load of every mount",
         columns=columns,
         rows=rows,
@@ -77,7 +76,9 @@ def _payloads(sags: Mapping[str, Sag]) -> Table:
     axes = [Column(f"along {axis}", "mm", "z.2f") for axis in "xyz"]
     axes += [Column(f"about {axis}", "mrad", "z.2f") for axis in "xyz"]
     names = Column("payload", align="left"), Column("history", align="left")
-    return Table(title="Sag of the payload's centre of mass, and its tilt", columns=(*names, *axes), rows=rows)
+    return Table(
+        id="payload-sag", title="Sag of the payload's centre of mass, and its tilt", columns=(*names, *axes), rows=rows
+    )
 
 
 def _sum(history: str, sag: Sag) -> str:
@@ -97,19 +98,15 @@ def _ratio(ratio: float | None) -> Cell:
     return Mark(f"{fixed(in_unit(ratio, '%'), 0)}, exceeded", "exceeded")
 
 
-def modes_section(run: FinishedRun) -> Section:
-    """Return the modes about the position of rest with descriptions of their shapes, and the distance from tipping over."""
-    blocks: list[Block] = []
+def modes_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield the modes about the equilibria with descriptions of their shapes, and the margin of stability."""
     histories = [history for history, modes in run.modes.items() if isinstance(modes, Modes)]
     for history, modes in run.modes.items():
         if isinstance(modes, Absent):
-            blocks.append(Paragraph(text=modes.reason, tone="unjudged"))
+            yield Statement(id=f"modes-{history}", text=modes.reason, tone="unjudged")
             continue
-        blocks += [
-            _table(history, modes, noted=history == histories[-1]),
-            Paragraph(text=f"Against tipping over: {modes.stability.description}"),
-        ]
-    return Section(title="Modes", blocks=tuple(blocks))
+        yield _table(history, modes, noted=history == histories[-1])
+        yield Statement(id=f"stability-{history}", text=f"Stability: {modes.stability.description}")
 
 
 def _table(history: str, modes: Modes, *, noted: bool) -> Table:
@@ -122,9 +119,10 @@ def _table(history: str, modes: Modes, *, noted: bool) -> Table:
         )
         for number in range(modes.frequencies.size)
     ]
-    frequencies = [Column(heading, "Hz", "z.2f") for heading in ("small cycles", "unloading", "further loading")]
+    frequencies = [Column(heading, "Hz", "z.2f") for heading in ("small amplitudes", "unloading", "further loading")]
     return Table(
-        title=f"Modes about the position of rest, {_HISTORIES[history]}",
+        id=f"modes-{history}",
+        title=f"Modes about the equilibrium, {_HISTORIES[history]}",
         columns=(
             Column("mode"), Column("shape", align="left"), *frequencies, *(Column(f"mass {axis}") for axis in "xyz"),
         ),

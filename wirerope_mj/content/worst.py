@@ -7,40 +7,37 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
+from wirerope_mj.content.blocks import SceneView
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import with_unit
+from wirerope_mj.content.scene_outline import drawn_scene
+from wirerope_mj.content.verdicts import ordered
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.rotation import rotation_matrices
-from wirerope_mj.views.display import with_unit
-from wirerope_mj.views.plots.scene_outline import drawn_scene
-from wirerope_mj.views.plots.scene_svg import moved_scene_svgs
-from wirerope_mj.views.report.content import Drawing
-from wirerope_mj.views.report.run import FinishedRun
-from wirerope_mj.views.verdict_table import ordered
 
 _SEEN = 0.06  # of the drawing's extent, which the largest displacement may take
 _FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)
 _STILL = 1e-6  # [m]: what moves less is not worth a picture
 
 
-def worst_instant(run: FinishedRun) -> tuple[Drawing, ...]:
-    """Return the scene at the instant of the worst verdict, displacements from the base enlarged; nothing without one."""
+def worst_instant(run: JudgedRun) -> SceneView | None:
+    """Return the scene at the instant of the most critical verdict, displacements enlarged; None without one."""
     scene = run.response.scene
     rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
     if not rows or not any(body.geoms for body in scene.bodies):
-        return ()
+        return None
     worst, instant = rows[0]
     number = int(np.abs(run.response.time - instant).argmin())
     travels = _travels(run.response, number)
     largest = max((float(np.linalg.norm(travel)) for travel in travels.values()), default=0.0)
     if largest < _STILL:
-        return ()
+        return None
     drawn = drawn_scene(scene)
     allowed = _SEEN * float((drawn.high - drawn.low).max())
     factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
     moved = _moved(run.response, number, travels, factor)
-    exceeded = worst.verdict == EXCEEDED
-    svgs = moved_scene_svgs(scene, moved, _ring(run.response, moved, worst), exceeded=exceeded)
     enlarged = f", displacements {factor:g} times as large" if factor > 1.0 else ""
     limit = f" of {with_unit(worst.limit, worst.unit)}" if worst.limit is not None else ""
     caption = (
@@ -48,7 +45,14 @@ def worst_instant(run: FinishedRun) -> tuple[Drawing, ...]:
         f"{with_unit(worst.value, worst.unit)}{limit}. Everything as it stands from the base{enlarged}; dashed: the modelled, "
         "unloaded geometry. Lines: mounts from the base's site to the payload's."
     )
-    return (Drawing(svgs=tuple(svgs), caption=caption),)
+    return SceneView(
+        id="worst-instant",
+        scene=scene,
+        caption=caption,
+        moved=moved,
+        ring=_ring(moved, worst),
+        exceeded=worst.verdict == EXCEEDED,
+    )
 
 
 def _travels(response: Response, number: int) -> dict[str, Array]:
@@ -78,7 +82,7 @@ def _moved(response: Response, number: int, travels: dict[str, Array], factor: f
     return replace(response.scene, bodies=tuple(bodies))
 
 
-def _ring(response: Response, moved: Scene, worst: Verdict) -> tuple[str, Array] | None:
+def _ring(moved: Scene, worst: Verdict) -> tuple[str, Array] | None:
     """Return name and position of what the verdict is on; None for a pair of geoms, which has no one position."""
     bodies = {body.name: body for body in moved.bodies}
     if worst.subject in bodies:

@@ -5,14 +5,14 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria import Verdict, judge, mount_peaks
+from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks, judge, mount_peaks
 from wirerope_mj.assessment.criteria.over_time import Used, used_limits
+from wirerope_mj.content.panels import OTHERS
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
-from wirerope_mj.views.colours import DARK, Color, Colours, numbered
 
 MOST_LOOPS = 6
 """Loops of the governing axis that get a view of their own: two rows of three can be read."""
@@ -23,8 +23,14 @@ MOST_OTHER_LOOPS = 3
 NAMED = 3
 """Lines of a graph that have colours and names: the largest. The others are grey."""
 
+MOST = 3
+"""Lines of bodies or mounts in one panel of a page: more cannot be told apart."""
+
 QUANTITIES = ("deflection", "force")
 """Of mounts, as `MountResponse` calls them."""
+
+COLOURS = 6
+"""Lines that can be told apart: numbers of colours in the tables of the views."""
 
 _SETTLED = 0.1
 """The event is over when deflections stay within this fraction of their largest swing."""
@@ -59,7 +65,7 @@ class Selection:
     verdicts: tuple[Verdict, ...]
     used: tuple[Used, ...]
     numbers: dict[str, int]
-    run_color: Color | None = None
+    run_color: tuple[int, int, int] | None = None
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -87,14 +93,6 @@ class Selection:
     def utilisation(self, mount: str, axis: str) -> float:
         """Return peak deflection over rated travel, NaN if nothing is rated."""
         return float(self.utilisations[self.mounts.index(mount), AXES.index(axis)])
-
-    def color(self, name: str) -> Color:
-        """Return the colour of a mount, a body or a point in the viewer: grey if it is not among those that are named."""
-        return self.run_color or self.colour_on(DARK, name)
-
-    def colour_on(self, ground: Colours, name: str) -> Color:
-        """Return the same on any ground."""
-        return ground.series[self.numbers[name]] if name in self.numbers else ground.others
 
     def _urgency(self, axis: str) -> tuple[float, bool]:
         ratio = self.utilisation(self.ranked[axis][0], axis)
@@ -181,3 +179,41 @@ def _window(response: Response, event: float, last: float) -> tuple[float, float
         end = max(end, float(response.time[moving[-1]]) if moving.size else event)
     end = end if end > event else last
     return max(float(response.time[0]), event - 0.06 * (end - event)), end
+
+
+def kind_of(selection: Selection, name: str, other: int | str = OTHERS) -> int | str:
+    """Return the number of the colour that a mount, a body or a point has in every output."""
+    return selection.numbers.get(name, other)
+
+
+def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
+    """Return a number of a colour for every name, first come, first served; those of one group differ if there are enough."""
+    numbers: dict[str, int] = {}
+    count = COLOURS
+    for group in groups:
+        for name in group:
+            if name not in numbers:
+                here = [numbers[other] for other in group if other in numbers]
+                taken = list(numbers.values())
+                numbers[name] = min(range(count), key=lambda n: (here.count(n), taken.count(n), n))
+    return numbers
+
+
+def worst_names(response: Response) -> list[str]:
+    """Return the bodies and points to draw, three at most; of those that move alike, the first.
+
+    First those that are nearest to their limits of acceleration, then others with limits, then the largest accelerations.
+    """
+    names: list[str] = []
+    peaks: list[tuple[float, ...]] = []
+    used = dict.fromkeys((limit.name for limit in response.scene.limits), 0.0)
+    for verdict in acceleration_verdicts(response):  # from the peaks alone: rattle space would take every sample
+        if verdict.utilisation is not None:
+            used[verdict.subject] = max(verdict.utilisation, used[verdict.subject])
+    for row in sorted(body_peaks(response), key=lambda row: -used.get(row.name, -1.0)):  # else as they are: by size
+        size = (row.value, *row.axes)
+        alike = any(np.allclose(size, other, rtol=1e-6, atol=1e-9) for other in peaks)  # a point of what cannot turn
+        if row.kind != "base" and not alike:
+            names.append(row.name)
+            peaks.append(size)
+    return names[:MOST]

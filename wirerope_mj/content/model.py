@@ -1,24 +1,25 @@
-"""The part of a report that says what was simulated: geometry, mounts and isolators with their provenance."""
+"""What was simulated: geometry, mounts and isolators with the source of their figures."""
 
+from collections.abc import Iterator
+
+from wirerope_mj.content.blocks import Block, SceneView, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import ABSENT, fixed, number, several, with_unit
+from wirerope_mj.content.scene_outline import axial_direction, crowded_label, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law, Stop
-from wirerope_mj.views.display import ABSENT, fixed, number, several, with_unit
-from wirerope_mj.views.plots.scene_outline import axial_direction, crowded_label, mount_labels, mount_position
-from wirerope_mj.views.plots.scene_svg import scene_svgs
-from wirerope_mj.views.report.content import Block, Drawing, Folded, Listing, Paragraph, Section
-from wirerope_mj.views.report.run import FinishedRun
 
 _FEW = 12
 """Mounts and stops that are listed in any case."""
 
 
-def model_section(run: FinishedRun) -> Section:
-    """Return the model: picture, masses, mounts, isolators and where their figures come from."""
+def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield scene, masses, mounts, isolators and where their figures come from."""
     scene = run.response.scene
-    blocks: list[Block] = [Paragraph(text=_summary(run))]
+    yield Statement(id="model", text=_summary(run))
     if any(body.geoms for body in scene.bodies) or scene.mounts:
         caption = "The modelled, unloaded geometry"
         if scene.mounts:
@@ -26,36 +27,32 @@ def model_section(run: FinishedRun) -> Section:
             caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
             behind = crowded_label(scene)
             caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
-        blocks.append(Drawing(svgs=tuple(scene_svgs(scene)), caption=caption))
-    mounts = _mounts(run)
-    blocks += [table for table in (_masses(run),) if table is not None]
-    if mounts is not None:
-        blocks.append(Folded(table=mounts, shown=max(len(scene.isolating), _FEW)))  # stops are the last, and alike
+        yield SceneView(id="geometry", scene=scene, caption=caption)
+    yield _masses(run)
+    yield _mounts(run)
     devices = _devices(run)
     if devices:
-        blocks.append(_isolators(devices))
+        yield _isolators(devices)
         for device in devices:
-            blocks += _provenance(device)
-    return Section(title="Model and mounts", blocks=tuple(blocks))
+            yield _provenance(device)
 
 
-def _summary(run: FinishedRun) -> str:
+def _summary(run: JudgedRun) -> str:
     scene = run.response.scene
     count = several(len(scene.isolating), "mount") if scene.isolating else "no mounts"
     n_stops = len(scene.mounts) - len(scene.isolating)
     count += f" and {several(n_stops, 'stop')}" if n_stops else ""
     driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
     weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
-    return (
-        f"Model {run.model} with {count}. {driven}, {weight}. Coordinates are those of the model's world frame, z up."
-    )
+    return f"Model {run.model_file} with {count}. {driven}, {weight}. Coordinates are those of the model's world frame, z up."
 
 
-def _masses(run: FinishedRun) -> Table | None:
+def _masses(run: JudgedRun) -> Table | None:
     known = next((modes for modes in run.modes.values() if isinstance(modes, Modes)), None)
     if known is None or not known.payloads:
         return None
     return Table(
+        id="masses",
         title="What the mounts carry, and its centre of mass at rest",
         columns=(
             Column("payload", align="left"),
@@ -66,7 +63,7 @@ def _masses(run: FinishedRun) -> Table | None:
     )
 
 
-def _mounts(run: FinishedRun) -> Table | None:
+def _mounts(run: JudgedRun) -> Table | None:
     scene = run.response.scene
     if not scene.mounts:
         return None
@@ -81,19 +78,21 @@ def _mounts(run: FinishedRun) -> Table | None:
     headings = [Column(heading, align="left") for heading in ("mount", "isolator", "payload on base")]
     positions = [Column(axis, "m", "z.3f") for axis in "xyz"]
     return Table(
+        id="mount-places",
         title="Mounts",
         columns=(*([Column("no.")] if numbered else []), *headings, *positions, Column("axial direction")),
         rows=rows,
-        note="Places are the elastic centres at mid-height. Axial points from the base's bar to the payload's; tension "
+        shown=max(len(scene.isolating), _FEW),  # stops are the last, and alike
+        note="Positions are the elastic centres at mid-height. Axial points from the base's bar to the payload's; tension "
         "is positive.",
     )
 
 
-def _devices(run: FinishedRun) -> list[Isolator]:
+def _devices(run: JudgedRun) -> list[Isolator]:
     """Return the isolators, each once, in the order of the mounts."""
     devices: list[Isolator] = []
     for mount in run.response.scene.mounts:
-        device = run.isolators[mount.name]
+        device = run.system.mounts[mount.name].written
         if device not in devices:
             devices.append(device)
     return devices
@@ -110,6 +109,7 @@ def _isolators(devices: list[Isolator]) -> Table:
     names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
     values = [Column("height", "mm"), Column("width", "mm"), Column("static load", "kN")]
     return Table(
+        id="isolators",
         title="Isolators and their ratings",
         columns=(*names, *values, *(Column(rating, "mm") for rating in RATINGS)),
         rows=rows,
@@ -117,7 +117,7 @@ def _isolators(devices: list[Isolator]) -> Table:
     )
 
 
-def _provenance(device: Isolator) -> list[Block]:
+def _provenance(device: Isolator) -> Statement:
     stated = device.provenance
     text = f"{device.name}: {stated.kind} figures. "
     text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
@@ -125,10 +125,8 @@ def _provenance(device: Isolator) -> list[Block]:
     text += "".join(_stop_words(axis, law) for axis, law in device.axes.items() if law is not None)
     if device.stiffening is not None:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
-    blocks: list[Block] = [Paragraph(text=text)]
-    if stated.assumed:
-        blocks.append(Listing(items=tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)))
-    return blocks
+    assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
+    return Statement(id=f"source-{device.name}", text=text, items=assumed)
 
 
 def _stop_words(axis: str, law: Law) -> str:

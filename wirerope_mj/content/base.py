@@ -1,0 +1,157 @@
+"""The base's motion: its histories, extremes, events and spectrum, and the measured records in it."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria.foundation import foundation_force
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import fixed, listed
+from wirerope_mj.content.panels import Chart, Curve, Panel
+from wirerope_mj.content.record import record_blocks
+from wirerope_mj.content.run_spectra import BASE, moving_axes
+from wirerope_mj.content.spectra import base_spectrum_chart
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.motions import BaseMotion
+
+_KEPT = 1e-3  # [m/s] at the end, from which it is said that the base keeps a velocity
+_FAINT = 1e-6  # of the largest component of a force, what is not drawn
+_MOST_EVENTS = 12  # in the table of what the base does: a record may have any number
+_MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
+_BETWEEN = 64  # instants between two corners: the peak of a half-sine is then met to 0.03 %
+_MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
+
+
+def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield the base's motion, or what acts on the payload, and the base's shock response spectrum."""
+    kind = "Excitation" if run.motion.loaded_sites else "Base motion"
+    yield Statement(id="motion", text=f"{kind}: {run.motion.description}.")
+    if run.motion.loaded_sites:
+        yield replace(
+            _loads_chart(run.response, run.motion, run.selection.window),
+            caption="What acts on the payload, along the axes of its site, and what the mounts pass on to the foundation, "
+            "along the world's, without what they carry at the beginning.",
+            alt="Histories of the forces on the payload and on the foundation.",
+        )
+    axes = moving_axes(run.response)
+    if not axes:
+        yield Statement(text="The base rests.", tone="quiet")
+        yield from record_blocks(run)
+        return
+    names = listed(["xyz"[axis] for axis in axes])
+    still = "" if len(axes) == 3 else f" along {names}; it does not move along the others"
+    end = float(np.linalg.norm(run.response.base.velocity[-1]))
+    kept = f" The base keeps {end:.3g} m/s after the motion." if end > _KEPT else ""
+    yield replace(
+        _motion_chart(run.response, run.motion, run.selection.window),
+        caption=f"The base's acceleration, velocity and displacement{still}.{kept}",
+        alt=f"Histories of the base along {names}.",
+    )
+    yield _extremes(run, axes)
+    yield _events(run)
+    yield from record_blocks(run)
+    shock = run.spectra.shock
+    if isinstance(shock, Absent):
+        yield Statement(id="base-spectrum", text=shock.reason, tone="quiet")
+    else:
+        yield base_spectrum_chart({axis: lines[BASE] for axis, lines in shock.items()})
+
+
+def _extremes(run: JudgedRun, axes: list[int]) -> Table:
+    base = run.response.base
+    peak = run.response.peaks.bodies[
+        run.response.scene.base
+    ].acceleration  # of every step, as in the table of the peaks
+    rows: list[list[Cell]] = []
+    for axis in axes:
+        extremes = [peak.minimum[axis], peak.maximum[axis]]
+        for values in (base.velocity[:, axis], base.displacement[:, axis]):
+            extremes += [values.min(), values.max()]
+        rows.append(["xyz"[axis], *map(float, extremes)])
+    columns = [Column("axis", align="left")]
+    for quantity, unit in (("acceleration", "g"), ("velocity", "m/s"), ("displacement", "mm")):
+        columns += [Column(f"{quantity}, minimum", unit), Column("maximum", unit)]
+    return Table(id="base-extremes", title="Extremes of the base's motion", columns=columns, rows=rows)
+
+
+def _events(run: JudgedRun) -> Table | None:
+    every = {(fixed(time, 4), text): time for time, text in run.response.events}  # each once: pulses along two axes
+    events = [(time, text) for (_, text), time in every.items() if run.response.reaches(time)]
+    later = [text for (_, text), time in every.items() if not run.response.reaches(time)]
+    if not events:
+        return None
+    left = max(len(events) - _MOST_EVENTS, 0)
+    end = f"{run.response.final_state.time:g}"
+    beyond = f"After the end of the run at {end} s, and not simulated: {listed(later)}." if later else ""
+    return Table(
+        id="base-events",
+        title="What the base does when",
+        columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
+        rows=events[:_MOST_EVENTS],
+        note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
+    )
+
+
+def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Array]:
+    """Return instants [s] and acceleration [m/s^2] (n_t, 3) of the base, corners and what lies between them included."""
+    corners = motion.corners
+    if corners.size > _MOST_CORNERS or response.time.size > _MOST_SAMPLES:
+        return response.time, response.base.acceleration
+    inside = corners[(corners > response.time[0]) & (corners <= response.time[-1])]
+    between = np.linspace(inside[:-1], inside[1:], _BETWEEN + 1).ravel() if inside.size > 1 else inside
+    time = np.unique(np.concatenate([response.time, between, np.nextafter(inside, -np.inf)]))  # both sides of a jump
+    return time, motion.acceleration(time)
+
+
+def _loads_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
+    """Return forces and moments on the payload, and what the mounts pass on of them: their sum less that of the beginning."""
+    panels = []
+    for site in motion.loaded_sites:
+        load = motion.load(site, response.time)
+        panels += [
+            _components(response.time, values, f"{what} at {site} [{unit}]", unit, window)
+            for values, what, unit in ((load[:, :3], "force", "N"), (load[:, 3:], "moment", "N m"))
+            if np.abs(values).max(initial=0.0) > 0.0
+        ]
+    passed = foundation_force(response)
+    panels.append(_components(response.time, passed - passed[0], "on the foundation [N]", "N", window))
+    panels[-1] = replace(panels[-1], xlabel="time [s]")
+    return Chart(rows=[[panel] for panel in panels], height=95.0, id="loads")
+
+
+def _components(time: Array, values: Array, label: str, unit: str, window: tuple[float, float]) -> Panel:
+    """Return a panel with the components that are not zero."""
+    size = np.abs(values).max(initial=0.0)
+    axes = [axis for axis in range(3) if np.abs(values[:, axis]).max(initial=0.0) > _FAINT * size] or [2]
+    curves = [Curve(x=time, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes]
+    return Panel(curves=curves, ylabel=label, xlim=window, unit=unit)
+
+
+def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, float]) -> Chart:
+    """Return acceleration, velocity and displacement of the base over a time window, a line for each axis that moves."""
+    axes = moving_axes(response) or [2]
+    time, acceleration = base_acceleration(response, motion)
+    parts = (
+        ("acceleration [g]", "g", time, in_unit(acceleration, "g")),
+        ("velocity [m/s]", "m/s", response.time, response.base.velocity),
+        ("displ. [mm]", "mm", response.time, in_unit(response.base.displacement, "mm")),
+    )
+    rows = [
+        [
+            Panel(
+                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes],
+                ylabel=label,
+                xlabel="time [s]" if unit == "mm" else "",
+                xlim=window,
+                unit=unit,
+            )
+        ]
+        for label, unit, x, values in parts
+    ]
+    return Chart(rows=rows, height=95.0, id="base-motion")

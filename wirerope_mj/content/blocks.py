@@ -1,0 +1,122 @@
+"""What a result says, whoever shows it: sections of statements, tables, charts and scenes, each with a stable id."""
+
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Any, Literal
+
+from wirerope_mj.content.panels import Chart
+from wirerope_mj.engine.response.scene import Scene
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.tables import TONES, Table
+
+Depth = Literal["headline", "summary", "full"]
+"""How far down something stands: on every screen, on the screen of the result, or on its pages only."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Statement:
+    """A sentence, and short ones below it.
+
+    Attributes:
+        text: the sentence; "" where the list says all.
+        items: below it.
+        tone: one of `foundation.tables.TONES`.
+        id: the same in every output.
+        values: what it says in numbers, SI, by name.
+    """
+
+    text: str = ""
+    items: tuple[str, ...] = ()
+    tone: str = ""
+    id: str = ""
+    values: Mapping[str, float | str | None] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.tone not in TONES:
+            raise ValueError(f"`tone` must be one of {', '.join(TONES)}, got {self.tone!r}.")
+
+
+@dataclass(frozen=True, kw_only=True)
+class SceneView:
+    """A scene from two sides: in its modelled geometry, or as it stands at an instant over that.
+
+    Attributes:
+        scene: in the modelled geometry.
+        caption: what it shows.
+        moved: the same at an instant, relative to its base; None for the modelled geometry alone, with labels.
+        ring: name and position (3,) [m] of what is ringed; None for nothing.
+        exceeded: whether the ring is red.
+        id: the same in every output.
+    """
+
+    scene: Scene
+    caption: str
+    moved: Scene | None = None
+    ring: tuple[str, Array] | None = None
+    exceeded: bool = False
+    id: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Picture:
+    """A picture that a view has drawn, with what it shows."""
+
+    image: Any
+    caption: str
+    alt: str
+    id: str = ""
+
+
+Block = Statement | Table | Chart | SceneView | Picture
+
+
+@dataclass(frozen=True, kw_only=True)
+class Section:
+    """A part of a result with a heading, whose blocks are built when a renderer asks for them.
+
+    Attributes:
+        id: the same in every output.
+        title: its heading.
+        build: makes its blocks in reading order; None among them is left out.
+        depth: from which on it is shown.
+    """
+
+    id: str
+    title: str
+    build: Callable[[], Iterable[Block | None]]
+    depth: Depth = "full"
+
+    @cached_property
+    def blocks(self) -> tuple[Block, ...]:
+        """The blocks; a section without any is left out."""
+        return tuple(block for block in self.build() if block is not None)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Content:
+    """What a result says.
+
+    Attributes:
+        title: what was computed.
+        verdict: the conclusion in one sentence.
+        sections: everything else, the grounds of the conclusion first.
+        facts: name and value of what stands below the title: model, base motion, date.
+        question: what was asked, a text for each paragraph.
+    """
+
+    title: str
+    verdict: Statement
+    sections: tuple[Section, ...]
+    facts: tuple[tuple[str, str], ...] = ()
+    question: tuple[str, ...] = ()
+
+    def blocks(self, *depths: Depth) -> Iterator[Block]:
+        """Yield the blocks of the sections of these depths, of all without any."""
+        for section in self.sections:
+            if not depths or section.depth in depths:
+                yield from section.blocks
+
+    def table(self, name: str) -> Table | None:
+        """Return the table with an id; None if this result has none."""
+        return next((block for block in self.blocks() if isinstance(block, Table) and block.id == name), None)

@@ -1,0 +1,115 @@
+"""Stops and other contacts: what was struck when, how often and how hard, and its histories."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria import contact_verdicts
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.panels import Chart, Curve, Panel, short
+from wirerope_mj.content.selection import MOST
+from wirerope_mj.content.verdicts import TONE
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.response.contacts import ContactPeak
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.foundation.units import in_unit
+
+_COLUMNS = (
+    Column("stop or pair", align="text"), Column("first touch", "s", "z.4f"), Column("touches", form="d"),
+    Column("in all", "ms", "z.1f"), Column("peak force", "kN", "z.2f"), Column("at", "s", "z.4f"),
+    Column("depth", "mm", "z.2f"), Column("energy", "J", "z.2f"), Column("verdict", align="left"),
+)  # fmt: skip
+
+
+def contact_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield what touched of the pairs of geoms that may touch and of the stops."""
+    contacts = run.response.peaks.contacts
+    if contacts is None:
+        text = "Contacts were not recorded: the run was made by an older version."
+        yield Statement(id="contacts", text=text, tone="unjudged")
+    elif any(contact.touches for contact in contacts.values()):
+        yield _table(run, contacts)
+
+
+def contact_history_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield forces and gaps over time of what pressed hardest."""
+    found = touching(run.response)
+    if found:
+        yield _chart(found, run.response.time, run.selection.window)
+
+
+def _table(run: JudgedRun, contacts: Mapping[str, ContactPeak]) -> Table:
+    rows = []
+    for verdict in contact_verdicts(run.response):
+        contact = contacts[verdict.subject]
+        if contact.touches:
+            touches = contact.first_touch, contact.touches, contact.duration
+            sizes = contact.force, contact.force_time, contact.penetration, contact.energy
+            judged = Mark(verdict.verdict, TONE[verdict.verdict])
+            rows.append((contact.called(verdict.subject), *touches, *sizes, judged))
+    untouched = len(contacts) - len(rows)
+    return Table(
+        id="contacts",
+        title="Stops and contacts that touched",
+        columns=_COLUMNS,
+        rows=rows,
+        note="Normal forces of all contact points of a pair together, at steps. Depth: overlap when pressed, as the model's "
+        "stiffness of the contact has it; of a mount's stop the travel beyond its gap. Energy: what it took up, which the "
+        f"motion has lost once it is open again.{f' {untouched} others never touched.' if untouched else ''}",
+    )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Touching:
+    """A stop or a pair of geoms that touched: peaks, force [N] (n_t,), gap [m] (n_t,) or None of a mount's stop."""
+
+    name: str
+    contact: ContactPeak
+    force: Array
+    gap: Array | None
+
+
+def touching(response: Response) -> list[Touching]:
+    """Return what touched and has histories, the largest force first.
+
+    Pairs that the model does not declare have peaks alone, and so have stops that act beside other laws of their mount.
+    """
+    alone = {stop.name for stop in response.scene.stops}
+    found = []
+    for name, contact in (response.peaks.contacts or {}).items():
+        if not contact.touches:
+            continue
+        if name in response.contacts:
+            pair = response.contacts[name]
+            found.append(Touching(name=name, contact=contact, force=pair.force, gap=pair.gap))
+        elif contact.mount in alone:
+            force = np.linalg.norm(response.mounts[contact.mount].force, axis=1)
+            found.append(Touching(name=contact.called(name), contact=contact, force=force, gap=None))
+    return sorted(found, key=lambda one: one.contact.force, reverse=True)
+
+
+def _chart(struck: Sequence[Touching], time: Array, window: tuple[float, float]) -> Chart:
+    """Return forces of some contacts over time, at most `MOST`, and below them the gaps that are known."""
+    few = struck[:MOST]
+    forces = [
+        Curve(x=time, y=in_unit(one.force, "kN"), name=short(one.name), kind=kind) for kind, one in enumerate(few)
+    ]
+    gaps = [
+        Curve(x=time, y=in_unit(one.gap, "mm"), name=short(one.name), kind=kind)
+        for kind, one in enumerate(few)
+        if one.gap is not None
+    ]
+    panels = [Panel(curves=forces, ylabel="force [kN]", xlabel="" if gaps else "time [s]", xlim=window, unit="kN")]
+    if gaps:
+        panels.append(Panel(curves=gaps, ylabel="gap [mm]", xlabel="time [s]", xlim=window, unit="mm"))
+    below = " Below them the gaps: below zero the two overlap." if gaps else ""
+    return Chart(
+        id="contact-forces",
+        rows=[[panel] for panel in panels],
+        height=140.0 if gaps else 190.0,
+        caption=f"Forces of what presses hardest, at the samples.{below}",
+        alt="Forces of stops and contacts over time, and their gaps.",
+    )

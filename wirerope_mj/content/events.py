@@ -1,0 +1,135 @@
+"""Events of a run: what the base does, peaks, limits that are approached and exceeded, stops."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, closing_text
+from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
+from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.content.selection import NAMED, Selection
+from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.mounts.isolator import AXES
+
+NEAR = 0.8
+"""Utilisation from which a limit is reported."""
+
+_UNITS = {"deflection": "mm", "force": "kN"}
+
+
+@dataclass(frozen=True, kw_only=True, order=True)
+class Event:
+    """An event: instant [s], level "INFO", "WARN" or "ERROR", text, and whether it is one of the few of the run's course."""
+
+    time: float
+    level: str
+    text: str
+    main: bool = False
+
+
+def events_of(response: Response, selection: Selection) -> list[Event]:
+    """Return the events of a run in order of time."""
+    # A sum of pulses says the same at the same instant for each of them.
+    events = [Event(time=time, level="INFO", text=text, main=True) for time, text in dict.fromkeys(response.events)]
+    events += _acceleration_peaks(response, selection)
+    events += _mount_peaks(response, selection)
+    for used in selection.used:
+        if used.largest >= NEAR:
+            worst = used is selection.used[0]
+            events += _limit_events(response, used.governing, main=worst)
+            events += [
+                event
+                for verdict in used.verdicts[1:]
+                if verdict.verdict == EXCEEDED
+                for event in _limit_events(response, verdict, main=False)
+            ]
+    events += _contact_events(response)
+    if selection.window[1] < response.time[-1]:
+        events.append(
+            Event(
+                time=selection.window[1], level="INFO", text="deflections stay below a tenth of the largest", main=True
+            )
+        )
+    return sorted(event for event in events if response.reaches(event.time))
+
+
+def main_instants(response: Response, selection: Selection) -> Array:
+    """Return the instants of the few events that a run's course is told by [s], (n,)."""
+    return np.unique([event.time for event in events_of(response, selection) if event.main])
+
+
+def _acceleration_peaks(response: Response, selection: Selection) -> Iterator[Event]:
+    """Yield the peaks of the base and of the bodies and points that are named, the largest as one of the main events."""
+    bodies, points = response.peaks.bodies, response.peaks.points
+    peaks: list[tuple[str, Peak]] = [(name, bodies[name].acceleration) for name in selection.bodies[:NAMED]]
+    peaks += [(f"point {name}", points[name].acceleration) for name in selection.points[:NAMED]]
+    largest = max((peak.value for _, peak in peaks), default=0.0)
+    if response.scene.base in bodies:
+        peaks.append(("base", bodies[response.scene.base].acceleration))
+    for name, peak in peaks:
+        text = f"{name}: peak acceleration {in_unit(peak.value, 'g'):.2f} g"
+        yield Event(time=peak.time, level="INFO", text=text, main=peak.value == largest and name != "base")
+
+
+def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
+    """Yield the largest deflection and force along every axis, and how far the mount swings back in the first of them."""
+    for axis in selection.axes:
+        number = AXES.index(axis)
+        for quantity, unit in _UNITS.items():
+            name = selection.leading[quantity, axis][0]
+            peak: Peak = getattr(response.peaks.mounts[name], quantity)
+            ends = [
+                (float(peak.minimum[number]), float(peak.minimum_time[number])),
+                (float(peak.maximum[number]), float(peak.maximum_time[number])),
+            ]
+            ends.sort(key=lambda end: -abs(end[0]))
+            (value, time), (back, after) = ends
+            size = f"{in_unit(value, unit):.4g} {unit}"
+            yield Event(time=time, level="INFO", text=f"{name}: largest {axis} {quantity}, {size}")
+            if quantity == "deflection" and axis == selection.axes[0] and after > time and value * back < 0.0:
+                text = f"{name}: rebounds to {in_unit(back, unit):.4g} {unit} {axis}"
+                yield Event(time=after, level="INFO", text=text, main=True)
+
+
+def _limit_events(response: Response, verdict: Verdict, *, main: bool) -> Iterator[Event]:
+    """Yield when a value passes 80 % of its limit, when all of it, and when it is largest."""
+    if verdict.time is None:
+        return
+    course, over = utilisation_over_time(response, verdict), verdict.verdict == EXCEEDED
+    for level, text in ((NEAR, "80 % of its limit"), (1.0, "its limit"))[: 1 + over]:
+        time = None if course is None else first_above(response.time, course, level)
+        yield Event(
+            time=verdict.time if time is None else time,  # a peak between two samples
+            level="WARN" if level == NEAR else "ERROR",
+            text=f"{verdict.subject}: {verdict.criterion} passes {text}",
+            main=main,
+        )
+    tone = "ERROR" if over else "WARN"
+    yield Event(time=verdict.time, level=tone, text=f"largest {against_limit(verdict)}", main=main)
+
+
+def first_above(time: Array, values: Array, level: float) -> float | None:
+    """Return when `values` (n_t,) first reach a level [s], between samples on a straight line; None if no sample does."""
+    above = np.flatnonzero(values >= level)
+    if not above.size:
+        return None
+    row = int(above[0])
+    if row == 0:
+        return float(time[0])
+    before, after = values[row - 1], values[row]
+    return float(time[row - 1] + (time[row] - time[row - 1]) * (level - before) / (after - before))
+
+
+def _contact_events(response: Response) -> Iterator[Event]:
+    """Yield when stops and pairs are struck first, and when they press hardest."""
+    contacts = response.peaks.contacts or {}
+    for number, name in enumerate(response.peaks.struck):
+        contact = contacts[name]
+        force = f"{in_unit(contact.force, 'kN'):.3g} kN"
+        text = closing_text(name, contact) if contact.mount else f"{name}: struck, at most {force}"
+        yield Event(time=contact.first_touch or 0.0, level="WARN", text=text, main=number == 0)
+        if contact.force_time is not None:
+            yield Event(time=contact.force_time, level="WARN", text=f"{contact.called(name)}: largest force, {force}")

@@ -1,0 +1,152 @@
+"""A run that was judged, and what else outputs say of it, computed when one of them first asks for it."""
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from datetime import datetime
+from functools import cached_property, partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
+from wirerope_mj.assessment.criteria.criterion import LARGEST
+from wirerope_mj.assessment.criteria.sampled import SAMPLED
+from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.assessment.criteria.tested import falling_line, untested_line
+from wirerope_mj.content.numbers import title_of
+from wirerope_mj.content.run_spectra import RunSpectra, spectra_of
+from wirerope_mj.content.selection import Selection, select
+from wirerope_mj.dynamics.modes import Modes, modes
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
+from wirerope_mj.engine.statics.result import HISTORIES
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.record import record_warnings
+
+Result = TypeVar("Result")
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedRun:
+    """A run with the verdicts on it.
+
+    Attributes:
+        system: that was simulated.
+        motion: of its base.
+        response: what came out.
+        statics: where the system rests, on the first loading and relaxed.
+        verdicts: on everything; static loads on the first loading and relaxed, not those at the start of the run.
+        random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
+            else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
+        untested: a sentence on the mounts that leave what their laws were identified from; "" where none does.
+        model_warnings: what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`.
+        inputs: resolved inputs, the content of the run's scenario.toml.
+    """
+
+    system: System
+    motion: BaseMotion
+    response: Response
+    statics: StaticTable | Absent
+    verdicts: tuple[Verdict, ...]
+    random: tuple[Verdict, ...] | Absent = ()
+    untested: str = ""
+    model_warnings: tuple[str, ...] = ()
+    inputs: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence, as every output says it."""
+        return headline(self.verdicts)
+
+    @property
+    def title(self) -> str:
+        """The scenario's name as text."""
+        return title_of(str(self.inputs.get("name", self.response.scene.name)))
+
+    @property
+    def model_file(self) -> str:
+        """Name of the model's file."""
+        return Path(self.inputs.get("model", {}).get("file", self.response.scene.name)).name
+
+    @property
+    def written(self) -> str:
+        """When it was simulated."""
+        written = self.inputs.get("written")
+        return f"{written:%Y-%m-%d %H:%M} UTC" if isinstance(written, datetime) else "at an unknown time"
+
+    @property
+    def sample_rate(self) -> float:
+        """Sampling rate of the response [Hz]."""
+        time = self.response.time
+        return float(self.inputs.get("simulate", {}).get("sample_rate", (time.size - 1) / float(time[-1] - time[0])))
+
+    @property
+    def gravity(self) -> float:
+        """Of the model [m/s^2]."""
+        return float(np.linalg.norm(self.system.model.opt.gravity))
+
+    @property
+    def record_warnings(self) -> tuple[str, ...]:
+        """Warnings of the measured records in the base's motion."""
+        return record_warnings(self.motion)
+
+    @cached_property
+    def selection(self) -> Selection:
+        """What is shown of it."""
+        return select(self.response, self.verdicts)
+
+    @cached_property
+    def spectra(self) -> RunSpectra:
+        """Spectra of the base and of what is drawn."""
+        return spectra_of(self.motion, self.response, self.sample_rate)
+
+    @cached_property
+    def modes(self) -> Mapping[str, Modes | Absent]:
+        """Modes about the equilibria by history; without a load there is nothing to relax."""
+        histories = HISTORIES if self.gravity else HISTORIES[:1]
+        return {history: result_or_absent(partial(modes, self.system, history=history)) for history in histories}
+
+
+def judged_run(
+    system: System, motion: BaseMotion, response: Response, inputs: Mapping[str, Any] | None = None
+) -> JudgedRun:
+    """Judge a run of `system`; `inputs` is the content of its scenario.toml."""
+    statics = result_or_absent(partial(static_table, system))
+    has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge
+    known = statics if has_gravity and isinstance(statics, StaticTable) else None
+    random = result_or_absent(partial(_random, response))
+    rows = () if isinstance(random, Absent) else random
+    limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
+    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
+    return JudgedRun(
+        system=system,
+        motion=motion,
+        response=response,
+        statics=statics,
+        verdicts=(*judge(response, statics=known), *limited),
+        random=random,
+        untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
+        model_warnings=model_warnings(system),
+        inputs=inputs or {},
+    )
+
+
+def _random(response: Response) -> tuple[Verdict, ...]:
+    """Judge rms and 3-sigma values; the largest of every step is among the other verdicts."""
+    alone, first, _ = steady_interval(response.motion)
+    if not alone or first == -math.inf:
+        return ()
+    return tuple(row for row in judge_random(response) if row.criterion.kind != LARGEST)
+
+
+def result_or_absent(compute: Callable[[], Result]) -> Result | Absent:
+    """Compute a result, or a sentence that says why there is none: a report shows what can be shown."""
+    try:
+        return compute()
+    except (WireRopeError, ValueError) as error:
+        return Absent(reason=str(error))

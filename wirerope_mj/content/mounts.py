@@ -1,0 +1,210 @@
+"""The mounts in motion: peaks against their ratings, histories of what is used, deflections and loops, and the course."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED, NOT_JUDGED, WITHIN, MountPeak, Verdict, mount_peaks
+from wirerope_mj.content.blocks import Block
+from wirerope_mj.content.events import events_of
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import listed
+from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, histories, short
+from wirerope_mj.content.selection import MOST, NAMED, Selection, kind_of
+from wirerope_mj.content.verdicts import TONE, used_mark
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.isolator.travel import SIDES
+
+_LONG = 10_000  # samples from which loops are drawn around the largest deflection only
+_AROUND = 300  # samples before and after it
+_ROUNDING = 1e-9  # of the largest force, below which an axis carries none
+_ACROSS = (("shear", 1), ("roll", 0))
+
+
+def mount_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield the peaks of the mounts, travel and force by sense, and what they use of their ratings."""
+    rows = mount_peaks(run.response)
+    if rows:
+        yield _peaks(run, rows)
+
+
+def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield histories of what is used and of deflections, loops of the worst mount, and the course of the run."""
+    rows, selection = mount_peaks(run.response), run.selection
+    if not rows:
+        return
+    names = [one.subject for one in selection.used if one.subject in selection.mounts][:MOST]
+    order = "that use most of their limits" if names else "in the order of the model"
+    names = names or [row.name for row in rows[:MOST]]
+    if selection.used:
+        yield _used_chart(run.response, selection)
+    yield _deflections_chart(run.response, names, selection, order)
+    yield _loops_chart(run.response, names[0], selection)
+    yield _course(run)
+
+
+def _peaks(run: JudgedRun, peaks: Sequence[MountPeak]) -> Table:
+    """Tabulate the extremes of every mount by sense, and what it uses of its rated travel."""
+    combined = {row.subject: row for row in run.verdicts if row.criterion == COMBINED}
+    rated = any(row.utilisation is not None for row in peaks)
+    carries = {name: mount.isolator.validity for name, mount in run.system.mounts.items()}
+    marked = False
+    rows: list[Row] = []
+    for row in peaks:
+        force = run.response.peaks.mounts[row.name].force
+        low, high = float(force.minimum[2]), float(force.maximum[2])
+        outside = carries[row.name].outside(np.asarray(row.minimum), np.asarray(row.maximum), small=False)
+        marked |= bool(outside)
+        cells: list[Cell] = [f"{row.name} *" if outside else row.name]
+        cells += [min(row.minimum[2], 0.0), max(row.maximum[2], 0.0)]
+        cells += [max(row.maximum[axis], -row.minimum[axis]) for _, axis in _ACROSS]
+        cells += [min(low, 0.0), max(high, 0.0), *(abs(row.force[axis]) for _, axis in _ACROSS)]
+        if rated:
+            cells += [used_mark(row.utilisation), row.governing or "-"]
+            cells += [used_mark(combined[row.name].utilisation if row.name in combined else None)] if combined else []
+        rows.append([*cells, _verdict(row, combined.get(row.name))])
+    heads = ("compr.", "tension", "shear", "roll")
+    columns = [Column("mount", align="left"), *(Column(head, "mm", "z.1f") for head in heads)]
+    columns += [Column(head, "kN", "z.2f") for head in heads]
+    if rated:
+        columns += [Column("travel used", "%", "z.0f"), Column("in", align="left")]
+        columns += [Column("combined", "%", "z.0f")] if combined else []
+    note = "Compression negative, tension positive; shear and roll by size."
+    if marked:
+        note += " *: outside the cycles that the isolator was identified from, so that its forces are extrapolated."
+    return Table(
+        id="mounts",
+        title="Peaks of the mounts",
+        columns=[*columns, Column("verdict", align="left")],
+        rows=rows,
+        note=note,
+    )
+
+
+def _verdict(row: MountPeak, combined: Verdict | None) -> Mark:
+    """Return the verdict in a word, along single axes and with all of them together."""
+    if row.exceeded or (combined is not None and combined.verdict == EXCEEDED):
+        return Mark(EXCEEDED, TONE[EXCEEDED])
+    word = WITHIN if row.governing else NOT_JUDGED
+    return Mark(word, TONE[word])
+
+
+def _course(run: JudgedRun) -> Table | None:
+    """Tabulate the events of the run: the few that tell its course first, the others folded away."""
+    events = events_of(run.response, run.selection)
+    events.sort(key=lambda event: not event.main)
+    main = sum(event.main for event in events)
+    if not events:
+        return None
+    return Table(
+        id="course",
+        title="The course of the run, and below it all other peaks and limits that are passed",
+        columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
+        rows=[(event.time, Mark(event.text, "exceeded" if event.level == "ERROR" else "")) for event in events],
+        shown=max(main, 1),
+    )
+
+
+def _used_chart(response: Response, selection: Selection) -> Chart:
+    """Return what mounts, bodies and points use of their limits over time; the largest are named."""
+    curves = []
+    for number, one in enumerate(selection.used):
+        named = number < NAMED
+        left = len(selection.used) - NAMED
+        name = short(one.subject) if named else f"{left} other{'s' if left > 1 else ''}"
+        kind = kind_of(selection, one.subject) if named else OTHERS
+        curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind))
+    top = 108.0 * max(1.0, selection.used[0].largest)
+    panel = Panel(
+        curves=curves, ylabel="used of the limit [%]", xlabel="time [s]", limits=[("limit", 100.0)],
+        xlim=selection.window, ylim=(0.0, top), unit="%",
+    )  # fmt: skip
+    return Chart(
+        id="used",
+        rows=[[panel]],
+        height=190.0,
+        caption="What is used of the limits over time, the largest of all criteria of each mount, body or point.",
+        alt="Utilisation of limits over time.",
+    )
+
+
+def _deflections_chart(response: Response, names: Sequence[str], selection: Selection, order: str) -> Chart:
+    """Return the deflections of some mounts over time, a panel for each axis with any, with the ratings of the first."""
+    travel = next(mount.travel for mount in response.scene.mounts if mount.name == names[0])
+    panels: list[tuple[list[Curve], str, Sequence[tuple[str, float]]]] = []
+    for axis in AXES:
+        curves = [
+            Curve(
+                x=response.time,
+                y=in_unit(response.column(f"mounts/{name}/deflection/{axis}"), "mm"),
+                name=short(name),
+                kind=kind_of(selection, name, number),
+            )
+            for number, name in enumerate(names[:MOST])
+        ]
+        limits = [(f"rated travel of {short(names[0])}", level) for level in _ratings(travel, axis)]
+        panels.append((curves, f"{axis} [mm]", limits))
+    return replace(
+        histories(panels, selection.window, "mm"),
+        id="deflections",
+        caption=f"Deflections of the mounts {order}: {listed(list(names))}. Axial is positive in tension.",
+        alt=f"Histories of the deflections of {listed(list(names))} along roll, shear and axial.",
+    )
+
+
+def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
+    """Return force over deflection of a mount, a panel for each axis that carries a force; see `_loop_rows`."""
+    rows = _loop_rows(response, name)
+    deflection, force = (
+        np.stack([factor * response.column(f"mounts/{name}/{part}/{axis}")[rows] for axis in AXES], axis=1)
+        for part, factor in (("deflection", 1e3), ("force", 1e-3))
+    )
+    largest = np.abs(force).max(axis=0)
+    axes = np.flatnonzero(largest > _ROUNDING * largest.max()).tolist() or [AXES.index("axial")]
+    row = []
+    for axis in axes:
+        x, y = deflection[:, axis], force[:, axis]
+        room = 0.05 * float(np.ptp(x)) or 1.0
+        row.append(
+            Panel(
+                curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
+                ylabel="force [kN]" if axis == axes[0] else "",
+                xlabel="deflection [mm]",
+                title=AXES[axis],
+                dots=[(float(x[0]), float(y[0]))],
+                xlim=(float(x.min()) - room, float(x.max()) + room),
+                unit="kN",
+                xunit="mm",
+            )
+        )
+    isolator = next(mount.isolator for mount in response.scene.mounts if mount.name == name)
+    time = response.time[rows]
+    interval = "" if rows == slice(None) else f" from {time[0]:.5g} to {time[-1]:.5g} s"
+    return Chart(
+        id="loops",
+        rows=[row],
+        height=190.0,
+        caption=f"Force over deflection of {name} ({isolator}){interval}; the dot is where it begins.",
+        alt=f"Loops of {name}.",
+    )
+
+
+def _loop_rows(response: Response, name: str) -> slice:
+    """Return which samples of a mount make its loops: all, or of a long response those around its largest deflection."""
+    if response.time.size <= _LONG:
+        return slice(None)
+    middle = int(np.searchsorted(response.time, response.peaks.mounts[name].deflection.time))
+    return slice(max(middle - _AROUND, 0), middle + _AROUND)
+
+
+def _ratings(travel: dict[str, float], axis: str) -> list[float]:
+    """Return the rated travels of an axis below and above zero [mm], as far as there are any."""
+    return [
+        sign * in_unit(travel[rating], "mm")
+        for rating, sign in zip(SIDES[axis], (-1.0, 1.0), strict=True)
+        if rating in travel
+    ]

@@ -1,0 +1,144 @@
+"""What reaches the payload: peak accelerations against their limits, their histories, and random vibration."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.assessment.criteria import Verdict, body_peaks
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RMS, SIGMA, Criterion
+from wirerope_mj.content.base import base_acceleration
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import listed
+from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, histories, short
+from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
+from wirerope_mj.content.selection import MOST, kind_of, worst_names
+from wirerope_mj.content.spectra import spectra_blocks
+from wirerope_mj.content.verdicts import used_mark
+from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.motions import Sweep
+
+
+def acceleration_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield peak accelerations, and rms and 3-sigma values of random vibration."""
+    yield _accelerations(run)
+    if isinstance(run.random, Absent):
+        yield Statement(id="random", text=f"No rms and 3-sigma values: {run.random.reason}", tone="quiet")
+    else:
+        yield _random(run.random)
+
+
+def payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield histories and spectra of what is shaken most."""
+    worst = worst_names(run.response)
+    if not worst:
+        return
+    limited = "those with limits come first, the most critical before the others; then "
+    chosen = f"{limited if run.response.scene.limits else ''}those with the largest accelerations"
+    yield replace(
+        _histories(run, worst),
+        id="accelerations",
+        caption=f"Absolute accelerations of {listed(worst)} and of the base; {chosen}.",
+        alt=f"Histories of the accelerations of {listed(worst)} and the base along x, y and z.",
+    )
+    if isinstance(run.motion, Sweep):
+        yield sweep_chart(run, run.motion)
+    yield from spectra_blocks(run)
+
+
+def _accelerations(run: JudgedRun) -> Table:
+    """Tabulate the peaks of base, bodies and points; against their limits where the model states any."""
+    sweep = run.motion if isinstance(run.motion, Sweep) else None
+    judged = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
+    limited = {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
+    rows: list[Row] = []
+    for row in body_peaks(run.response):
+        name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
+        sizes = [in_si(value) for value in (row.value, *row.axes)]
+        cells: list[Cell] = [name, Mark(sizes[0], "strong"), *sizes[1:], row.time]
+        cells += [] if sweep is None else [float(sweep.frequency([row.time])[0])]
+        rows.append([*cells, *(_against_limit(limited.get(row.name)) if limited else [])])
+    columns = [Column(align="left"), *(Column(name, "g", "z.2f") for name in ("peak", "x", "y", "z"))]
+    columns += [Column("at", "s", "z.4f"), *([] if sweep is None else [Column("at", "Hz", "z.2f")])]
+    columns += [Column("limit", "g"), Column("of", align="left"), Column("used", "%", "z.0f")] if limited else []
+    return Table(
+        id="peak-accelerations",
+        title="Peak accelerations" if limited else "Peak accelerations, not judged: the model states no limits",
+        columns=columns,
+        rows=rows,
+    )
+
+
+def in_si(g: float) -> float:
+    """Convert an acceleration in g to m/s^2."""
+    return g * STANDARD_GRAVITY
+
+
+def _against_limit(row: Verdict | None) -> list[Cell]:
+    """Return limit, axis and utilisation of the component that uses most of its limit."""
+    if row is None:
+        return [None, "", None]
+    return [row.limit, row.criterion.axis, used_mark(row.utilisation)]
+
+
+def _random(verdicts: Sequence[Verdict]) -> Table | None:
+    """Tabulate rms and 3-sigma accelerations of every body and point; None where there are none."""
+    values = {(row.subject, row.criterion): row.value for row in verdicts}
+    if not values:
+        return None
+    kinds = (("rms", RMS), ("3-sigma", SIGMA))
+    criteria = [(f"{text} {axis}", Criterion(kind, axis=axis)) for text, kind in kinds for axis in "xyz"]
+    return Table(
+        id="random",
+        title="Random vibration: rms and 3-sigma accelerations",
+        columns=[Column(align="left"), *(Column(text, "g", ".3f") for text, _ in criteria)],
+        rows=[
+            [name, *(values.get((name, criterion)) for _, criterion in criteria)]
+            for name in dict.fromkeys(row.subject for row in verdicts)
+        ],
+        note="Of the stationary part, from where the response has settled in it; standard errors stand in summary.json.",
+    )
+
+
+def _histories(run: JudgedRun, names: Sequence[str]) -> Chart:
+    """Draw the accelerations of the base and of some bodies or points over time, a panel for each axis with any."""
+    time, acceleration = base_acceleration(run.response, run.motion)
+    panels: list[tuple[list[Curve], str, Sequence[tuple[str, float]]]] = []
+    for axis in range(3):
+        curves = [
+            Curve(
+                x=run.response.time,
+                y=in_unit(acceleration_along(run.response, name, axis), "g"),
+                name=short(name),
+                kind=kind_of(run.selection, name, number),
+            )
+            for number, name in enumerate(names[:MOST])
+        ]
+        curves.append(Curve(x=time, y=in_unit(acceleration[:, axis], "g"), name="base", kind=BASE))
+        panels.append((curves, f"along {'xyz'[axis]} [g]", ()))
+    return histories(panels, run.selection.window, "g")
+
+
+def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
+    """Draw accelerations over the frequency of a sweep along the base's motion, as far from zero as they reach."""
+    response, curves = run.response, []
+    frequency = sweep.frequency(response.time)
+    for number, name in enumerate((*worst_names(response), BASE)):
+        size = np.zeros(response.time.size)
+        for axis in moving_axes(response):
+            size += acceleration_along(response, name, axis) ** 2
+        x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
+        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else number))
+    panel = Panel(
+        curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz"
+    )
+    return Chart(
+        id="over-frequency",
+        rows=[[panel]],
+        height=210.0,
+        caption="Accelerations along the base's motion over the frequency of the sweep.",
+        alt="Accelerations over the frequency of the sweep.",
+    )

@@ -1,0 +1,132 @@
+"""What a run says, whoever shows it."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+
+from wirerope_mj.assessment.criteria.sampled import samples_hold
+from wirerope_mj.content.base import base_blocks
+from wirerope_mj.content.blocks import Block, Content, Depth, Section, Statement
+from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
+from wirerope_mj.content.deck import deck_blocks
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.model import model_blocks
+from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
+from wirerope_mj.content.numbers import several, with_unit
+from wirerope_mj.content.payload import acceleration_blocks, payload_blocks
+from wirerope_mj.content.record import warnings_of
+from wirerope_mj.content.rest import modes_blocks, statics_blocks
+from wirerope_mj.content.verdicts import answer_blocks, full_table, grounds_blocks, headline
+from wirerope_mj.content.worst import worst_instant
+from wirerope_mj.engine.response import Numerics
+from wirerope_mj.engine.response.histories import SENSITIVE
+from wirerope_mj.foundation.tables import Column, Table
+
+_START = {
+    "settled": "at rest in the equilibrium of the first loading",
+    "relaxed": "at rest in the relaxed equilibrium, as after long vibration",
+    "unloaded": "in the modelled geometry, with unloaded mounts",
+}
+
+
+def run_content(run: JudgedRun) -> Content:
+    """Compose what a run says: the verdict first, what it rests on after it."""
+    question = [" ".join(part.split()) for part in str(run.inputs.get("question", "")).strip().split("\n\n")]
+    versions = run.inputs.get("versions", {})
+    return Content(
+        title=run.title,
+        facts=(
+            ("Model", run.model_file),
+            ("Excitation" if run.motion.loaded_sites else "Base motion", run.motion.description),
+            ("Simulated", run.written),
+            ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
+        ),
+        question=tuple(filter(None, question)) or ("The scenario asks no question.",),
+        verdict=headline(run.verdicts),
+        sections=(
+            _section(run, "warnings", "", _warnings, "headline"),
+            _section(run, "answer", "", answer_blocks, "headline"),
+            _section(run, "grounds", "", _grounds),
+            _section(run, "accelerations", "Peak accelerations", acceleration_blocks, "summary"),
+            _section(run, "mounts", "Peaks of the mounts", mount_blocks, "summary"),
+            _section(run, "contacts", "Stops and contacts", contact_blocks, "summary"),
+            _section(run, "model", "Model and mounts", model_blocks),
+            _section(run, "statics", "At rest under gravity", statics_blocks),
+            _section(run, "modes", "Modes", modes_blocks),
+            _section(run, "base", "Base motion", base_blocks),
+            _section(run, "payload", "What reaches the payload", payload_blocks),
+            _section(run, "mounts-in-motion", "Mounts in motion", mount_history_blocks),
+            _section(run, "contact-histories", "Stops and contacts over time", contact_history_blocks),
+            _section(run, "deck", "Loads on the deck", deck_blocks),
+            _section(run, "numerics", "Numerics, options and versions", _numerics),
+            _section(run, "verdicts", "All verdicts", lambda run: [full_table(run.verdicts)]),
+        ),
+    )
+
+
+def _section(
+    run: JudgedRun,
+    name: str,
+    title: str,
+    blocks: Callable[[JudgedRun], Iterable[Block | None]],
+    depth: Depth = "full",
+) -> Section:
+    return Section(id=name, title=title, build=partial(blocks, run), depth=depth)
+
+
+def _warnings(run: JudgedRun) -> Iterator[Block | None]:
+    if run.model_warnings:
+        text = "Said of the model, perhaps not meant:"
+        yield Statement(id="model-warnings", text=text, items=run.model_warnings, tone="unjudged")
+    yield warnings_of(run)
+
+
+def _grounds(run: JudgedRun) -> Iterator[Block | None]:
+    yield worst_instant(run)
+    yield from grounds_blocks(run)
+
+
+def numerics_statement(numerics: Numerics) -> Statement:
+    """Return how the numbers were computed, in one sentence."""
+    limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
+    steps = f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}{limit}"
+    return Statement(
+        id="numerics",
+        text=f"{steps}, computed by {numerics.computed_by}, {numerics.error_text}",
+        tone="quiet",
+        values={"timestep_s": numerics.timestep, "steps": float(numerics.steps), "error": numerics.error_estimate},
+    )
+
+
+def _numerics(run: JudgedRun) -> Iterator[Block]:
+    """Yield how the numbers were computed, and by what."""
+    numerics, arguments = run.response.numerics, run.inputs.get("simulate", {})
+    initial, versions = str(arguments.get("initial", "settled")), run.inputs.get("versions", {})
+    rows = [
+        ("simulated", f"{arguments.get('duration', run.response.time[-1]):g} s from {_START.get(initial, initial)}"),
+        ("steps", f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}"),
+        ("step limited by", numerics.limited_by or "not recorded"),
+        ("estimated error", _error(numerics)),
+        ("samples", f"{run.response.time.size}; {samples_hold(run.response)}; peaks are those of every step"),
+        ("computed by", f"{numerics.computed_by}{f': {numerics.why}' if numerics.why else ''}"),
+    ]
+    rows += [(f"option {name}", str(value)) for name, value in run.inputs.get("options", {}).items()]
+    if versions:
+        rows.append(("versions", ", ".join(f"{name} {version}" for name, version in versions.items())))
+    yield settings_table(rows)
+
+
+def settings_table(rows: Sequence[tuple[str, str]]) -> Table:
+    """Tabulate names and values of what a result was computed with."""
+    columns = (Column("what", align="left"), Column("value", align="text"))
+    return Table(id="settings", title="How it was computed", columns=columns, rows=rows)
+
+
+def _error(numerics: Numerics) -> str:
+    if not math.isfinite(numerics.error_estimate):
+        return "not estimated: the step was given" if math.isnan(numerics.accuracy) else numerics.error_text
+    if numerics.limited_by == SENSITIVE:
+        return numerics.error_text
+    error = f"{with_unit(numerics.error_estimate, '%', digits=2)} of the peaks, by halving the step before the run"
+    asked = f"{with_unit(numerics.accuracy, '%', digits=2)} asked for"
+    return f"{error}; {'above the ' if numerics.error_estimate > numerics.accuracy else ''}{asked}"

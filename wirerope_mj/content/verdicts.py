@@ -1,0 +1,153 @@
+"""Verdicts in sentences and tables: what is exceeded, what is used of the limits, and what is not judged and why."""
+
+import math
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+from wirerope_mj.assessment.criteria import (
+    CLEAR,
+    COMBINED,
+    EXCEEDED,
+    NOT_JUDGED,
+    STRUCK,
+    TOUCHING,
+    WITHIN,
+    Verdict,
+    verdict_lines,
+)
+from wirerope_mj.assessment.criteria import headline as verdicts_headline
+from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
+from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import listed, shown, shown_unit
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+
+TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
+NEAR = 0.9
+"""Utilisation from which it is set as a warning."""
+
+_ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
+_COLUMNS = (
+    *(Column(heading, align="left") for heading in ("criterion", "verdict", "where")), Column("value"), Column("limit"),
+    Column("unit", align="left"), Column("used", "%", "z.0f"), Column("at", "s", "z.4f"),
+)  # fmt: skip
+_LONG = 20  # letters of a note that takes more than a line
+_WORST = 10  # verdicts that are shown beside those that fail; the others are folded away
+
+
+def headline(verdicts: Sequence[Verdict]) -> Statement:
+    """Return the answer in one sentence, in the tone of the worst that it says."""
+    worst, present = most_used(verdicts), {row.verdict for row in verdicts}
+    text = verdicts_headline(verdicts)
+    tone = next((TONE[verdict] for verdict in (EXCEEDED, STRUCK, WITHIN) if verdict in present), "unjudged")
+    tone = "unjudged" if tone == "within" and not text.startswith("PASS") else tone
+    values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
+    if worst is not None:
+        values |= {"most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation}
+    return Statement(id="headline", text=text, tone=tone, values=values)
+
+
+def answer_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield the verdicts in a few sentences, and whose rule is exceeded where it is our own."""
+    lines = [*verdict_lines(run.response, run.verdicts), *rule_lines(run.verdicts)]
+    yield Statement(id="verdicts", items=tuple(lines))
+    yield Statement(id="untested", text=run.untested, tone="unjudged") if run.untested else None
+
+
+def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
+    """Return what uses most of its limit; None where nothing is judged."""
+    most = most_used(verdicts)
+    if most is None:
+        return None
+    return Statement(id="most-critical", text=f"Most critical: {against_limit(most)}.", tone=TONE[most.verdict])
+
+
+def grounds_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield the worst verdict of every criterion, and what is not judged with the reasons."""
+    yield worst_table(run.verdicts)
+    reasons = unjudged(run.verdicts)
+    yield Statement(id="not-judged", text="Not judged:", items=reasons, tone="unjudged") if reasons else None
+
+
+def unjudged(verdicts: Sequence[Verdict]) -> tuple[str, ...]:
+    """Return a sentence for each criterion that is not judged, with the reason; subjects of the same reason together."""
+    groups: dict[tuple[str, str], list[str]] = {}
+    for row in verdicts:
+        if row.verdict == NOT_JUDGED:
+            reason = row.note.rsplit("; ", 1)[-1]  # what stands before it says where the figure was taken
+            groups.setdefault((row.criterion, reason), []).append(row.subject)
+    return tuple(
+        f"{criterion} of {listed(subjects)}: {reason or 'no limit is stated'}."
+        for (criterion, reason), subjects in groups.items()
+    )
+
+
+def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
+    """Return the worst verdict of every criterion; None without verdicts."""
+    # Where nothing is judged the largest value is the worst; an unknown one, NaN, is none.
+    by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
+    rows = list({row.criterion: row for row in reversed(ordered(by_size))}.values())[::-1]
+    if not rows:
+        return None
+    return Table(
+        id="worst-of-criteria",
+        title="The worst of every criterion",
+        columns=(*_COLUMNS, Column("values", form="d")),
+        rows=[(*_cells(row), sum(other.criterion == row.criterion for other in verdicts)) for row in rows],
+        note="Used: value over limit, above 100 % where it is exceeded. Values: how many the row is the worst of.",
+    )
+
+
+def full_table(verdicts: Sequence[Verdict]) -> Table | None:
+    """Return every verdict, exceeded ones first, then by utilisation, those not judged last; None without verdicts.
+
+    A long note that is that of the row above is not written again.
+    """
+    if not verdicts:
+        return None
+    rows = ordered(verdicts)
+    notes = [row.note for row in rows]
+    said = [
+        "as above" if len(note) > _LONG and note == before else note
+        for before, note in zip(["", *notes], notes, strict=False)
+    ]
+    return Table(
+        id="all-verdicts",
+        title="Every value against its limit: the largest utilisation first, what is not judged last",
+        columns=(*_COLUMNS, Column("note", align="text")),
+        rows=[(*_cells(row), note) for row, note in zip(rows, said, strict=True)],
+        shown=sum(row.verdict in (EXCEEDED, STRUCK) for row in rows) + _WORST,
+    )
+
+
+def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
+    """Sort verdicts: what is exceeded or struck first, then the largest utilisation, those not judged last."""
+    return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
+
+
+def used_mark(utilisation: float | None) -> Mark:
+    """Return a utilisation in the tone of what it means."""
+    if utilisation is None:
+        return Mark(None, "quiet")
+    return Mark(utilisation, "exceeded" if utilisation > 1.0 else "near" if utilisation > NEAR else "")
+
+
+def _known(row: Verdict) -> Verdict:
+    """Return the verdict; without value and instant if it is a sum of shares of which none is rated, which says nothing."""
+    nothing = row.criterion == COMBINED and row.limit is None and (row.value == 0.0 or math.isnan(row.value))
+    return replace(row, value=math.nan, time=None) if nothing else row
+
+
+def _cells(row: Verdict) -> tuple[Cell, ...]:
+    """Return criterion, verdict, subject, value, limit, unit, utilisation and instant."""
+    return (
+        str(row.criterion),
+        Mark(content=row.verdict, tone=TONE[row.verdict]),
+        row.subject,
+        shown(_known(row).value, row.unit),
+        shown(row.limit, row.unit),
+        shown_unit(row.unit),
+        used_mark(row.utilisation),
+        _known(row).time,
+    )

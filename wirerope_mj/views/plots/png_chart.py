@@ -1,0 +1,98 @@
+"""Charts as pictures in files: the panels of a page, drawn by matplotlib."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from textwrap import wrap
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.views.colours import LIGHT
+from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.report_image import round_ticks
+from wirerope_mj.views.thin import envelope, is_dense
+
+_WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
+_TALL = 88.0  # units of a chart's height to an inch
+_FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
+_LEFT, _RIGHT, _TITLE, _FOOT = 0.8, 0.15, 0.75, 0.5  # room about the panels [in]
+
+
+def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -> None:
+    """Write the panels of some charts below each other as one PNG, whole or not at all.
+
+    Args:
+        charts: of a result, those without panels left out.
+        path: of the file.
+        title: above all of them.
+    """
+    rows = [(chart, row) for chart in charts for row in chart.rows]
+    heights = [chart.height / _TALL + 0.35 for chart, _ in rows]
+    height = sum(heights) + _TITLE + _FOOT
+    figure = PlainFigure(figsize=(_WIDTH, height), dpi=_DPI)
+    figure.suptitle("\n".join(wrap(title, 105)), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
+    # Places are fixed, because to fit them to the texts takes as long as to draw them.
+    top = height - _TITLE
+    for (_, row), tall in zip(rows, heights, strict=True):
+        width = (_WIDTH - _LEFT - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
+        for number, panel in enumerate(row):
+            left = _LEFT + number * (width + _LEFT)
+            box = (left / _WIDTH, (top - tall + 0.35) / height, width / _WIDTH, (tall - 0.4) / height)
+            draw_panel(figure.add_axes(box), panel)
+        top -= tall
+    with atomic_file(Path(path)) as beside:
+        figure.savefig(beside, format="png")
+
+
+def draw_panel(axes: Any, panel: Panel) -> None:
+    """Draw a panel on axes of matplotlib: curves, the first in front, limits, points and its ranges."""
+    for number, curve in enumerate(panel.curves):
+        _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
+    axes.set_xscale("log" if "x" in panel.log else "linear")
+    axes.set_yscale("log" if "y" in panel.log else "linear")
+    low, high = axes.get_ylim()
+    for name, level in panel.limits:
+        if 1.5 * low < level < 1.5 * high:  # farther away it would only flatten the curves
+            axes.axhline(level, color=_hex(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for x, y in panel.dots:
+        axes.plot(x, y, "o", color="0.2", ms=5)
+    for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
+        if limits is not None and limits[0] < limits[1]:
+            set_limits(*limits)
+    if "x" in panel.log:
+        round_ticks(axes.xaxis, *axes.get_xlim())
+    if "y" in panel.log:
+        round_ticks(axes.yaxis, *axes.get_ylim())
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=panel.title)
+    axes.grid(color="0.92")
+    axes.set_axisbelow(True)
+    handles, labels = axes.get_legend_handles_labels()
+    named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
+    if named:
+        axes.legend(named.values(), named.keys(), fontsize=8, loc="upper right", ncols=2)
+
+
+def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
+    """Draw a curve; what oscillates too often for a line as the band that it fills."""
+    look = {"color": curve_colour(curve), "label": curve.name, "zorder": zorder}
+    if curve.marks:
+        axes.plot(curve.x, curve.y, ".", ms=4, **look)
+        return
+    tolerance = _FINE * max(float(np.abs(curve.y).max(initial=0.0)), 1e-12)
+    if lines and (np.diff(curve.x) > 0.0).all() and is_dense(curve.x, curve.y[:, None], tolerance):
+        time, low, high = envelope(curve.x, curve.y[:, None])
+        axes.fill_between(time, low[:, 0], high[:, 0], alpha=0.45, lw=0.6, **look)
+    else:
+        axes.plot(curve.x, curve.y, lw=0.9 if isinstance(curve.kind, str) else 1.2, **look)
+
+
+def curve_colour(curve: Curve) -> str:
+    """Return the colour of a curve on a light ground, as matplotlib takes it."""
+    kind = curve.kind
+    return _hex(LIGHT.base if kind == BASE else LIGHT.others if kind == OTHERS else LIGHT.series[int(kind)])
+
+
+def _hex(colour: tuple[int, int, int]) -> str:
+    return f"#{bytes(colour).hex()}"
