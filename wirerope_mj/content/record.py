@@ -67,7 +67,7 @@ def _correction(record: Record) -> Table:
 
 
 def record_chart(played: Record) -> Chart:
-    """Return acceleration, velocity and displacement of a record along every axis with any, without its correction and with it."""
+    """Draw acceleration, velocity and displacement of a record along its axes, without its correction and with it."""
     measured, corrected = played.as_measured, played.baseline != "none"
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
     rows: list[list[Panel]] = []
