@@ -104,7 +104,7 @@ COMMANDS = {
     ),
     "modes": (
         "modes:modes",
-        "Print the modes of a model where it rests: frequencies, damping, what moves, and how far from tipping over.",
+        "Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.",
     ),
     "statics": (
         "statics:statics",
