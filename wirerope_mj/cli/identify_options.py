@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.integers import Integer
+from wirerope_mj.cli.options import Integer
 
 
 def identify_records(

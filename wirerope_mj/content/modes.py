@@ -28,8 +28,8 @@ _MASS = [Column(f"mass\n{axis}", "%", "z.1f") for axis in "xyz"]
 _MODE = Column("mode", align="left"), Column("shape", align="text")
 _NOTE = (
     "Frequency and damping: of small amplitude, where friction damps nothing and dampers alone do. Tangent: with the mounts' "
-    "stiffness in either direction from rest, which the first quarter cycle feels; no value to quote. Mass: fraction that takes "
-    "part of the mass that can move along each axis."
+    "stiffness in either direction from rest, which the first quarter cycle feels; no value to quote. Mass: fraction that "
+    "takes part of the mass that can move along each axis."
 )
 
 
@@ -169,8 +169,8 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
     if any(getattr(law, "n", 1.0) < 1.0 for law in laws if isinstance(law, Hysteresis)):
         yield (
-            "A law with n < 1 is near the limit of small amplitude only at amplitudes that no rig shows: quote the frequency at "
-            "an amplitude, which --amplitude-mm gives."
+            "A law with n < 1 is near the limit of small amplitude only at amplitudes that no rig shows: quote the frequency "
+            "at an amplitude, which --amplitude-mm gives."
         )
 
 
