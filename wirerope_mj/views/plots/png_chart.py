@@ -61,6 +61,7 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
+    _shade(axes, panel)
     if "x" in panel.log:
         round_ticks(axes.xaxis, *axes.get_xlim())
     if "y" in panel.log:
@@ -71,21 +72,36 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     handles, labels = axes.get_legend_handles_labels()
     named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
     if named:
-        axes.legend(named.values(), named.keys(), fontsize=8, loc="upper right", ncols=2)
+        place = "upper right" if panel.xunit == "s" else "best"  # which takes long among the samples of a run
+        axes.legend(named.values(), named.keys(), fontsize=8, loc=place, ncols=2)
+
+
+def _shade(axes: Any, panel: Panel) -> None:
+    """Shade ranges across, with their names at the upper end, each below those that it overlaps."""
+    left, right = axes.get_xlim()
+    for number, (name, low, high) in enumerate(panel.bands):
+        first, last = max(low, left), min(high, right)
+        if first <= last:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            axes.axvspan(first, last, color="0.5", alpha=0.15, lw=1.0 if first == last else 0.0, zorder=1)
+            middle = (first * last) ** 0.5 if "x" in panel.log else 0.5 * (first + last)
+            place = {"xytext": (0.0, -12.0 * (1 + over)), "textcoords": "offset points", "ha": "center", "fontsize": 8}
+            axes.annotate(name, (middle, 1.0), xycoords=axes.get_xaxis_transform(), **place)
 
 
 def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
     """Draw a curve; what oscillates too often for a line as the band that it fills."""
     look = {"color": curve_colour(curve), "label": curve.name, "zorder": zorder}
     if curve.marks:
-        axes.plot(curve.x, curve.y, ".", ms=4, **look)
+        axes.plot(curve.x, curve.y, ".", ms=4.0 * curve.weight, **look)
         return
     tolerance = _FINE * max(float(np.abs(curve.y).max(initial=0.0)), 1e-12)
     if lines and (np.diff(curve.x) > 0.0).all() and is_dense(curve.x, curve.y[:, None], tolerance):
         time, low, high = envelope(curve.x, curve.y[:, None])
         axes.fill_between(time, low[:, 0], high[:, 0], alpha=0.45, lw=0.6, **look)
     else:
-        axes.plot(curve.x, curve.y, lw=0.9 if isinstance(curve.kind, str) else 1.2, **look)
+        width = curve.weight * (0.9 if isinstance(curve.kind, str) else 1.2)
+        axes.plot(curve.x, curve.y, lw=width, ls=curve.dash or "solid", **look)
 
 
 def curve_colour(curve: Curve) -> str:
