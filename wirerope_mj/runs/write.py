@@ -205,7 +205,8 @@ def _write_views(
         save_charts([charts["loops"]], folder / "loops.png", title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
-        save_charts([charts[f"record-{record.path.name}"]], folder / name, title=title)
+        chart = charts[f"record-{record.path.name}"]
+        save_charts([chart], folder / name, title=f"{title}: {chart.caption}")
     writing("the report")
     (folder / REPORT).write_text(report_html(content), encoding="utf-8")
 
