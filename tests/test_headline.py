@@ -12,7 +12,6 @@ from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Criterion, 
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.summary import read_headline
 
-
 HALF = "most critical m1, 50 % of rated travel in roll"
 
 
