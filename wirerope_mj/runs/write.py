@@ -14,6 +14,7 @@ import tomli_w
 
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.finished import aliasing
 from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
@@ -186,6 +187,8 @@ def _scenario_text(
     judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
     if judge:
         content["judge"] = judge
+    if warned := aliasing([scenario.motion], resolved["sample_rate"]):
+        content["warning"] = warned
     return tomli_w.dumps(content, multiline_strings=True)
 
 

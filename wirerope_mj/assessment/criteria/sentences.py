@@ -59,7 +59,7 @@ def contact_lines(response: Response) -> list[str]:
             f"Struck: {_listed(struck)}; first {struck[0]} at {first.first_touch:.4f} s, hardest {hardest} with "
             f"{1e-3 * contacts[hardest].force:.3g} kN. Accelerations are uncertain from the first touch on."
         )
-    elif contacts and not any(contact.touches for contact in contacts.values()):
+    elif contacts and not any(contact.touches for contact in contacts.values()) and not too_short(response):
         lines.append(f"No stop is struck: {len(contacts)} pair{'s' if len(contacts) > 1 else ''} may touch, none did.")
     lines += _stop_lines(response, len(known) - len(contacts))
     resting = [contact.called(name) for name, contact in known.items() if contact.from_start and not contact.struck]
@@ -76,6 +76,8 @@ def _stop_lines(response: Response, n_stops: int) -> list[str]:
         text = _listed([closing_text(name, contacts[name]) for name in closed], "; ")
         return [f"{text[0].upper()}{text[1:]}. From then on accelerations depend on what the stops are made of."]
     if n_stops and not any(contact.touches for contact in contacts.values() if contact.mount):
+        if too_short(response):
+            return ["Stops are not judged: none has closed when the run ends."]
         return [f"No stop closes: {'there is one' if n_stops == 1 else f'there are {n_stops}'}."]
     return []
 

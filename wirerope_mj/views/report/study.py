@@ -7,7 +7,7 @@ from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.measure import input_names
 from wirerope_mj.studies.results.stated_limits import limit_statement
-from wirerope_mj.studies.results.statements import failures, numbered, percent, statements
+from wirerope_mj.studies.results.statements import failures, not_counted, numbered, percent, statements
 from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.studies.results.tables import (
     effects_table,
@@ -78,7 +78,9 @@ def _verdict(summary: StudySummary) -> Mark:
     if not judged:
         return Mark(content="Not judged: no limit is stated", tone="unjudged")
     most, ratio = max(judged, key=lambda one: one[0].count)
-    failed = f"; {several(most.failed, 'more variant')} failed" if most.failed else ""
+    failed = not_counted(most)
+    if not most.n:
+        return Mark(content=f"Not judged{failed}", tone="unjudged")
     if most.count:
         of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
         return Mark(content=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded")
