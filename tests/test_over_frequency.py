@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from house import sdof
 from test_recording import column, entities
+from wirerope_mj.runs.over_frequency import panel_over_frequency
 
 import wirerope_mj as wr
 from wirerope_mj.content.run_spectra import spectra_of
 from wirerope_mj.content.selection import select
-from wirerope_mj.runs.over_frequency import panel_over_frequency
 from wirerope_mj.views.recording.drawn_runs import run_alone
 from wirerope_mj.views.recording.record import write_alone
 
