@@ -16,7 +16,7 @@ from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.engines import Engine, failure, leap, refused, result_of
-from wirerope_mj.engine.simulation.finished import require_lawful
+from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_aliasing
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.initial import initial_state
@@ -154,6 +154,8 @@ def simulate_batch(
             motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
+    if responses:
+        warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]
 
 

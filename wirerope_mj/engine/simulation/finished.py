@@ -1,6 +1,7 @@
 """Checks of a finished run: whether its mounts stayed where their laws hold, and how certain its numbers are."""
 
 import warnings
+from collections.abc import Iterable
 
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
@@ -11,17 +12,23 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 
-def warn_of_aliasing(motion: BaseMotion, sample_rate: float) -> None:
-    """Warn where the motion is steadily faster than samples can tell: histories show what is not there."""
-    fastest = max((1.0 / part.shortest_time for part in motion.parts if part.kind in _OF_FREQUENCIES), default=0.0)
-    if fastest > 0.5 * sample_rate:
-        warnings.warn(
-            f"the base moves at up to {fastest:.4g} Hz, and {sample_rate:.4g} samples a second tell nothing above "
-            f"{0.5 * sample_rate:.4g} Hz: histories and spectra of the samples show what is not there. Peaks are those of "
-            f"every step. Give a `sample_rate` of at least {10.0 * fastest:.4g} Hz.",
-            AccuracyWarning,
-            stacklevel=3,
-        )
+def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
+    """Return that motions are steadily faster than samples can tell, as a sentence without a capital; "" if none is."""
+    parts = [part for motion in motions for part in motion.parts if part.kind in _OF_FREQUENCIES]
+    fastest = max((1.0 / part.shortest_time for part in parts), default=0.0)
+    if fastest <= 0.5 * sample_rate:
+        return ""
+    return (
+        f"the base moves at up to {fastest:.4g} Hz, and {sample_rate:.4g} samples a second tell nothing above "
+        f"{0.5 * sample_rate:.4g} Hz: histories and spectra of the samples show what is not there. Peaks are those of "
+        f"every step. Give a `sample_rate` of at least {10.0 * fastest:.4g} Hz."
+    )
+
+
+def warn_of_aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> None:
+    """Warn where a motion is steadily faster than samples can tell: histories show what is not there."""
+    if text := aliasing(motions, sample_rate):
+        warnings.warn(text, AccuracyWarning, stacklevel=3)
 
 
 _OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")

@@ -124,7 +124,7 @@ def simulate(
         recorder.discard()
         raise
     warn_of_uncertainty(response)
-    warn_of_aliasing(motion, sample_rate)
+    warn_of_aliasing([motion], sample_rate)
     return response
 
 
