@@ -7,8 +7,8 @@ it first touches, and pairs beyond the last row share that one. A step without c
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.foundation.jit import index, inlined, njit
 
+# mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force
 FRICTIONLESS, PYRAMIDAL, ELLIPTIC = 5, 6, 7
-"""mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force."""
 
 
 @njit

@@ -13,9 +13,7 @@ from dataclasses import dataclass
 
 from wirerope_mj.foundation.arrays import Array
 
-MAGIC = 2004.28
-"""Marks a state actuator: the number of the thesis' report (DCT 2004/28)."""
-
+MAGIC = 2004.28  # marks a state actuator: the number of the thesis' report (DCT 2004/28)
 STATE_ACTUATOR = "wirerope/states"
 LAYOUT = "wirerope/layout"
 PARAMETERS = "wirerope/parameters"
@@ -46,8 +44,8 @@ CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 # userdata, relative to the system's first entry
 STAGE_POINTS, STAGE_START, STAGE_RATE, EVENT, HISTORY, TIME_1, TIME_2, OBSERVING = range(8)
 STAGES = 8
+# steps that one stage table serves: long enough that Python between tables costs nothing, short enough to copy
 MAX_STEPS = 64
-"""Steps that one stage table serves: long enough that Python between tables costs nothing, short enough to copy."""
 
 # values of userdata[EVENT] at the first step of a stage table
 SMOOTH, CORNER, JUMP = 0.0, 1.0, 2.0

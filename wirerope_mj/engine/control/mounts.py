@@ -15,8 +15,7 @@ from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
-AXIAL = 2
-"""Index of the axial axis."""
+AXIAL = 2  # index of the axial axis
 
 
 @inlined

@@ -16,8 +16,7 @@ from wirerope_mj.engine.control.stops import track_stops
 from wirerope_mj.engine.control.structs import DATA_FIELDS, offsets, size_of
 from wirerope_mj.foundation.jit import address, inlined, njit
 
-ACCELERATION_STAGE = 3
-"""mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last."""
+ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
 
 
 class Callbacks(NamedTuple):

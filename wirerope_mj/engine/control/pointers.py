@@ -6,8 +6,7 @@ from numba.extending import intrinsic
 
 from wirerope_mj.foundation.jit import inlined
 
-ANY_SIZE = 1 << 40
-"""Nominal length of an array behind a pointer: the kernels index by the model's own tables."""
+ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
 
 
 @intrinsic

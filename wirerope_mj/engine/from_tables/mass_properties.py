@@ -7,8 +7,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+# by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
 TOLERANCE = 1e-9
-"""By how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,14 +9,11 @@ from wirerope_mj.engine.from_tables.mass_properties import why_impossible
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 
-_SAME = 1e-3
-"""Closer than this no two mounts can stand [m]."""
+_SAME = 1e-3  # closer than this no two mounts can stand [m]
+_LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
 
-_LEVEL = 0.1
-"""A mount whose direction rises less than this (6 degrees) counts as horizontal."""
-
+# radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
 _FAR = 20.0
-"""Radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand."""
 
 
 def check_places(layout: Layout, masses: Path) -> None:

@@ -21,8 +21,8 @@ _DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x
 _ANGLES = {"inclination": "angle", "azimuth": "angle"}
 _MOMENTS, _PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
 _SIZES = ("size_x", "size_y", "size_z")
+# depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
-"""Depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]."""
 
 
 def read_layout(

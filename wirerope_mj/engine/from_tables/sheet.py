@@ -22,6 +22,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 _POUND = 0.45359237
+# units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
 UNITS: dict[str, Mapping[str, float]] = {
     "length": {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "in": LENGTH_UNITS["in"]},
     "mass": {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": _POUND},
@@ -36,13 +37,10 @@ UNITS: dict[str, Mapping[str, float]] = {
     } | {"MN/m": 1e6},
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
 }  # fmt: skip
-"""Units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)."""
 
+# bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list
 _UNPACKED = 20.0
-"""Bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list."""
-
-PURE, TEXT = "number", "text"
-"""Kinds of columns that need no unit."""
+PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 
 
 @dataclass(frozen=True)

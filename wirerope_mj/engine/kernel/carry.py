@@ -8,8 +8,7 @@ from wirerope_mj.foundation.lanes import WIDTH, rows, some, table, where
 from wirerope_mj.mounts.laws.kernels import ASYMMETRIC_BOUC_WEN, BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.path import advance
 
-NEVER = 1e300
-"""Length after which a state comes to zero that never does [m]."""
+NEVER = 1e300  # length after which a state comes to zero that never does [m]
 
 
 @inlined

@@ -18,14 +18,10 @@ from wirerope_mj.foundation.lanes import WIDTH, lane, power, rows, some, table, 
 from wirerope_mj.mounts.laws.path import advance
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
 
+# longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
 STEP = 0.08
-"""Longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line."""
-
-MOST = 64.0
-"""Steps from which on the adaptive integration of one lane is the cheaper one."""
-
-LINE = 12
-"""Index of a line's start and direction among the parameters of the biaxial kernel."""
+MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
+LINE = 12  # index of a line's start and direction among the parameters of the biaxial kernel
 
 
 @inlined

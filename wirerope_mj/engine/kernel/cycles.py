@@ -10,8 +10,7 @@ from wirerope_mj.engine.kernel.steps import base_at, forward, observe, place_bas
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import lane, rows, spread, table
 
-NO_SAMPLES = np.zeros((0, 0, 0))
-"""Room for the samples that are not wanted."""
+NO_SAMPLES = np.zeros((0, 0, 0))  # room for the samples that are not wanted
 
 
 @inlined

@@ -20,8 +20,8 @@ from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, SMOOTHED, STOP, TA
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
+# places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes
 KNOTS = 4
-"""Places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes."""
 
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE

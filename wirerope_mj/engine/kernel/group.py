@@ -13,8 +13,7 @@ from wirerope_mj.engine.kernel.steps import advance, finish
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 
-NOTHING = np.zeros((0, 0, 0))
-"""Room for the samples of no variant."""
+NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,8 +22,8 @@ from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 
+# kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
 _PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI)
-"""Kernels none of whose parameters says how many there are or what is done with them: any values have the same structure."""
 
 
 class _Changed:

@@ -24,8 +24,7 @@ from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, table, where, with_lane
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
 
-BEYOND = 1e10
-"""Acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this."""
+BEYOND = 1e10  # acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this
 
 
 @njit

@@ -5,8 +5,7 @@ import numpy as np
 
 from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Pose, Writer
 
-FARTHEST = 1e3
-"""Clearance that is as good as any larger one [m]."""
+FARTHEST = 1e3  # clearance that is as good as any larger one [m]
 
 
 def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: Writer) -> list[list[int]]:

@@ -23,9 +23,8 @@ from wirerope_mj.motions import RandomVibration, motion_from_dict
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
+# takes the key and the value, like the checks of arguments, and raises ValueError
 Check = Callable[[str, Any], object]
-"""Takes the key and the value, like the checks of arguments, and raises ValueError."""
-
 _SHAPES = ("box", "sphere", "capsule", "cylinder", "ellipsoid", "plane", "mesh")
 _UNIT = 1e-6  # by which the length of a stored quaternion may differ from 1: far above rounding, far below a turn that shows
 

@@ -11,14 +11,12 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief, Summarised
 
+# what limits the steps of a run whose error estimate is the spread of several steps
 SENSITIVE = "what it hits: the answer is sensitive, and finer steps do not agree better"
-"""What limits the steps of a run whose error estimate is the spread of several steps."""
 
+# rows of samples that are handed on at once where a long response must not stand in memory as a whole
 BLOCK_ROWS = 1 << 16
-"""Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
-
-BLOCK_NUMBERS = 1 << 22
-"""Numbers that are handed on at once: of hundreds of columns fewer rows."""
+BLOCK_NUMBERS = 1 << 22  # numbers that are handed on at once: of hundreds of columns fewer rows
 
 
 def block_rows(columns: int) -> int:

@@ -27,8 +27,7 @@ from wirerope_mj.foundation.summary import Summarised, quantity
 FILE = "response.parquet"
 FORMAT = 1
 
-_ROUNDING = 1e-9
-"""What the sum of a start and a duration may be off by [s]."""
+_ROUNDING = 1e-9  # what the sum of a start and a duration may be off by [s]
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

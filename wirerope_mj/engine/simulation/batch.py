@@ -43,8 +43,8 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import BaseMotion
 
+# options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data
 _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
-"""Options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

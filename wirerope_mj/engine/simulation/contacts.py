@@ -8,8 +8,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.contact_pairs import contact_name, payload_first, untouched
 from wirerope_mj.foundation.arrays import Array
 
-OTHERS = "further pairs"
-"""Name of all pairs of geoms beyond the memory's last row."""
+OTHERS = "further pairs"  # name of all pairs of geoms beyond the memory's last row
 
 
 def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:

@@ -23,12 +23,12 @@ from wirerope_mj.motions import BaseMotion
 
 Engine = Literal["auto", "mujoco", "kernel"]
 
+# reasons why the kernel gives a run up
 WHY = {
     at.WILD: "its motion grew without bound",
     at.LIMITED: "a joint came to its limit",
     at.TOUCHING: "bodies moved by more than the clearance between them and may have touched",
 }
-"""Reasons why the kernel gives a run up."""
 
 
 def compute(

@@ -24,8 +24,8 @@ def warn_of_aliasing(motion: BaseMotion, sample_rate: float) -> None:
         )
 
 
+# kinds of motions whose shortest time is a period
 _OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
-"""Kinds of motions whose shortest time is a period."""
 
 
 def require_lawful(system: System, peaks: Peaks) -> None:

@@ -22,8 +22,8 @@ from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
+# takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)
 Sink = Callable[[int, int, Array], None]
-"""Takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)."""
 
 
 @dataclass(frozen=True, kw_only=True)

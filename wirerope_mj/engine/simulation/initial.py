@@ -12,9 +12,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
+# relative difference of base positions and velocities that is integration error and not another motion
 SAME_MOTION = 1e-6
-"""Relative difference of base positions and velocities that is integration error and not another motion."""
-
 HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
 
 

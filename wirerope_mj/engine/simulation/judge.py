@@ -25,23 +25,15 @@ from wirerope_mj.foundation.errors import AccuracyWarning, SimulationError
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.motions import Sine
 
+# largest difference from MuJoCo, relative to the scale of what is compared: far above the rounding of either, 1e-12
 AGREEMENT = 1e-9
-"""Largest difference from MuJoCo, relative to the scale of what is compared: far above the rounding of either, 1e-12."""
+STATES = 104  # random states in which accelerations are compared: a hundred, and what fills the last lanes
 
-STATES = 104
-"""Random states in which accelerations are compared: a hundred, and what fills the last lanes."""
-
+# random displacement [m], angle [rad] and rate [m/s, rad/s] of a coordinate: millimetres of a mount, degrees of a link
 PLACE, TURN, SPEED = 2e-3, 0.02, 0.2
-"""Random displacement [m], angle [rad] and rate [m/s, rad/s] of a coordinate: millimetres of a mount, degrees of a link."""
-
-STEPS = 40
-"""Steps of the short run."""
-
-FINER = 4
-"""Steps that are tried, each a tenth of the one before."""
-
-UNJUDGED = "the native callback, with which it is compared, is not available"
-"""Why a system is not judged."""
+STEPS = 40  # steps of the short run
+FINER = 4  # steps that are tried, each a tenth of the one before
+UNJUDGED = "the native callback, with which it is compared, is not available"  # why a system is not judged
 
 _known: dict[bytes, str] = {}
 

@@ -19,8 +19,7 @@ from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-STREAM_ROWS = 4096
-"""Samples that are kept in memory before a block is written to disk."""
+STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
 
 
 class Recorder:

@@ -21,8 +21,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-CHECK_EVERY = 64
-"""Segments between two looks at MuJoCo's warning counters."""
+CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,6 +122,7 @@ def _travel(row: list[float]) -> CombinedTravel:
     )  # fmt: skip
 
 
+# where the numbers of a `Peak` stand in the tracker's memory of a channel
 _NUMBERS = np.array(
     [
         at.PEAK,
@@ -130,4 +130,3 @@ _NUMBERS = np.array(
         *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
     ]
 )
-"""Where the numbers of a `Peak` stand in the tracker's memory of a channel."""

@@ -11,11 +11,9 @@ from mujoco.batch import MODEL_FIELDS, Batch
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ModelError
 
+# beginnings of the names of fields that only name, describe or draw
 _WORDS = ("name", "text", "tuple", "tex_", "skin_", "vis_")
-"""Beginnings of the names of fields that only name, describe or draw."""
-
-_STEP = "opt.timestep"
-"""The option that belongs to the grid and not to a system."""
+_STEP = "opt.timestep"  # the option that belongs to the grid and not to a system
 
 
 def check_same_layout(systems: Sequence[System]) -> None:

@@ -158,11 +158,10 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
     return np.sort(instants)
 
 
-FINEST = 1e-15
-"""Accuracy that can be asked for: the rounding of one number."""
+FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
 
+# steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
 MOST_STEPS = 1e9
-"""Steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step."""
 
 
 def checked_step(system: System, timestep: float, duration: float) -> float:

@@ -6,14 +6,11 @@ from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.budget import require_disk, require_memory, require_time
 
-NUMBER = 8
-"""Bytes of a number."""
+NUMBER = 8  # bytes of a number
 
+# bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
 OF_AN_INSTANT = 4 * NUMBER
-"""Bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at."""
-
-PILOTS = 6
-"""Arrays of a pilot's samples that are held at once: rows and vectors of a coarse, a fine and a longer one."""
+PILOTS = 6  # arrays of a pilot's samples that are held at once: rows and vectors of a coarse, a fine and a longer one
 
 
 def check_size(

@@ -8,12 +8,12 @@ from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import turning
 from wirerope_mj.foundation.arrays import Array
 
+# RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used
 RK4_LIMIT = 2.7
-"""RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used."""
 
 
+# angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely
 SLOWEST_RATE = 1.0
-"""Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
 
 
 def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:

@@ -13,8 +13,8 @@ from wirerope_mj.engine.simulation.running_peak import RunningPeak
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 
+# instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions
 POINTS = 4096
-"""Instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions."""
 
 
 @dataclass(frozen=True, kw_only=True)

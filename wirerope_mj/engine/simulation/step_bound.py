@@ -11,8 +11,7 @@ from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
 
-ROUNDING = 1e-6
-"""Fraction by which a bound must stay below the limit, to be one whatever is rounded."""
+ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
 
 
 class StepBound:

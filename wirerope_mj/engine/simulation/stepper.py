@@ -20,8 +20,7 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.falling import falling_text
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
-_NEAR = 0.8
-"""Fraction of a law's finite travel from which on a step that fails is put down to it."""
+_NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
 
 
 class Stepper:

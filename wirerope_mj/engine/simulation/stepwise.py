@@ -22,8 +22,8 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.motions import HarmonicForce
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
+# what a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system.
 _STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
-"""What a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system."""
 
 
 class Stepwise:

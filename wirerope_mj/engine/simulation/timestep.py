@@ -24,48 +24,37 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-HALVINGS = 11
-"""Halvings after which the search ends: 1e-3 s becomes 5e-7 s."""
+HALVINGS = 11  # halvings after which the search ends: 1e-3 s becomes 5e-7 s
 
+# the same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead
 HALVINGS_IN_CONTACT = 4
-"""The same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead."""
+LUCK = 2  # halvings before which errors in contact say little: where in a step the touch falls is luck
 
-LUCK = 2
-"""Halvings before which errors in contact say little: where in a step the touch falls is luck."""
-
+# error aimed at where bodies touch and the accuracy asked for is out of reach: no stop is known better than that
 ENOUGH_IN_CONTACT = 1e-3
-"""Error aimed at where bodies touch and the accuracy asked for is out of reach: no stop is known better than that."""
-
 SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stiffest mount", "the duration"
 CORNERS = "the corners of the motion, such as the samples of a record"
 ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
-CONTACTS = "contacts, where finer steps bring too little"
-"""Limits of a step."""
+CONTACTS = "contacts, where finer steps bring too little"  # limits of a step
 
+# error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4
 RICHARDSON = 4.0 / 3.0
-"""Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
 
+# difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
+# order 1.6 that is sometimes seen between two steps
 FINER = 2.0
-"""Difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
-order 1.6 that is sometimes seen between two steps."""
+SMALL = 1e-3  # quantities smaller than this fraction of the largest of their kind are judged against that fraction
 
-SMALL = 1e-3
-"""Quantities smaller than this fraction of the largest of their kind are judged against that fraction."""
-
+# peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller
 STILL = {"acceleration": 1e-6}
-"""Peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller."""
+KEPT = 20_000_000  # numbers that a pilot may have to be kept as the run's answer: 160 MB
 
-KEPT = 20_000_000
-"""Numbers that a pilot may have to be kept as the run's answer: 160 MB."""
-
+# slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them
 PILOT_PERIODS = 6.0
-"""Slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them."""
+WINDOWS = 6  # pilots of a motion too long to be tried whole
 
-WINDOWS = 6
-"""Pilots of a motion too long to be tried whole."""
-
+# fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs
 WINDOWED = 0.5
-"""Fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,23 +21,20 @@ LOAD_STEPS = 20
 
 Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
 
-SMALLEST_LOAD_STEP = 1e-4
-"""Fraction of gravity below which a load step that fails is a load that cannot be carried."""
+SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
+TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
 
-TOLERANCE = 1e-11
-"""Largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes."""
-
+# accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
 ACCEPTED = 1e-8
-"""Accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier."""
 
+# positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
 MOST = 3_000
-"""Positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing."""
 
+# deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
 FARTHEST = 10.0
-"""Deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables."""
 
+# argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
-"""Argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act."""
 
 
 class Loading:

@@ -9,15 +9,14 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
-_MOVES = 1e-9
-"""Rate of a deflection per unit of the payload's velocity below which it is rounding."""
+_MOVES = 1e-9  # rate of a deflection per unit of the payload's velocity below which it is rounding
 
+# relative distance from standard gravity that no place on the earth reaches: the poles are 0.26 % above it
 _EARTH = 0.01
-"""Relative distance from standard gravity that no place on the earth reaches: the poles are 0.26 % above it."""
 
+# reach of a payload: so many times the distance of its mounts, or of [m] where there is one; or twice its own geoms. A mast
+# three times as high as its feet are apart is within; a millimetre taken for a metre is 1000 times beyond.
 _REACH, _LEAST = 5.0, 0.3
-"""Reach of a payload: so many times the distance of its mounts, or of [m] where there is one; or twice its own geoms. A mast
-three times as high as its feet are apart is within; a millimetre taken for a metre is 1000 times beyond."""
 
 
 def model_warnings(system: System) -> tuple[str, ...]:

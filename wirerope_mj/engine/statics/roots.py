@@ -6,23 +6,20 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-ITERATIONS = 60
-"""Iterations for one root: ten times what a smooth one takes."""
+ITERATIONS = 60  # iterations for one root: ten times what a smooth one takes
 
+# halvings of a step before it counts as leading nowhere: 1/4096 of it is rounding where Newton's method works at all
 HALVINGS = 12
-"""Halvings of a step before it counts as leading nowhere: 1/4096 of it is rounding where Newton's method works at all."""
+LONGEST = 0.1  # longest step [m or rad]: more than any mount travels
 
-LONGEST = 0.1
-"""Longest step [m or rad]: more than any mount travels."""
-
+# fraction of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves
 SLOW = 0.2
-"""Fraction of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves."""
 
+# step of the differences [m or rad]: small against any travel, and they stand eight digits above the rounding of forces
 DIFFERENCE = 1e-7
-"""Step of the differences [m or rad]: small against any travel, and they stand eight digits above the rounding of forces."""
 
+# fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it
 INDIFFERENT = 1e-10
-"""Fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it."""
 
 
 class Roots:

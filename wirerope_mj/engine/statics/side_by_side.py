@@ -23,8 +23,8 @@ from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
+# ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain
 HELD = 1e-12
-"""Ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain."""
 
 
 @dataclass(frozen=True, kw_only=True)

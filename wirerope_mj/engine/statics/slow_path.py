@@ -12,8 +12,8 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.path import SCRATCH, advance
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
+# index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have
 LINE = 12
-"""Index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have."""
 
 
 @njit

@@ -10,11 +10,9 @@ import scipy
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
+# turn of the differences [rad]: rounding of accelerations, 1e-14 m/s^2, and their curvature both leave less than `SLOW`
 TURN = 1e-5
-"""Turn of the differences [rad]: rounding of accelerations, 1e-14 m/s^2, and their curvature both leave less than `SLOW`."""
-
-SLOW = 1e-4
-"""Rate of return below which a motion is free [1/s^2]: a pendulum of 100 km."""
+SLOW = 1e-4  # rate of return below which a motion is free [1/s^2]: a pendulum of 100 km
 
 
 def unresisted(

@@ -14,9 +14,8 @@ from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, m
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
+# the drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early
 SOLVER_TOLERANCE = 1e-15
-"""The drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early."""
-
 POINT, FORCE = "point/", "force/"
 
 

@@ -6,8 +6,7 @@ import numpy as np
 from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.foundation.errors import ModelError
 
-MOST = 32
-"""Rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state."""
+MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 
 
 def contact_capacity(model: mujoco.MjModel) -> int:

@@ -14,9 +14,7 @@ from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator
 
-COINCIDENCE = 1e-6
-"""Largest distance between the two sites of a mount in the modelled geometry [m]."""
-
+COINCIDENCE = 1e-6  # largest distance between the two sites of a mount in the modelled geometry [m]
 MOUNT, ISOLATOR, BASE = "mount/", "isolator/", "base"
 
 

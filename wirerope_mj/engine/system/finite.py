@@ -12,15 +12,15 @@ from wirerope_mj.engine.system.named_files import model_trees
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
+# beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
 _ELEMENTS = {"site": "site", "jnt": "joint", "geom": "geom", "body": "body", "eq": "equality"}
-"""Beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named."""
 
+# attributes from which others are computed: they are named before those
 _WRITTEN = ("pos", "quat", "axis", "size", "mass")
-"""Attributes from which others are computed: they are named before those."""
 
+# smallest eigenvalue of a matrix whose diagonal is scaled to 1: dependent joints leave rounding, 1e-16. Slides 1e-6 rad apart
+# and a body on a joint of its own with 1e-11 of the mass that it carries still pass.
 REGULAR = 1e-12
-"""Smallest eigenvalue of a matrix whose diagonal is scaled to 1: dependent joints leave rounding, 1e-16. Slides 1e-6 rad apart
-and a body on a joint of its own with 1e-11 of the mass that it carries still pass."""
 
 
 def check_written(text: str, path: Path | None) -> None:

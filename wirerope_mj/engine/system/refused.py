@@ -7,6 +7,7 @@ import mujoco
 
 _LEAD = re.compile(r"^(?:XML Error: |Error: |Schema violation: )+")
 _ELEMENT = re.compile(r" ?Element (?:name )?'([^']*)'(?:, id -?\d+)?(?:, line (\d+))?")
+# parts of MuJoCo's messages, and what to do about each; the first that a message holds counts
 _REMEDIES = (
     ("opening file", "Put the file there, or correct its name; it is looked for from the model's folder on."),
     ("mjMINVAL", "Give this body mass: a geom, or an <inertial>."),
@@ -20,8 +21,6 @@ _REMEDIES = (
     ("unknown", "Name one that the model has, or add it."),
     ("unrecognized name", "Name one that the model has, or add it."),
 )
-"""Parts of MuJoCo's messages, and what to do about each; the first that a message holds counts."""
-
 _REMEDY = "What each element may hold: https://mujoco.readthedocs.io/en/stable/XMLreference.html."
 
 

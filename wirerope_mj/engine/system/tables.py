@@ -14,8 +14,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
 
+# inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
 DRIVE_ARMATURE = 1e10
-"""Inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2."""
 
 
 @dataclass(frozen=True, kw_only=True)
