@@ -13,9 +13,9 @@ from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tang
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
-from wirerope_mj.engine.kernel.held import equations
-from wirerope_mj.engine.kernel.numbers import Numbers
-from wirerope_mj.engine.statics.side_by_side import rester
+from wirerope_mj.engine.kernel.equations import equations
+from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.statics.find import rester
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.mounts import laws
 

@@ -5,12 +5,11 @@ import pytest
 from laws_for_tests import PARAMETERS, example
 
 import wirerope_mj as wr
-from wirerope_mj.engine.kernel.held import equations, not_held
-from wirerope_mj.engine.kernel.numbers import Numbers
-from wirerope_mj.engine.simulation.judge import unfit
-from wirerope_mj.engine.statics.loading import Loading
-from wirerope_mj.engine.statics.result import HISTORIES
-from wirerope_mj.engine.statics.side_by_side import found_in_lanes, rester
+from wirerope_mj.engine.kernel.equations import equations, not_held
+from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.simulation.engines import unfit
+from wirerope_mj.engine.statics.find import found_in_lanes, rester
+from wirerope_mj.engine.statics.loading import HISTORIES, Loading
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.engine.system.varied import changed
 from wirerope_mj.foundation.resources import shipped_models

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.engine.response import Response, load_response
-from wirerope_mj.engine.statics.result import HISTORIES
+from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion

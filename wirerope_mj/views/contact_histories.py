@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.contacts import ContactPeak
+from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.foundation.arrays import Array
 
 

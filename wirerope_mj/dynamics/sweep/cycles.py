@@ -13,10 +13,9 @@ from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.travel import Lawful
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.simulation.engines import leap
+from wirerope_mj.engine.simulation.engines import leap, unfit
 from wirerope_mj.engine.simulation.grid import Grid
-from wirerope_mj.engine.simulation.initial import moving_with_base
-from wirerope_mj.engine.simulation.judge import unfit
+from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError

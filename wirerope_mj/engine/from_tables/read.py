@@ -6,11 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.engine.from_tables.cad_text import read_cad_text
-from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed, Point, StopLaw, axes_along
-from wirerope_mj.engine.from_tables.mass_properties import MassProperties, why_impossible
-from wirerope_mj.engine.from_tables.placing import check_places
-from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.engine.from_tables.layout import (
+    Layout,
+    Mass,
+    MassProperties,
+    Placed,
+    Point,
+    StopLaw,
+    axes_along,
+    check_places,
+    why_impossible,
+)
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_cad_text, read_sheet
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.plain_text import short

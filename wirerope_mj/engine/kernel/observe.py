@@ -5,8 +5,7 @@ import math
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import orientation
-from wirerope_mj.engine.kernel.links import carried, swung
-from wirerope_mj.engine.kernel.vectors import keep, minus, plus, turned, vector
+from wirerope_mj.engine.kernel.links import carried, keep, minus, plus, swung, turned, vector
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import some, where
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force

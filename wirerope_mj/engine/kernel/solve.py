@@ -7,14 +7,14 @@ MuJoCo's has, so that both push back on it alike.
 """
 
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.links import swung
-from wirerope_mj.engine.kernel.vectors import (
+from wirerope_mj.engine.kernel.links import (
     cross,
     dot,
     keep,
     minus,
     plus,
     six,
+    swung,
     symmetric,
     times,
     turned,

@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.response.histories import Numerics
-from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, Peak
+from wirerope_mj.engine.response.histories import ColumnPlan, Numerics
+from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, ContactPeak, Peak
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, one_of, positive
 from wirerope_mj.foundation.errors import ModelError

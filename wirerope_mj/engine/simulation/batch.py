@@ -15,16 +15,12 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import Engine, failure, leap, refused, result_of
-from wirerope_mj.engine.simulation.finished import require_lawful
+from wirerope_mj.engine.simulation.engines import Engine, equations, failure, leap, refused, result_of, unfit
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.initial import initial_state
-from wirerope_mj.engine.simulation.judge import equations, unfit
-from wirerope_mj.engine.simulation.lockstep import Lockstep
+from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import run
-from wirerope_mj.engine.simulation.same_layout import check_same_layout
+from wirerope_mj.engine.simulation.run import require_lawful, run
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
@@ -34,6 +30,7 @@ from wirerope_mj.engine.simulation.simulate import (
     versions,
 )
 from wirerope_mj.engine.simulation.size import check_size
+from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, one_of

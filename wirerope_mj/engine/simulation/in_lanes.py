@@ -9,9 +9,9 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.kernel.equations import Equations
-from wirerope_mj.engine.kernel.group import NOTHING, Group, group_of
+from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
 from wirerope_mj.engine.simulation.stages import Stages, StageTables

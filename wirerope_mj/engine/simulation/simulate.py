@@ -11,13 +11,13 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.response import FILE, Response
 from wirerope_mj.engine.simulation.engines import Engine, compute
-from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_aliasing, warn_of_uncertainty
 from wirerope_mj.engine.simulation.grid import time_grid
-from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder
+from wirerope_mj.engine.simulation.run import require_lawful, warn_of_aliasing, warn_of_uncertainty
 from wirerope_mj.engine.simulation.size import check_size
 from wirerope_mj.engine.simulation.stability import slowest_period, stable_step
+from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive

@@ -10,11 +10,10 @@ from numpy.typing import ArrayLike
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.simulation.grid import Grid
-from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import checked_step
 from wirerope_mj.engine.simulation.stages import Segment, along_slides
-from wirerope_mj.engine.simulation.stepper import Stepper
+from wirerope_mj.engine.simulation.stepper import Stepper, initial_state
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array

@@ -9,15 +9,14 @@ import numpy as np
 from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.simulation.engines import Engine, compute, failure, leap, result_of
+from wirerope_mj.engine.simulation.engines import Engine, compute, equations, failure, leap, result_of, unfit
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.initial import moving_with_base
-from wirerope_mj.engine.simulation.judge import equations, unfit
-from wirerope_mj.engine.simulation.later import Later
 from wirerope_mj.engine.simulation.run import RunResult
 from wirerope_mj.engine.simulation.size import check_pilots
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
+from wirerope_mj.engine.simulation.stages import Later
+from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError

@@ -1,20 +1,29 @@
 """A system: a MuJoCo model whose mounts act through the control callback."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import wraps
 from os import PathLike
 from pathlib import Path
+from typing import TypeVar
+from weakref import WeakKeyDictionary
 
 import mujoco
 
-from wirerope_mj.engine.system.areas import declared_areas
 from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
-from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
-from wirerope_mj.engine.system.finite import check_joints, check_numbers, check_written
-from wirerope_mj.engine.system.limits import declared_limits, judges_combined_travel
+from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refused
+from wirerope_mj.engine.system.declared import (
+    DeclaredMount,
+    base_body,
+    check_names,
+    check_visible,
+    declared_areas,
+    declared_limits,
+    declared_mounts,
+    judges_combined_travel,
+)
 from wirerope_mj.engine.system.named_files import check_regular
-from wirerope_mj.engine.system.refused import refused
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -233,3 +242,20 @@ def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: 
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
         if base and model.body_rootid[body] == base and model.body_weldid[body] == base:
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
+
+
+Value = TypeVar("Value")
+
+
+def once_per_system(compute: Callable[[System], Value]) -> Callable[[System], Value]:
+    """Return `compute` with a memory that forgets a value together with its system; callers share it and leave it as it is."""
+    known: WeakKeyDictionary[System, Value] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def value_of(system: System) -> Value:
+        try:
+            return known[system]
+        except KeyError:
+            return known.setdefault(system, compute(system))
+
+    return value_of

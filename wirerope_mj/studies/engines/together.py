@@ -8,19 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.engine.control.state import state_of
-from wirerope_mj.engine.kernel.equations import Equations
-from wirerope_mj.engine.kernel.held import equations
-from wirerope_mj.engine.kernel.numbers import Numbers
-from wirerope_mj.engine.simulation.engines import leap
+from wirerope_mj.engine.control.install import state_of
+from wirerope_mj.engine.kernel.equations import Equations, equations
+from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.simulation.engines import leap, unfit
 from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.initial import HISTORIES, moving_with_base
-from wirerope_mj.engine.simulation.judge import unfit
 from wirerope_mj.engine.simulation.simulate import MOST_STEPS, check_direction, checked_corners
-from wirerope_mj.engine.simulation.stability import stable_step
-from wirerope_mj.engine.simulation.step_bound import rates_of, step_bound
-from wirerope_mj.engine.statics.side_by_side import rester
+from wirerope_mj.engine.simulation.stability import rates_of, stable_step, step_bound
+from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
+from wirerope_mj.engine.statics.find import rester
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import WireRopeError
