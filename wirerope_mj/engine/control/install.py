@@ -178,8 +178,8 @@ def _acquire(kind: Kind) -> None:
         if _users and kind != _kind:
             raise SimulationError(f"another thread is stepping with the {_kind} callback; wait for it, or use it here.")
         if not _users:
-            before = mujoco.get_mjcb_control(), mujoco.get_mjcb_act_dyn(), mujoco.get_mjcb_sensor()
-            before += (mujoco.get_mju_user_warning(),)
+            callbacks = mujoco.get_mjcb_control(), mujoco.get_mjcb_act_dyn(), mujoco.get_mjcb_sensor()
+            before = (*callbacks, mujoco.get_mju_user_warning())
             _set(native_callbacks() if kind == "native" else python_callbacks(), lambda message: None)
             _before, _kind = before, kind
         _users += 1

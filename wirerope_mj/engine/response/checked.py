@@ -54,11 +54,8 @@ def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
     for group in ("bodies", "points"):
         _list(_text)(group, content[group])
     _list(_row(_text, _list(_state_name)))("mounts", content["mounts"])
-    mounts = [(name, tuple(states)) for name, states in content["mounts"]]
     _list(_text)("contacts", content.get("contacts", []))  # older responses have none
-    plan = ColumnPlan(
-        bodies=content["bodies"], points=content["points"], mounts=mounts, contacts=content.get("contacts", ())
-    )
+    plan = ColumnPlan.of(content)
     if len(set(plan.names)) < len(plan.names):
         raise ValueError("`bodies`, `points` or `mounts` name one thing twice.")
     return plan

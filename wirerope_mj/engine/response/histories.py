@@ -1,7 +1,7 @@
-"""Time histories of base, bodies, points and mounts, as columns in memory or in a file, and how they were computed."""
+"""Time histories of base, bodies, points and mounts as sampled columns, in memory or in a file, and how they were computed."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -230,6 +230,13 @@ class ColumnPlan:
     points: Sequence[str]
     mounts: Sequence[tuple[str, tuple[str, ...]]]
     contacts: Sequence[str] = ()
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> "ColumnPlan":
+        """Read the plan from a response's metadata."""
+        mounts = [(name, tuple(states)) for name, states in content["mounts"]]
+        contacts = content.get("contacts", ())  # older responses have none
+        return cls(bodies=content["bodies"], points=content["points"], mounts=mounts, contacts=contacts)
 
     @cached_property
     def names(self) -> list[str]:

@@ -1,4 +1,4 @@
-"""The response of a system to a base motion: time histories of bodies, points and mounts, and their peaks."""
+"""The response of a system to a base motion, histories and peaks, and its Parquet file: float64 samples, metadata beside."""
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
@@ -130,60 +130,34 @@ class Response(Exportable, Summarised):
     def save(self, folder: str | Path) -> None:
         """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""
         names = self.samples.names
-        parts = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")
-        content = response_metadata(plan=self.plan, **{part: getattr(self, part) for part in parts})
+        content = response_metadata(self.plan, {part: getattr(self, part) for part in PARTS})
         write_rows(Path(folder) / FILE, names, self.samples.columns(0, len(names)), content)
 
 
+PARTS = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")  # all but the samples
+
+
 def response_of(
-    plan: ColumnPlan,
-    samples: SampledColumns,
-    *,
-    peaks: Peaks,
-    scene: Scene,
-    motion: dict[str, Any],
-    events: Iterable[tuple[float, str]],
-    numerics: Numerics,
-    initial_state: State,
-    final_state: State,
-    path: Path | None = None,
-) -> Response:
-    """Return the response whose samples stand in the columns of `plan`."""
+    plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None,
+    **parts: Any,
+) -> Response:  # fmt: skip
+    """Make a response of samples in the columns of `plan`, and its other `PARTS`."""
     return Response(
-        time=samples.columns(0, 1)[:, 0],
-        **plan.parts(samples),
-        peaks=peaks,
-        scene=scene,
-        motion=motion,
+        time=samples.columns(0, 1)[:, 0], **plan.parts(samples), samples=samples, path=path, **parts,
         events=tuple((float(time), str(text)) for time, text in events),
-        numerics=numerics,
-        initial_state=initial_state,
-        final_state=final_state,
-        samples=samples,
-        path=path,
-    )
+    )  # fmt: skip
 
 
-def response_metadata(
-    *,
-    plan: ColumnPlan,
-    peaks: Peaks,
-    scene: Scene,
-    motion: dict[str, Any],
-    events: Iterable[tuple[float, str]],
-    numerics: Numerics,
-    initial_state: State,
-    final_state: State,
-) -> dict[str, Any]:
-    """Return everything but the samples as plain values; floats survive bit by bit."""
+def response_metadata(plan: ColumnPlan, parts: Mapping[str, Any]) -> dict[str, Any]:
+    """Write the `PARTS` of a response and its plan as plain values; floats survive bit by bit."""
     return {
         "format": FORMAT,
-        "peaks": peaks.to_dict(),
-        "scene": scene_to_dict(scene),
-        "motion": motion,
-        "events": [list(event) for event in events],
-        "numerics": asdict(numerics),
-        "states": [initial_state.to_plain(), final_state.to_plain()],
+        "peaks": parts["peaks"].to_dict(),
+        "scene": scene_to_dict(parts["scene"]),
+        "motion": parts["motion"],
+        "events": [list(event) for event in parts["events"]],
+        "numerics": asdict(parts["numerics"]),
+        "states": [parts[state].to_plain() for state in ("initial_state", "final_state")],
         "bodies": list(plan.bodies),
         "points": list(plan.points),
         "mounts": [[name, list(states)] for name, states in plan.mounts],
@@ -252,7 +226,7 @@ class FileSamples:
 
 
 def load_response(folder: str | Path) -> Response:
-    """Return the response that was saved in `folder`; samples are read at first use.
+    """Read the response that was saved in `folder`; samples are read at first use.
 
     Args:
         folder: that holds `response.parquet`; or such a file itself, whatever its name.
@@ -266,7 +240,13 @@ def load_response(folder: str | Path) -> Response:
     if not path.is_file():
         raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one.")
     names, content = _read(path)
-    response = _response(FileSamples(names, path), content, path)
+    plan = ColumnPlan.of(content)
+    initial, final = (State.from_plain(state) for state in content["states"])
+    response = response_of(
+        plan, FileSamples(names, path), peaks=Peaks.from_dict(content["peaks"]), motion=content["motion"],
+        scene=scene_from_dict(content["scene"]), events=content["events"], numerics=Numerics(**content["numerics"]),
+        initial_state=initial, final_state=final, path=path,
+    )  # fmt: skip
     if not response.time.size or (np.diff(response.time) <= 0.0).any():
         raise RecordError(f"{path}: column 'time' must hold instants that grow from sample to sample. {_AGAIN}")
     return response
@@ -285,26 +265,3 @@ def _read(path: Path) -> tuple[list[str], dict[str, Any]]:
     if strange:
         raise RecordError(f"{path}: column {strange[0]!r} must hold float64 numbers. {_AGAIN}")
     return schema.names, content
-
-
-def _response(samples: FileSamples, content: dict[str, Any], path: Path) -> Response:
-    """Return the response of samples and their metadata."""
-    plan = ColumnPlan(
-        bodies=content["bodies"],
-        points=content["points"],
-        mounts=[(name, tuple(states)) for name, states in content["mounts"]],
-        contacts=content.get("contacts", ()),  # older responses have none
-    )
-    initial, final = (State.from_plain(state) for state in content["states"])
-    return response_of(
-        plan,
-        samples,
-        peaks=Peaks.from_dict(content["peaks"]),
-        scene=scene_from_dict(content["scene"]),
-        motion=content["motion"],
-        events=content["events"],
-        numerics=Numerics(**content["numerics"]),
-        initial_state=initial,
-        final_state=final,
-        path=path,
-    )

@@ -234,7 +234,7 @@ class Recorder:
             return response_of(self.plan, MemorySamples(self._names, rest), **parts)
         if rest.size:
             self._writer.write(rest)
-        self._writer.close(response_metadata(plan=self.plan, **parts))
+        self._writer.close(response_metadata(self.plan, parts))
         return load_response(self._writer.path.parent)
 
     def discard(self) -> None:

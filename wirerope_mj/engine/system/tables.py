@@ -126,11 +126,15 @@ class Tables:
     tracked: npt.NDArray[np.int64]
     states: dict[str, tuple[slice, slice, slice]]
 
+    def rows(self, table: int, columns: int, count: int) -> Array:
+        """Return a table of the layout, whose address stands in the header's entry `table`, a view, (count, columns)."""
+        first = int(self.layout[table])
+        return self.layout[first : first + columns * count].reshape(count, columns)
+
     @property
     def sites(self) -> npt.NDArray[np.int64]:
         """Ids of the payload's and the base's site of every mount, (n_mounts, 2)."""
-        first, last = int(self.layout[at.MOUNTS]), int(self.layout[at.AXES])
-        return self.layout[first:last].reshape(-1, at.MOUNT_COLUMNS)[:, :2].astype(np.int64)
+        return self.rows(at.MOUNTS, at.MOUNT_COLUMNS, self.user.n_mounts)[:, :2].astype(np.int64)
 
 
 def make_tables(
@@ -153,28 +157,32 @@ def make_tables(
     mujoco.mj_kinematics(model, data)
     drive = _drive_rows(model, data, on.driven) if drive is None else drive
     channels = _channels(on, states)
+    mounts = [
+        [
+            *_mount_row(model, mount, on), coupling, *turning(isolators[mount.name]), *_as_modelled(data, mount),
+            _partner(mount.isolator), *rated_travel(isolators[mount.name]),
+        ]
+        for mount, coupling in zip(declared, couplings, strict=True)
+    ]  # fmt: skip
+    inertia, bodies = DRIVE_ARMATURE + model.body_subtreemass[on.base], model.site_bodyid
     parts = [
+        mounts,
+        axes,
+        [[model.jnt_dofadr[joint], inertia, *row] for joint, row in zip(on.driven, drive, strict=True)],
+        [[body, model.body_rootid[body]] for body in on.bodies],
         [
             [
-                *_mount_row(model, mount, on),
-                coupling,
-                *turning(isolators[mount.name]),
-                *_as_modelled(data, mount),
-                _partner(mount.isolator),
-                *rated_travel(isolators[mount.name]),
+                site,
+                bodies[site],
+                model.body_rootid[bodies[site]],
+                on.base,
+                *(data.site_xpos[site] - data.xipos[on.base]),
             ]
-            for mount, coupling in zip(declared, couplings, strict=True)
+            for site in on.points
         ],
-        axes,
-        [
-            [model.jnt_dofadr[joint], DRIVE_ARMATURE + model.body_subtreemass[on.base], *row]
-            for joint, row in zip(on.driven, drive, strict=True)
-        ],
-        [[body, model.body_rootid[body]] for body in on.bodies],
-        _point_rows(model, data, on),
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
-        [[site, model.site_bodyid[site]] for site in on.forces],
+        [[site, bodies[site]] for site in on.forces],
         declared_pairs(model),
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
@@ -189,14 +197,9 @@ def make_tables(
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
     header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
     user = at.UserData(
-        n_mounts=len(declared),
-        n_states=n_states,
-        n_tree=int(model.nbody),
-        n_channels=len(channels),
-        n_contacts=n_contacts,
-        n_stops=n_stops,
-        n_forces=len(on.forces),
-    )
+        n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels),
+        n_contacts=n_contacts, n_stops=n_stops, n_forces=len(on.forces),
+    )  # fmt: skip
     addresses = (user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops)
     header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
     header[at.USER_TRAVELS] = user.travels
@@ -217,17 +220,16 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     isolators = {mount: isolator.conditioned for mount, isolator in isolators.items()}
     axes, parameters, states = _axis_rows(isolators)
     couplings = _couplings(isolators.values(), parameters)
-    layout = tables.layout.copy()
-    mounts, first = int(layout[at.MOUNTS]), int(layout[at.AXES])
-    rows = layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)
+    made = replace(tables, layout=tables.layout.copy(), parameters=np.concatenate([*parameters, []]), states=states)
+    rows = made.rows(at.MOUNTS, at.MOUNT_COLUMNS, len(isolators))
     rows[:, at.COUPLING] = couplings
     rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
     rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
     rows[:, at.TRAVEL :] = [rated_travel(isolator) for isolator in isolators.values()]
-    layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
-    layout[at.N_SLIPPING] = _slipping(axes)
-    layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
-    return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
+    made.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
+    made.layout[at.N_SLIPPING] = _slipping(axes)
+    made.layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
+    return made
 
 
 def _slipping(axes: list[list[int]]) -> int:
@@ -258,9 +260,8 @@ def rated_travel(isolator: Isolator) -> list[float]:
     """Return 1 / rated travel^2 along roll, shear, in compression and in tension [1/m^2]; 0 where none is rated."""
     stated = isolator.limits.travel.stated
     ratings = ("roll", "shear", "compression", "tension")
-    return [
-        (1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings
-    ]  # a number, for any length
+    # a number, for any length
+    return [(1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings]
 
 
 def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
@@ -310,14 +311,6 @@ def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, .
         return np.zeros((0, 3))
     axes = data.xaxis[list(driven)]  # (n_driven, 3)
     return np.linalg.pinv(axes).T  # they are independent: `check_joints`
-
-
-def _point_rows(model: mujoco.MjModel, data: mujoco.MjData, on: Subjects) -> list[list[float]]:
-    bodies = model.site_bodyid
-    return [
-        [site, bodies[site], model.body_rootid[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base])]
-        for site in on.points
-    ]
 
 
 def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:
