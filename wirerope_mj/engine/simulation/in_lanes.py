@@ -14,7 +14,7 @@ from wirerope_mj.engine.kernel.equations import Equations
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
-from wirerope_mj.engine.simulation.stages import Stages, StageTables
+from wirerope_mj.engine.simulation.stages import Stages, StageTables, distinct_motions, events_key
 from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
@@ -93,10 +93,8 @@ def go_in_lanes(
         sink: takes the samples; None if they are not wanted.
         progress: takes the simulated time [s] now and then.
     """
-    distinct = list({id(motion): motion for motion in motions}.values())
-    numbers = {id(motion): number for number, motion in enumerate(distinct)}
-    which = [numbers[id(motion)] for motion in motions]
-    events = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in distinct]
+    distinct, which = distinct_motions(motions)
+    events = [events_key(motion) for motion in distinct]
     groups = _groups(equations, states, which, [events[motion] for motion in which])
     tables = [StageTables(motion, drive) for motion in distinct]
     done, steps, largest, stop = 0, 0, 0.0, grid.start

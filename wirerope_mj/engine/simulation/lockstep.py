@@ -11,10 +11,9 @@ from mujoco.batch import SimulationError as BatchError
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import STATE
-from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
-from wirerope_mj.engine.simulation.run import CHECK_EVERY, peaks_of
-from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables, loads_at
+from wirerope_mj.engine.simulation.run import CHECK_EVERY, RunResult, peaks_of
+from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables, distinct_motions, events_key, loads_at
 from wirerope_mj.engine.simulation.stepper import (
     Stepper,
     acceleration_before,
@@ -126,10 +125,8 @@ class Lockstep:
     ) -> None:
         """Prepare for stepping `systems` from `starts` with their bases following `motions`."""
         self.systems, self.motions = systems, motions
-        # One motion may serve many systems: it is evaluated once.
-        distinct = {id(motion): motion for motion in motions}
-        numbers = {key: number for number, key in enumerate(distinct)}
-        self._distinct, self._which = list(distinct.values()), np.array([numbers[id(motion)] for motion in motions])
+        self._distinct, which = distinct_motions(motions)
+        self._which = np.array(which)
         assembly = systems[0].assembly
         self._drive, self._force_sites = assembly.tables.drive, assembly.subjects.force_names
         self._model, self.live = systems[0].model, np.arange(len(systems))
@@ -157,8 +154,7 @@ class Lockstep:
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
         tables = [StageTables(motion, self._drive, self._force_sites) for motion in self._distinct]
-        # Equal for motions whose segments have the same events.
-        keys = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in self._distinct]
+        keys = [events_key(motion) for motion in self._distinct]
         by_corners = dict(zip(keys, self._distinct, strict=True))
         stop = grid.start
         for block in grid.blocks():
@@ -174,11 +170,13 @@ class Lockstep:
             self._take_sample()
         self._base_peaks = [table.peak for table in tables]
 
-    def result(self, number: int) -> tuple[State, Peaks]:
-        """Return final state and peaks of one of the systems that are live."""
+    def result(self, number: int, why: str) -> RunResult:
+        """Return what came of one of the systems that are live, and `why` it was not the kernel's."""
         final = State(values=self._finals[number].copy(), time=float(self._finals[number, 0]))
-        base = self._base_peaks[self._which[number]]
-        return final, peaks_of(self.systems[number], self._user[number], base)
+        peaks = peaks_of(self.systems[number], self._user[number], self._base_peaks[self._which[number]])
+        return RunResult(
+            final_state=final, peaks=peaks, callback="native", steps=self.steps, largest_step=self.largest_step, why=why
+        )
 
     def _advance(self, block: Grid, grids: list[Grid], stages: tuple[Stages, ...]) -> None:
         """Step through the segments of `stages`, each motion's own, in which the motions' `grids` have the events."""

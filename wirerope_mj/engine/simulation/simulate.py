@@ -14,7 +14,7 @@ from wirerope_mj.engine.simulation.engines import Engine, compute
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import require_lawful, warn_of_aliasing, warn_of_uncertainty
+from wirerope_mj.engine.simulation.run import RunResult, require_lawful, warn_of_aliasing, warn_of_uncertainty
 from wirerope_mj.engine.simulation.size import check_size
 from wirerope_mj.engine.simulation.stability import slowest_period, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
@@ -107,18 +107,9 @@ def simulate(
                     system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add, progress=update
                 )
         require_lawful(system, done.peaks)
-        numerics = Numerics(
-            timestep=done.largest_step,
-            accuracy=accuracy if timestep is None else math.nan,
-            error_estimate=step.error or math.nan,  # no difference at all tells nothing
-            steps=done.steps,
-            callback=done.callback,
-            engine=done.engine,
-            why=done.why,
-            versions=dict(versions()),
-            limited_by=step.limited_by,
-            **lengths(system, motion),
-        )
+        error = step.error or math.nan  # no difference at all tells nothing
+        asked = accuracy if timestep is None else math.nan
+        numerics = numerics_of(system, motion, done, accuracy=asked, error=error, limited_by=step.limited_by)
         response = recorder.finish(start, done.final_state, done.peaks, numerics)
     except BaseException:
         recorder.discard()
@@ -134,10 +125,15 @@ def versions() -> dict[str, str]:
     return {name: version_of(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
 
-def lengths(system: System, motion: BaseMotion) -> dict[str, float]:
-    """Return what tells whether a run is long enough, as `Numerics` has it."""
-    end = motion.end if math.isfinite(motion.end) else math.nan
-    return {"motion_end": end, "slowest_period": slowest_period(system)}
+def numerics_of(
+    system: System, motion: BaseMotion, done: RunResult, *, accuracy: float, error: float, limited_by: str
+) -> Numerics:
+    """Describe how a run was computed."""
+    return Numerics(
+        timestep=done.largest_step, accuracy=accuracy, error_estimate=error, steps=done.steps, callback=done.callback,
+        versions=dict(versions()), limited_by=limited_by, engine=done.engine, why=done.why,
+        motion_end=motion.end if math.isfinite(motion.end) else math.nan, slowest_period=slowest_period(system),
+    )  # fmt: skip
 
 
 def check_arguments(**named: float | None) -> None:

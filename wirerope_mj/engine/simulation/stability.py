@@ -6,7 +6,7 @@ import numpy.typing as npt
 
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import equations
-from wirerope_mj.engine.system import System, once_per_system
+from wirerope_mj.engine.system import System, mount_rates, once_per_system
 from wirerope_mj.engine.system.tables import turning
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
@@ -24,26 +24,22 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
 
     Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.
     """
-    model, rows, stiffness, damping = system.model, [np.zeros((0, system.model.nv))], [], []
-    payload, base, turn, base_turn = (np.zeros((3, model.nv)) for _ in range(4))
-    for mount, (site, base_site) in zip(system.mounts.values(), system.assembly.tables.sites, strict=True):
-        point = data.site_xpos[site]
-        mujoco.mj_jac(model, data, payload, turn, point, model.site_bodyid[site])
-        mujoco.mj_jac(model, data, base, base_turn, point, model.site_bodyid[base_site])
-        rows.append(mount.axes.T @ (payload - base))  # of the deflections, (3, n_v)
+    rows: list[Array] = [np.zeros((0, system.model.nv))]
+    numbers: list[tuple[float, float]] = []
+    for mount, (moves, turns) in zip(system.mounts.values(), mount_rates(system, data), strict=True):
+        rows.append(mount.axes.T @ moves)  # of the deflections, (3, n_v)
         for law in mount.isolator.axes.values():
             if law is None:
-                stiffness.append(0.0)
-                damping.append(0.0)
-                continue
-            stiffness.append(law.closed_stiffness if closed else law.initial_stiffness)
-            damping.append(law.closed_damping if closed else law.damping_coefficient)
+                numbers.append((0.0, 0.0))
+            elif closed:
+                numbers.append((law.closed_stiffness, law.closed_damping))
+            else:
+                numbers.append((law.initial_stiffness, law.damping_coefficient))
         if mount.isolator.rotation is not None:
-            rows.append(mount.axes.T @ (turn - base_turn))  # of the turns
-            stiffness += turning(mount.isolator)
-            damping += [0.0] * 3
+            rows.append(mount.axes.T @ turns)
+            numbers += [(stiffness, 0.0) for stiffness in turning(mount.isolator)]
     to_deflections = np.concatenate(rows)
-    along, resisting = (to_deflections.T * np.array(numbers) @ to_deflections for numbers in (stiffness, damping))
+    along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
     return along, resisting
 
 
@@ -105,16 +101,11 @@ class StepBound:
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
         self.stiffness, self.damping, self.decay = np.array([rates_of(law) for law in laws]).reshape(-1, 3).T
-        moving, turn_rates, base, turn = (np.zeros((3, model.nv)) for _ in range(4))
+        moving, turn_rates = np.zeros((2, 3, model.nv))
         with system.assembly.scratch.data(model) as data:
             mujoco.mj_fwdPosition(model, data)
-            rows = []
-            for mount, (site, base_site) in zip(system.mounts.values(), system.assembly.tables.sites, strict=True):
-                point = data.site_xpos[site]
-                mujoco.mj_jac(model, data, moving, turn_rates, point, model.site_bodyid[site])
-                mujoco.mj_jac(model, data, base, turn, point, model.site_bodyid[base_site])
-                rows.append((mount.axes.T @ (moving - base))[:, self._free])
-            to_deflections = np.concatenate(rows)
+            rates = zip(system.mounts.values(), mount_rates(system, data), strict=True)
+            to_deflections = np.concatenate([(mount.axes.T @ moves)[:, self._free] for mount, (moves, _) in rates])
             self._squares = to_deflections[:, :, np.newaxis] * to_deflections[:, np.newaxis]
             links = lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)
             self._links = []

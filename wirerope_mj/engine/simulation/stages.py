@@ -175,6 +175,18 @@ class StageTables:
             yield from stages.segments()
 
 
+def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], list[int]]:
+    """Return the motions that are not the same object, each to be evaluated once, and each given one's number among them."""
+    distinct = {id(motion): motion for motion in motions}
+    numbers = {key: number for number, key in enumerate(distinct)}
+    return list(distinct.values()), [numbers[id(motion)] for motion in motions]
+
+
+def events_key(motion: BaseMotion) -> tuple[bytes, tuple[float, ...]]:
+    """Return what is equal for motions whose segments have the same events."""
+    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
+
+
 def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
     """Return forces [N] and moments [N m] at the sites, along their axes, (n_times, n_sites, 6); (0,) without a site."""
     if not sites:

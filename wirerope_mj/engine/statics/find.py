@@ -25,7 +25,6 @@ from wirerope_mj.engine.statics.loading import (
     Equilibrium,
     History,
     Loading,
-    MountLoad,
 )
 from wirerope_mj.engine.statics.payloads import unresisted
 from wirerope_mj.engine.system import System, once_per_system
@@ -33,7 +32,6 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelWarning
 from wirerope_mj.foundation.lanes import WIDTH
-from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 # ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain
@@ -172,15 +170,7 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
     )
     if not (lawful and residual <= ACCEPTED * max(float(np.linalg.norm(model.opt.gravity)), 1.0)):
         return None
-    return Equilibrium(
-        state=state_of(model, data),
-        mounts=ByName(
-            {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)}
-        ),
-        history=history,
-        residual=residual,
-        free=unheld,
-    )
+    return Equilibrium.of(system, state_of(model, data), rows, history, residual, unheld)
 
 
 _known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()

@@ -49,6 +49,14 @@ class Equilibrium(Summarised):
     residual: float
     free: tuple[str, ...] = ()
 
+    @classmethod
+    def of(
+        cls, system: System, state: State, rows: Array, history: History, residual: float, free: tuple[str, ...]
+    ) -> "Equilibrium":
+        """Make the equilibrium of a system from deflection and force of every mount, (n_mounts, 2, 3)."""
+        loads = {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)}
+        return cls(state=state, mounts=ByName(loads), history=history, residual=residual, free=free)
+
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {
             name: f"axial {quantity(mount.deflection[2], 'm')}, {quantity(mount.force[2], 'N')}"
@@ -154,15 +162,8 @@ class Loading:
         mujoco.mj_forward(model, data)  # sensors too
         rows = self._mounts().copy()
         self._check_laws(rows[:, 0])
-        return Equilibrium(
-            state=state_of(model, data),
-            mounts=ByName(
-                {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, rows, strict=True)}
-            ),
-            history=self.history,
-            residual=residual,
-            free=self._unresisted(qpos),
-        )
+        state = state_of(model, data)
+        return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
     def _unresisted(self, qpos: Array) -> tuple[str, ...]:
         return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, mount_rates
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
@@ -125,13 +125,7 @@ def _possible_motions(system: System) -> list[Array]:
     if equal.any() and not mujoco.mj_isSparse(model):
         constrained = data.efc_J.reshape(data.nefc, model.nv)[equal][:, free]
         motions = motions @ scipy.linalg.null_space(constrained, rcond=1e-9)
-    found = []
-    for sites in system.assembly.tables.sites:
-        rates, unused = np.zeros((2, 3, model.nv)), np.zeros((3, model.nv))
-        for site, rate in zip(sites, rates, strict=True):
-            mujoco.mj_jac(model, data, rate, unused, data.site_xpos[sites[0]], int(model.site_bodyid[site]))
-        found.append((rates[0] - rates[1]) @ motions)
-    return found
+    return [rates @ motions for rates, _ in mount_rates(system, data)]
 
 
 def _gravity(system: System) -> list[str]:
@@ -204,7 +198,7 @@ def unresisted(
     `free` are the velocity coordinates that can move, (n,); `accelerations` returns theirs after a small step of them.
     """
     model = data.model
-    jacobians = [_deflections(model, data, sites)[:, free] for sites in system.assembly.tables.sites]
+    jacobians = [rates[:, free] for rates, _ in mount_rates(system, data)]
     motions = scipy.linalg.null_space(np.concatenate(jacobians), rcond=1e-9)  # columns
     if not motions.size:
         return ()
@@ -235,15 +229,6 @@ def _mounts_below(system: System, body: int) -> list[str]:
         if carried == body:
             mounts.append(name)
     return mounts
-
-
-def _deflections(model: mujoco.MjModel, data: mujoco.MjData, sites: npt.NDArray[np.int64]) -> Array:
-    """Return the rate of a mount's deflection by velocity coordinates, world axes, (3, n_v)."""
-    payload, base, unused = (np.zeros((3, model.nv)) for _ in range(3))
-    point = data.site_xpos[sites[0]]
-    mujoco.mj_jac(model, data, payload, unused, point, int(model.site_bodyid[sites[0]]))
-    mujoco.mj_jac(model, data, base, unused, point, int(model.site_bodyid[sites[1]]))
-    return payload - base
 
 
 def _rotation(
