@@ -1,4 +1,4 @@
-"""What the tables of a model say, in SI."""
+"""What the tables of a model say, in SI: mass properties, mounts, stops and points, and whether they stand where they can."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -149,34 +149,21 @@ def check_places(layout: Layout, masses: Path) -> None:
         )
     radius = float(np.sqrt(0.5 * payload.inertia.trace() / payload.mass))
     for placed in (*layout.mounts, *layout.stops):
-        _check_near(placed, payload.centre, radius)
+        distance = float(np.linalg.norm(placed.position - payload.centre))
+        if distance > _FAR * radius:
+            raise RecordError(
+                f'{placed.location}: "{placed.name}" stands outside, {distance:.4g} m from the centre of mass of a payload '
+                f'whose radius of gyration is {radius:.4g} m. Check columns "x", "y", "z" and their units in both tables.'
+            )
     for mount in layout.mounts:
-        _check_direction(mount, payload.centre)
-    _check_apart(layout)
-
-
-def _check_near(placed: Placed, centre: Array, radius: float) -> None:
-    distance = float(np.linalg.norm(placed.position - centre))
-    if distance > _FAR * radius:
-        raise RecordError(
-            f'{placed.location}: "{placed.name}" stands outside, {distance:.4g} m from the centre of mass of a payload whose '
-            f'radius of gyration is {radius:.4g} m. Check columns "x", "y", "z" and their units in both tables.'
-        )
-
-
-def _check_direction(mount: Placed, centre: Array) -> None:
-    """Raise RecordError if a mount's axial direction leads away from the payload: its two sides are swapped."""
-    axial, towards = mount.axes[2], centre - mount.position
-    level = abs(axial[2]) <= _LEVEL
-    away = axial[:2] @ towards[:2] < -_SAME if level else axial[2] < 0.0 and towards[2] > _SAME
-    if away:
-        raise RecordError(
-            f'{mount.location}: mount "{mount.name}" has its sites swapped: its direction leads from the base to the '
-            "payload, and here it leads away from the payload's centre of mass. Turn the direction round."
-        )
-
-
-def _check_apart(layout: Layout) -> None:
+        axial, towards = mount.axes[2], payload.centre - mount.position
+        level = abs(axial[2]) <= _LEVEL
+        away = axial[:2] @ towards[:2] < -_SAME if level else axial[2] < 0.0 and towards[2] > _SAME
+        if away:
+            raise RecordError(
+                f'{mount.location}: mount "{mount.name}" has its sites swapped: its direction leads from the base to the '
+                "payload, and here it leads away from the payload's centre of mass. Turn the direction round."
+            )
     for n, mount in enumerate(layout.mounts):
         for other in layout.mounts[:n]:
             if np.linalg.norm(mount.position - other.position) < _SAME:

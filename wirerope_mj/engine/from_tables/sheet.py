@@ -1,4 +1,4 @@
-"""A table of a model: a CSV file, or the first sheet of an XLSX file, with units in its header."""
+"""A table of a model: a CSV file, or the first sheet of an XLSX file, with units in its header; or a CAD program's text."""
 
 import math
 import re

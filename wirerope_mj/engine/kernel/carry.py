@@ -1,4 +1,14 @@
-"""Internal states of the mounts carried on straight lines of their deflections, infinitely slowly."""
+"""Internal states of the mounts carried on straight lines of their deflections, infinitely slowly.
+
+Coupled axes go on straight lines in the plane of two deflections: with w = z / z_m and a line of the length S in deflections
+over x_y, e its direction there and n across it, w = a e + b n follows
+
+    a' = 1 - a^2 r^(n-2),    b' = -a b r^(n-2),    r = |w|
+
+where it loads, a >= 0, and goes on doing so (`wirerope_mj.mounts.laws.plane_kernels.biaxial_rates`). There r grows, and the
+only short length is r itself, so that the steps of a fifth-order method are known beforehand; straight ahead, b = 0, n = 1 has
+a closed form. Lines that unload, and those near zero that would take many steps, are left to the laws' own integration.
+"""
 
 import math
 

@@ -1,4 +1,7 @@
-"""Motion of the links: origins, axes, velocities, and accelerations as far as they do not come from the coordinates' own."""
+"""Vectors, rotations and quaternions as tuples, of floats or lanes, and the motion of the links.
+
+That is origins, axes, velocities, and accelerations as far as they do not come from the coordinates' own.
+"""
 
 import math
 

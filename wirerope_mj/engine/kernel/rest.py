@@ -240,12 +240,9 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
     first = nq + nv
     gravity = shared[structure[at.GRAVITY] : structure[at.GRAVITY] + 3].copy()
     position, trial = np.ascontiguousarray(states[:nq].T), np.empty((WIDTH, nq))
-    value, step, inverse = np.zeros((WIDTH, n)), np.zeros((WIDTH, n)), np.zeros((WIDTH, n, n))
-    phase, counts, jacobian = (
-        np.zeros(WIDTH, dtype=np.int64),
-        np.zeros((WIDTH, 4), dtype=np.int64),
-        np.zeros((WIDTH, n, n)),
-    )
+    value, step = np.zeros((WIDTH, n)), np.zeros((WIDTH, n))
+    inverse, jacobian = np.zeros((WIDTH, n, n)), np.zeros((WIDTH, n, n))
+    phase, counts = np.zeros(WIDTH, dtype=np.int64), np.zeros((WIDTH, 4), dtype=np.int64)
     before, carried = np.zeros((structure[at.N_MOUNTS] * 3, WIDTH)), np.zeros((structure[at.N_STATES] + 1, WIDTH))
     search = (phase, counts, value, step, inverse, trial)
     whole, result = np.zeros(nv), np.empty(n)

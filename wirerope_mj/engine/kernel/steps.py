@@ -1,4 +1,7 @@
-"""Runge and Kutta's steps of the variants in all lanes at once, segment by segment, as MuJoCo takes them of one."""
+"""Runge and Kutta's steps of the variants in all lanes at once, segment by segment, as MuJoCo takes them of one.
+
+Through cycles of an excitation nothing is kept but the extremes of every channel.
+"""
 
 import math
 

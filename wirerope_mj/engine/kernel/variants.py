@@ -1,4 +1,4 @@
-"""Numbers of a variant's equations, written from the changes that make it, without a model of its own."""
+"""Variants of a system: the numbers of their equations, written from the changes that make them, and several side by side."""
 
 import copy
 from collections.abc import Sequence
@@ -231,25 +231,20 @@ class Group:
         lay = self.equations.lay
         return self.memory[lay[first] : lay[behind]]
 
+    @property
+    def _lanes(self) -> tuple[Array | Integers, ...]:
+        e = self.equations
+        return e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which
+
     def go(
         self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int
     ) -> int:
         """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`; returns the number of samples so far."""
-        e = self.equations
-        return int(
-            advance(
-                e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which, grid, positions, rates,
-                table, ends, out, sample,
-            )
-        )  # fmt: skip
+        return int(advance(*self._lanes, grid, positions, rates, table, ends, out, sample))
 
     def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array, sample: int) -> None:
         """Observe the last instant; `sample` is its number, -1 if it is none."""
-        e = self.equations
-        finish(
-            e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which, time, positions, rates, table,
-            out, sample,
-        )  # fmt: skip
+        finish(*self._lanes, time, positions, rates, table, out, sample)
 
 
 def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]) -> Group:

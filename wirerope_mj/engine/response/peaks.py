@@ -1,4 +1,4 @@
-"""Peaks of a response: largest norm, extremes of the components, and their instants."""
+"""Peaks of a response: largest norm, extremes of the components and their instants; and what touched."""
 
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar

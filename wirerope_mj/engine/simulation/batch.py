@@ -14,7 +14,15 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import Engine, equations, failure, leap, refused, result_of, unfit
+from wirerope_mj.engine.simulation.engines import (
+    Engine,
+    equations,
+    failure,
+    refused,
+    result_of,
+    unsupported_motion,
+    unsupported_system,
+)
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
@@ -23,11 +31,11 @@ from wirerope_mj.engine.simulation.run import RunResult, require_lawful, run
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
+    check_size,
     checked_corners,
     checked_step,
     numerics_of,
 )
-from wirerope_mj.engine.simulation.size import check_size
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
@@ -186,7 +194,9 @@ def _together(
 ) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid, by the kernel as far as it holds them."""
     why = {
-        v.number: "it was asked for" if engine == "mujoco" else unfit(v.system) or leap(v.system, v.motion)
+        v.number: "it was asked for"
+        if engine == "mujoco"
+        else unsupported_system(v.system) or unsupported_motion(v.system, v.motion)
         for v in variants
     }
     results: dict[int, BatchResult | BatchFailure] = {}

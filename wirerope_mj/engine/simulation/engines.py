@@ -1,4 +1,4 @@
-"""Which engine computes a run: the kernel where its equations hold, MuJoCo everywhere else."""
+"""Which engine computes a run: the kernel where its equations hold and its steps are MuJoCo's, else MuJoCo."""
 
 import hashlib
 import warnings
@@ -44,7 +44,7 @@ _known: dict[bytes, str] = {}
 
 
 @once_per_system
-def unfit(system: System) -> str:
+def unsupported_system(system: System) -> str:
     """Return why the kernel cannot compute a system, "" if it can.
 
     Systems of one structure are compared with MuJoCo once.
@@ -70,7 +70,9 @@ def _differs(system: System) -> str:
     """Return in what the kernel differs from MuJoCo, "" if it does not."""
     rng = np.random.default_rng(2004)
     model = without_constraints(system.model)
-    own = equations(system)
+    joints = model.dof_jntid
+    second_half = np.arange(model.nv) >= model.jnt_dofadr[joints] + 3  # of a floating body's coordinates the angles
+    turns = (model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE) | second_half
     states, expected, base = np.empty((STATES, model.nq + model.nv + model.na)), [], rng.normal(size=(STATES, 3)) * 10.0
     data = mujoco.MjData(model)
     user = system.assembly.user(data.userdata)
@@ -80,7 +82,7 @@ def _differs(system: System) -> str:
             raise SimulationError(UNJUDGED)
         for number in range(STATES):
             mujoco.mj_resetData(model, data)
-            move = rng.normal(size=model.nv) * np.where(_turns(model), TURN, PLACE)
+            move = rng.normal(size=model.nv) * np.where(turns, TURN, PLACE)
             move[driven] = 0.0
             mujoco.mj_integratePos(model, data.qpos, move, 1.0)
             data.qvel[:], data.act[:] = rng.normal(size=model.nv) * SPEED, rng.uniform(size=model.na)
@@ -88,7 +90,7 @@ def _differs(system: System) -> str:
             user[control.STAGE_POINTS], user[control.STAGES : control.STAGES + 3] = 1.0, base[number]
             mujoco.mj_forward(model, data)
             expected.append(np.concatenate([data.qacc, data.act_dot]))
-    got = _accelerations(own, states, base)
+    got = _accelerations(equations(system), states, base)
     kinds = slice(0, model.nv), slice(model.nv, None)
     apart = max(_apart(np.array(expected)[:, kind], got[:, kind]) for kind in kinds)
     if not apart <= AGREEMENT:
@@ -105,21 +107,10 @@ def _differs(system: System) -> str:
 
 
 def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
-    """Return a copy in which no limit and no contact acts, as where the kernel computes."""
+    """Copy a model so that no limit and no contact acts, as where the kernel computes."""
     model = model.__copy__()
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
     return model
-
-
-def _turns(model: mujoco.MjModel) -> Array:
-    """Return which coordinates are angles, (nv,)."""
-    turning = np.zeros(model.nv, dtype=bool)
-    for joint in range(model.njnt):
-        first, kind = int(model.jnt_dofadr[joint]), model.jnt_type[joint]
-        if kind == mujoco.mjtJoint.mjJNT_FREE:
-            turning[first + 3 : first + 6] = True
-        turning[first] |= kind == mujoco.mjtJoint.mjJNT_HINGE
-    return turning
 
 
 def _accelerations(own: Equations, states: Array, base: Array) -> Array:
@@ -194,7 +185,7 @@ def compute(
     sink: Callable[[int, Array], None],
     progress: Callable[[float], None] | None = None,
 ) -> RunResult:
-    """Return what comes of a run, as `wirerope_mj.engine.simulation.run.run` does; the kernel gives up what it does not hold.
+    """Step a system as `wirerope_mj.engine.simulation.run.run` does, by the kernel where it can.
 
     `sink` may be given samples again from the first on.
 
@@ -202,19 +193,16 @@ def compute(
         SimulationError: MuJoCo warned that the state is not valid any more, or "kernel" was asked for and cannot compute this.
     """
     one_of("engine", engine, ("auto", "mujoco", "kernel"))
-    why = (
-        "it was asked for"
-        if engine == "mujoco"
-        else "the callback in Python is MuJoCo's"
-        if callback != "native"
-        else ""
-    )
-    if not why:
-        why = unfit(system) or leap(system, motion)
-        done = None if why else _by_kernel(system, motion, grid, start, sink, progress)
+    if engine == "mujoco":
+        why = "it was asked for"
+    elif callback != "native":
+        why = "the callback in Python is MuJoCo's"
+    else:
+        why = unsupported_system(system) or unsupported_motion(system, motion)
+        done = why or _by_kernel(system, motion, grid, start, sink, progress)
         if isinstance(done, RunResult):
             return done
-        why = why or str(done)
+        why = done
         if engine == "kernel":
             raise SimulationError(refused(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
@@ -225,7 +213,7 @@ def refused(why: str) -> str:
     return f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".'
 
 
-def leap(system: System, motion: BaseMotion) -> str:
+def unsupported_motion(system: System, motion: BaseMotion) -> str:
     """Return why the kernel does not follow a motion, "" if it does."""
     if motion.loaded_sites:
         return "forces act on the payload"
@@ -254,26 +242,22 @@ def _by_kernel(
     system: System, motion: BaseMotion, grid: TimeGrid, start: State, sink: Callable[[int, Array], None],
     progress: Callable[[float], None] | None,
 ) -> RunResult | str:  # fmt: skip
-    """Return what comes of a run by the kernel, or why it gave up."""
+    """Step a system by the kernel; returns the result, or why it gave up."""
     done = go_in_lanes(
         [equations(system)], system.assembly.tables.drive, [motion], start.values[moving(system)][np.newaxis], grid,
         sink=lambda _, first, rows: sink(first, rows), progress=progress,
     )  # fmt: skip
     group = done.groups[0][0]
-    if why := failure(group, 0):
-        return why
-    return result_of(system, start, grid, done, group, 0, 0)
+    return failure(group, 0) or result_of(system, start, grid, done, group, 0, 0)
 
 
 def result_of(
     system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int
 ) -> RunResult:
     """Return what came of one variant, in a lane of its group."""
+    final = final_state(system, start, group.states[:, lane], grid.stop)
+    peaks = peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]])
     return RunResult(
-        final_state=final_state(system, start, group.states[:, lane], grid.stop),
-        peaks=peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]]),
-        callback="native",
-        steps=done.steps,
-        largest_step=done.largest_step,
+        final_state=final, peaks=peaks, callback="native", steps=done.steps, largest_step=done.largest_step,
         engine="kernel",
-    )
+    )  # fmt: skip

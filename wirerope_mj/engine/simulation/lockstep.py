@@ -1,4 +1,4 @@
-"""Many systems of one layout through one time grid, side by side on several threads."""
+"""Many systems of one layout through one time grid, side by side on several threads; what must be equal in all."""
 
 from collections.abc import Callable, Sequence
 from functools import cache, partial

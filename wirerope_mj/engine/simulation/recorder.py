@@ -1,5 +1,6 @@
-"""The samples of a run on their way into a response."""
+"""The samples of a run on their way into a response, with gaps of pairs of geoms and the drawable scene."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -29,7 +30,6 @@ _SHAPES = {
     mujoco.mjtGeom.mjGEOM_BOX: "box",
     mujoco.mjtGeom.mjGEOM_MESH: "mesh",
 }
-_NAN = float("nan")
 
 
 @once_per_system
@@ -78,31 +78,22 @@ def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
         shape = _SHAPES.get(mujoco.mjtGeom(model.geom_type[g]))
         if shape is None:
             continue
-        vertices, faces = _mesh(model, int(model.geom_dataid[g])) if shape == "mesh" else (np.zeros((0, 3)),) * 2
-        material = int(model.geom_matid[g])
+        material, mesh, more = int(model.geom_matid[g]), int(model.geom_dataid[g]), {}
+        if shape == "mesh":
+            v, f = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+            vertices, faces = (
+                model.mesh_vert[v:][: model.mesh_vertnum[mesh]],
+                model.mesh_face[f:][: model.mesh_facenum[mesh]],
+            )
+            more = {"vertices": vertices.astype(np.float64), "faces": faces.astype(np.float64)}
         rgba = model.geom_rgba[g] if material < 0 else model.mat_rgba[material]
         geoms.append(
             Geom(
-                name=model.geom(g).name,
-                shape=shape,
-                size=model.geom_size[g].copy(),
-                position=model.geom_pos[g] - model.body_ipos[body],
-                orientation=model.geom_quat[g].copy(),
-                rgba=rgba.astype(np.float64),
-                vertices=vertices,
-                faces=faces,
+                name=model.geom(g).name, shape=shape, size=model.geom_size[g].copy(), rgba=rgba.astype(np.float64),
+                position=model.geom_pos[g] - model.body_ipos[body], orientation=model.geom_quat[g].copy(), **more,
             )
-        )
+        )  # fmt: skip
     return tuple(geoms)
-
-
-def _mesh(model: mujoco.MjModel, mesh: int) -> tuple[Array, Array]:
-    vertex, n_vertices = int(model.mesh_vertadr[mesh]), int(model.mesh_vertnum[mesh])
-    face, n_faces = int(model.mesh_faceadr[mesh]), int(model.mesh_facenum[mesh])
-    return (
-        model.mesh_vert[vertex : vertex + n_vertices].astype(np.float64),
-        model.mesh_face[face : face + n_faces].astype(np.float64),
-    )
 
 
 def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMount:
@@ -110,7 +101,8 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
     on = [int(model.site_bodyid[site]) for site in sites]
     rotation = data.xmat[on[1]].reshape(3, 3)
     isolator = mount.isolator
-    limits, geometry = isolator.limits, isolator.geometry
+    sizes = ("height", "width", "bar", "bolts", "bolts_along_roll", "bolts_along_shear")
+    height, width, bar, *bolts = (_number(getattr(isolator.geometry, size, None)) for size in sizes)
     return SceneMount(
         name=mount.name,
         isolator=isolator.name,
@@ -119,22 +111,18 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
         payload_point=model.site_pos[sites[0]] - model.body_ipos[on[0]],
         base_point=model.site_pos[sites[1]] - model.body_ipos[on[1]],
         axes=rotation.T @ mount.axes,
-        height=_NAN if geometry is None else _number(geometry.height),
-        width=_NAN if geometry is None else _number(geometry.width),
-        bar=_NAN if geometry is None else _number(geometry.bar),
-        static_load=_number(limits.static_load),
-        travel=limits.travel.stated,
+        height=height,
+        width=width,
+        bar=bar,
+        static_load=_number(isolator.limits.static_load),
+        travel=isolator.limits.travel.stated,
         stop=isolator.is_stop,
-        bolts=np.full(3, _NAN)
-        if geometry is None
-        else np.array(
-            [_number(one) for one in (geometry.bolts, geometry.bolts_along_roll, geometry.bolts_along_shear)]
-        ),
+        bolts=np.array(bolts),
     )
 
 
 def _number(value: float | None) -> float:
-    return _NAN if value is None else value
+    return math.nan if value is None else value
 
 
 FARTHEST = 1e3  # gap that is as good as any larger one [m]

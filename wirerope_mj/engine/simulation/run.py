@@ -1,4 +1,4 @@
-"""Stepping a system through a time grid: the one loop of every simulation."""
+"""Stepping a system through a time grid: the one loop of every simulation; its peaks and contacts, and what to warn of."""
 
 import math
 import warnings
@@ -64,10 +64,10 @@ def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
     contacts = {}
     for mount in system.mounts.values():
         axes = mount.isolator.stops
+        open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
         for number, axis in enumerate(axes):
             name = mount.name if len(axes) == 1 else f"{mount.name} {axis}"
             name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
-            open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
             row = next(rows)
             contacts[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
     return contacts

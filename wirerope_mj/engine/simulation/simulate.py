@@ -13,20 +13,24 @@ from wirerope_mj.engine.response.response import FILE, Response
 from wirerope_mj.engine.simulation.engines import Engine, compute
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.progress import progress_bar
-from wirerope_mj.engine.simulation.recorder import Recorder
+from wirerope_mj.engine.simulation.recorder import Recorder, column_plan
 from wirerope_mj.engine.simulation.run import RunResult, require_lawful, warn_of_aliasing, warn_of_uncertainty
-from wirerope_mj.engine.simulation.size import check_size
 from wirerope_mj.engine.simulation.stability import slowest_period, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_disk, require_memory, require_time
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.versions import version_of
 from wirerope_mj.motions import BaseMotion
+
+NUMBER = 8  # bytes of a number
+# bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
+OF_AN_INSTANT = 4 * NUMBER
 
 
 def simulate(
@@ -117,6 +121,28 @@ def simulate(
     warn_of_uncertainty(response)
     warn_of_aliasing(motion, sample_rate)
     return response
+
+
+def check_size(
+    system: System, *, duration: float, sample_rate: float, timestep: float | None = None, kept: float | None = None,
+    out: Path | None = None,
+) -> None:  # fmt: skip
+    """Raise BudgetError if a run takes more memory, disk or time than there is.
+
+    `kept` is the time whose samples are kept in memory [s], of several runs together (None: the duration); `out` the folder
+    to which they are streamed instead.
+    """
+    samples, columns = duration * sample_rate, len(column_plan(system).names)
+    asked = f"{duration:.4g} s with {sample_rate:.4g} samples a second"
+    less = "Use a lower `sample_rate` or a shorter `duration`"
+    require_time(f"a run of {asked}", max(samples, duration / timestep if timestep else 0.0), f"{less}.")
+    what, size = f"the samples of this run, {asked} and {columns} columns,", NUMBER * columns
+    if out is None:
+        held = samples if kept is None else kept * sample_rate
+        require_memory(what, held * size, f"{less}, or stream them to a folder (`out`).")
+    else:
+        require_disk(what, samples * size, out, f"{less}, or write to another disk.")
+    require_memory(f"the instants of this run, {asked},", samples * OF_AN_INSTANT, f"{less}.")
 
 
 @cache

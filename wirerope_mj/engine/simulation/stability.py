@@ -1,4 +1,4 @@
-"""Rates of a system's own motion from its mounts' tangents, and the step with which RK4 is stable."""
+"""Rates of a system's own motion from its mounts' tangents, the step with which RK4 is stable, and its bounds."""
 
 import mujoco
 import numpy as np

@@ -1,4 +1,4 @@
-"""The base motion for the steps of a grid, segment by segment."""
+"""The base motion for the steps of a grid, segment by segment, its peaks, and windows of it."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -9,16 +9,24 @@ import numpy as np
 from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.simulation.engines import Engine, compute, equations, failure, leap, result_of, unfit
+from wirerope_mj.engine.simulation.engines import (
+    Engine,
+    compute,
+    equations,
+    failure,
+    result_of,
+    unsupported_motion,
+    unsupported_system,
+)
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.run import RunResult
-from wirerope_mj.engine.simulation.size import check_pilots
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
 from wirerope_mj.engine.simulation.stages import Later
 from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
@@ -42,6 +50,8 @@ RICHARDSON = 4.0 / 3.0
 # difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
 # order 1.6 that is sometimes seen between two steps
 FINER = 2.0
+# bytes of a value in the samples of pilots: rows and vectors of a coarse, a fine and a longer one are held at once
+OF_A_VALUE = 6 * 8
 SMALL = 1e-3  # quantities smaller than this fraction of the largest of their kind are judged against that fraction
 
 # peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller
@@ -92,7 +102,11 @@ def choose_timestep(
     as that shows, and the error says what was reached.
     """
     windows = _windows(system, motion, start, duration, sample_rate)
-    check_pilots(system, seconds=sum(length for _, length in windows), sample_rate=sample_rate)
+    seconds, values = sum(length for _, length in windows), system.model.nsensordata - system.assembly.sensor
+    require_memory(
+        f"the runs by which a step is chosen, {seconds:.4g} s with {sample_rate:.4g} samples a second,",
+        OF_A_VALUE * seconds * sample_rate * values, "Use a lower `sample_rate`, or give the `timestep`.",
+    )  # fmt: skip
     step, limit = min((1.0 / sample_rate, SAMPLES), (stable_step(system), STABILITY), (duration, DURATION))
     between = _step_between_corners(motion, windows, sample_rate, step)
     step, limit = (between, CORNERS) if between < step else (step, limit)
@@ -257,7 +271,11 @@ def _pilots(
 ) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
     try:
-        if len(windows) > 1 and engine != "mujoco" and not (unfit(system) or leap(system, motion)):
+        if (
+            len(windows) > 1
+            and engine != "mujoco"
+            and not (unsupported_system(system) or unsupported_motion(system, motion))
+        ):
             together = _side_by_side(system, motion, starts(), windows, sample_rate, step)
             if together is not None:
                 return together

@@ -1,4 +1,4 @@
-"""Equilibrium of a system under gravity, by a static solve along the loading path."""
+"""Equilibrium of a system under gravity, by a static solve along the loading path; of many variants, one to a lane."""
 
 import warnings
 from dataclasses import dataclass
@@ -39,7 +39,7 @@ HELD = 1e-12
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rests:
+class Equilibria:
     """Equilibria of variants.
 
     Attributes:
@@ -57,7 +57,7 @@ class Rests:
     residual: Array
 
 
-class Rester:
+class EquilibriumSolver:
     """Finds equilibria of variants that share a structure with `system`, whose own equations those are."""
 
     def __init__(self, system: System, equations: Equations) -> None:
@@ -81,7 +81,7 @@ class Rester:
         self._sizes = np.diff(np.append(firsts, tables.parameters.size)).astype(np.int64)
         self._start = np.concatenate([model.qpos0, np.zeros(model.nv + tables.user.n_states)])
 
-    def rests(self, numbers: Array, history: History) -> Rests:
+    def solve(self, numbers: Array, history: History) -> Equilibria:
         """Return the equilibria of variants with these numbers, (n, n_num)."""
         n, lay = len(numbers), self._equations.lay
         states, residual = np.empty((n, self._start.size)), np.empty(n)
@@ -97,7 +97,7 @@ class Rester:
         found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
         sizes = np.linalg.eigvalsh(np.where(found[:, np.newaxis, np.newaxis], grams, 0.0))
         held = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else found
-        return Rests(found=found, held=held, states=states, mounts=mounts, residual=residual)
+        return Equilibria(found=found, held=held, states=states, mounts=mounts, residual=residual)
 
     def _in_lanes(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
         e, lay = self._equations, self._equations.lay
@@ -131,16 +131,16 @@ class Rester:
 
 
 @once_per_system
-def rester(system: System) -> Rester:
+def equilibrium_solver(system: System) -> EquilibriumSolver:
     """Return what finds equilibria of a system and of variants of its structure."""
-    return Rester(system, equations(system))
+    return EquilibriumSolver(system, equations(system))
 
 
 def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equilibrium | None:
     """Return the equilibrium of one system if it is found here, and MuJoCo's own accelerations vanish there; else None."""
     if not_held(system):
         return None
-    rests = rester(system).rests(equations(system).num[np.newaxis], history)
+    rests = equilibrium_solver(system).solve(equations(system).num[np.newaxis], history)
     if not rests.found[0]:
         return None
     model, qpos = system.model, rests.states[0, : system.model.nq]

@@ -1,4 +1,4 @@
-"""A system on its way from weightlessness to its full weight."""
+"""A system on its way from weightlessness to its full weight, and the equilibrium at its end."""
 
 from dataclasses import dataclass
 from typing import Literal

@@ -1,4 +1,8 @@
-"""What a model says that can be simulated, but is perhaps not meant: axes without a law, gravity, masses far away."""
+"""Payloads, what no mount resists of their motions, and what a model says that is perhaps not meant.
+
+A payload is a body that mounts carry, with everything that stands on it. On one mount, or on mounts in line, it turns about
+them. Axes without a law, a strange gravity and masses far away can be simulated, and are warned of.
+"""
 
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -1,4 +1,7 @@
-"""Newton's method for a series of neighbouring roots: the Jacobian of one serves the next."""
+"""Newton's method for neighbouring roots, of which one's Jacobian serves the next, and the mounts' states on the path to them.
+
+The path is straight from where one load step ended to the next.
+"""
 
 import math
 from collections.abc import Callable

@@ -1,4 +1,4 @@
-"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, and the tables of the callback."""
+"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, the callback's tables, scratch data."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager

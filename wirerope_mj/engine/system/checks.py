@@ -1,4 +1,4 @@
-"""The numbers of a compiled model: finite, and joints that move in directions of their own."""
+"""What a model's numbers and joints must be, and the message about a model that MuJoCo refuses."""
 
 import re
 from functools import cache

@@ -1,4 +1,7 @@
-"""The mounts that an MJCF model declares, resolved to ids of the compiled model."""
+"""What an MJCF model declares: mounts, resolved to ids of the compiled model, the base, areas of the deck, payload limits.
+
+Limits are <numeric name="limit/acceleration/rack" data="98.1"/>, areas <text name="area/forward" data="m1 m2 h*"/>.
+"""
 
 from collections import Counter
 from collections.abc import Collection, Mapping, Sequence
@@ -8,7 +11,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import BETWEEN, SIZES, PayloadLimit
@@ -70,15 +72,15 @@ def declared_mounts(
         payload_site, base_site, text = _elements(model, t, tuple_name)
         text_name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, text)
         key = text_name.split(ISOLATOR, 1)[-1]
+        name = tuple_name.replace(MOUNT, "", 1)
         if text_name not in loaded:
-            loaded[text_name] = isolators[key] if key in isolators else _load(files[text_name], folder, tuple_name)
+            try:
+                loaded[text_name] = isolators.get(key) or load_isolator(files[text_name], beside=folder or ".")
+            except ModelError as error:
+                raise ModelError(f"mount {name!r}: {error}") from None
         mounts.append(
             DeclaredMount(
-                name=tuple_name.replace(MOUNT, "", 1),
-                payload_site=payload_site,
-                base_site=base_site,
-                isolator_name=key,
-                isolator=loaded[text_name],
+                name=name, payload_site=payload_site, base_site=base_site, isolator_name=key, isolator=loaded[text_name]
             )
         )
     if not mounts:
@@ -105,13 +107,6 @@ def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
         )
     payload_site, base_site, text = model.tuple_objid[start : start + size]
     return int(payload_site), int(base_site), int(text)
-
-
-def _load(file: str, folder: Path | None, tuple_name: str) -> Isolator:
-    try:
-        return load_isolator(file, beside=folder or ".")
-    except ModelError as error:
-        raise ModelError(f"mount {tuple_name.replace(MOUNT, '', 1)!r}: {error}") from None
 
 
 def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
@@ -172,7 +167,8 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
 
 def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
     """Raise ModelError if a mount stands the other way round between the two bodies than most others do."""
-    ways = {mount.name: tuple(int(root) for root in _roots(model, mount)) for mount in mounts}
+    bodies = {mount.name: model.site_bodyid[[mount.payload_site, mount.base_site]] for mount in mounts}
+    ways = {name: tuple(model.body_rootid[both].tolist()) for name, both in bodies.items()}
     counts = Counter(ways.values())
     for mount in mounts:
         payload, base = ways[mount.name]
@@ -183,11 +179,6 @@ def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
                 f"{names[1]!r} on {model.body(base).name!r}; {counts[base, payload]} other mounts stand the other way round. "
                 "Swap its two sites."
             )
-
-
-def _roots(model: mujoco.MjModel, mount: DeclaredMount) -> npt.NDArray[np.int32]:
-    """Return the children of the world above the payload site and the base site of a mount, (2,)."""
-    return np.asarray(model.body_rootid[model.site_bodyid[[mount.payload_site, mount.base_site]]])
 
 
 AREA = "area/"

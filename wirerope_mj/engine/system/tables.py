@@ -1,4 +1,4 @@
-"""The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, and what the peak tracker follows."""
+"""The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, pairs of geoms, and what has peaks."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
