@@ -23,7 +23,7 @@ def by_both(monkeypatch):
     def both(compute):
         own = compute()
         with monkeypatch.context() as patched:
-            patched.setattr(kernel_flow, "unfit", lambda system: "MuJoCo is asked for")
+            patched.setattr(kernel_flow, "unsupported_system", lambda system: "MuJoCo is asked for")
             return own, compute()
 
     return both

@@ -253,7 +253,11 @@ def test_warnings_of_a_record_are_in_the_answer_in_the_motion_and_in_the_summary
     words = words_of(folder)
     assert words.count(told) == 2
     assert words.index(told) < words.index("The worst of every criterion") < words.index("Base motion: record ", 2000)
-    assert words.index("Base motion: record ", 2000) < words.rindex(told) < words.index("What reaches the payload Absolute")
+    assert (
+        words.index("Base motion: record ", 2000)
+        < words.rindex(told)
+        < words.index("What reaches the payload Absolute")
+    )
     assert "After the end of the run at 0.1 s, and not simulated: record deck.csv ends." in words
     assert "record deck.csv begins" in words
     assert "0.1998 record" not in words

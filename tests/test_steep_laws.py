@@ -86,7 +86,7 @@ def test_both_engines_give_the_same_multipliers(monkeypatch, law):
     for mujoco in (False, True):
         with monkeypatch.context() as patched:
             if mujoco:
-                patched.setattr(kernel_flow, "unfit", lambda system: "MuJoCo is asked for")
+                patched.setattr(kernel_flow, "unsupported_system", lambda system: "MuJoCo is asked for")
             search = search_of(law)
         assert isinstance(search.flow, KernelFlow) is not mujoco
         with search.flow.ready():

@@ -16,7 +16,7 @@ from wirerope_mj.content.judged_run import JudgedRun, judged_run
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.simulation.finished import aliasing
+from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model

@@ -9,10 +9,9 @@ import numpy as np
 from wirerope_mj.dynamics.modes.rest import STATE, AtRest, linearise
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.histories import MemorySamples, Numerics
+from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
-from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 

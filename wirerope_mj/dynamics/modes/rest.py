@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.dynamics.modes.mount import MountAtRest
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.rotation import righting_torque
+from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array

@@ -6,7 +6,7 @@ from functools import cached_property
 import mujoco
 import numpy as np
 
-from wirerope_mj.engine.simulation.initial import moving_with_base
+from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array

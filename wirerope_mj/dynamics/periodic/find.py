@@ -17,7 +17,7 @@ from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, monodr
 from wirerope_mj.dynamics.periodic.smoothing import smoothed
 from wirerope_mj.dynamics.periodic.track import Drive, Steps
 from wirerope_mj.dynamics.periodic.variational import variational_of
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History

@@ -16,8 +16,8 @@ from wirerope_mj.dynamics.periodic.track import Drive, Track
 from wirerope_mj.engine.control.layout import MAX_STEPS
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import Equations, Integers
-from wirerope_mj.engine.kernel.group import group_of
-from wirerope_mj.engine.simulation.judge import equations, unfit
+from wirerope_mj.engine.kernel.variants import group_of
+from wirerope_mj.engine.simulation.engines import equations, unsupported_system
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
@@ -28,7 +28,7 @@ RATE = 6
 
 def flow_of(coordinates: Coordinates, system: System) -> Flow:
     """Return a flow of the kernel if it can compute the system, one of MuJoCo else."""
-    return MujocoFlow(coordinates, system) if unfit(system) else KernelFlow(coordinates, system)
+    return MujocoFlow(coordinates, system) if unsupported_system(system) else KernelFlow(coordinates, system)
 
 
 class KernelFlow(Flow):

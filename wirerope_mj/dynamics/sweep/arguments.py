@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.cycles import at_start
 from wirerope_mj.dynamics.sweep.envelope import AXES
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep
 from wirerope_mj.engine.statics import History, equilibrium

@@ -6,13 +6,12 @@ import numpy.typing as npt
 from wirerope_mj.dynamics.sweep.by_mujoco import ByMujoco
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.cycles import NO_SAMPLES, advance_cycles
-from wirerope_mj.engine.kernel.group import group_of
 from wirerope_mj.engine.kernel.observe import HISTORY, TIME_1, TIME_2, TURN
-from wirerope_mj.engine.simulation.engines import failure
+from wirerope_mj.engine.kernel.steps import NO_SAMPLES, advance_cycles
+from wirerope_mj.engine.kernel.variants import group_of
+from wirerope_mj.engine.simulation.engines import equations, failure
 from wirerope_mj.engine.simulation.grid import Grid
 from wirerope_mj.engine.simulation.in_lanes import final_state, moving
-from wirerope_mj.engine.simulation.judge import equations
 from wirerope_mj.engine.simulation.stages import StageTables
 from wirerope_mj.engine.simulation.stepper import base_before
 from wirerope_mj.engine.system import System

@@ -13,10 +13,9 @@ from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.travel import Lawful
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.simulation.engines import leap
+from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.grid import Grid
-from wirerope_mj.engine.simulation.initial import moving_with_base
-from wirerope_mj.engine.simulation.judge import unfit
+from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
@@ -59,7 +58,7 @@ class Cycles:
         self._motion, self._timestep, self._engines = motion, timestep, engines
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._n_channels = system.assembly.tables.channels.size
-        self.why = unfit(system) or leap(system, motion)
+        self.why = unsupported_system(system) or unsupported_motion(system, motion)
         self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
 
     def run(self, instants: Array) -> Extremes:
