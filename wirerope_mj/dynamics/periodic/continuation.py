@@ -120,10 +120,10 @@ class Continuation:
             along = float(point.tangent[:-1] @ (change / point.shot.scale))
         return replace(point, tangent=point.tangent if along >= 0.0 else -point.tangent)
 
-    def step(self, last: Point, length: float) -> Point | None:
+    def step(self, last: Point, length: float, tolerance: float | None = None) -> Point | None:
         """Return the point an arclength further, None if the corrector does not get there."""
         arc = self._to_arc(last.shot.x.size)
-        return self._correct(last, length * last.tangent / arc, last.tangent * arc, length)
+        return self._correct(last, length * last.tangent / arc, last.tangent * arc, length, tolerance)
 
     def at_value(self, last: Point, value: float) -> Point | None:
         """Return the point at a value of the parameter near the last point."""
@@ -133,7 +133,9 @@ class Continuation:
         length = wanted / tangent[n] if abs(tangent[n]) > 1e-12 else 0.0
         return self._correct(last, np.append((length * tangent)[:n], wanted), np.append(np.zeros(n), 1.0), wanted)
 
-    def _correct(self, last: Point, move: Array, row: Array, wanted: float) -> Point | None:
+    def _correct(
+        self, last: Point, move: Array, row: Array, wanted: float, tolerance: float | None = None
+    ) -> Point | None:
         """Return the corrected point after a scaled `move` from the last one, under the constraint row . move = wanted."""
         scale, n, unit = last.shot.scale, last.shot.x.size, self.unit
         value = last.parameter * math.exp(unit * move[n])
@@ -143,7 +145,7 @@ class Continuation:
         gaps = [now.residual]
         fresh = False
         for correction in range(CORRECTIONS):
-            if now.residual <= self.tolerance:
+            if now.residual <= (tolerance or self.tolerance):
                 value = last.parameter * math.exp(unit * move[n])
                 own = replace(now, scale=scales(self.flow.coordinates, ranges(self.flow.system, now.track)))
                 before = last.tangent * np.append(scale / own.scale, 1.0)

@@ -1,10 +1,8 @@
 """Finding where a branch turns back or changes its stability, between two of its points."""
 
-import math
 from collections.abc import Callable
 
 import numpy as np
-import scipy
 
 from wirerope_mj.dynamics.periodic.branch import Kind
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
@@ -16,9 +14,9 @@ CLOSE = 1e-6
 LOCATIONS = 12
 """Points that locating one may take."""
 
-WIDER = 0.5
-"""Fraction of a step by which a fold may lie beyond the two points between which the tangent turned: kinks that pass a step
-shake the tangent, but not the parameter."""
+TIGHTER = 1e-2
+"""Fraction of the branch's tolerance to which the corrector works at a fold: where a branch is steep, a residual of 1e-6 moves the
+parameter by 1e-5."""
 
 
 def unstable(point: Point) -> int:
@@ -34,7 +32,9 @@ def turns(a: Point, b: Point) -> bool:
 def locate(path: Continuation, a: Point, b: Point, length: float) -> tuple[Kind, complex, Point, float] | None:
     """Return the event between `a` and `b`, an arclength apart: kind, multiplier, its point and arclength from `a`."""
     if turns(a, b):
-        point, arclength = _extreme(path, a, b, length)
+        # Where the tangent turns, not where the parameter of the points is largest: the tangent is that of the continuous motion,
+        # and at the tip of a needle the reversals that pass a step shake the parameter by twice the steps' own error.
+        point, arclength = _between(path, a, b, length, lambda p: float(p.tangent[-1]), path.tolerance * TIGHTER)
         return "fold", _nearest_to_one(point), point, arclength
     low, high = sorted((unstable(a), unstable(b)))
     if low == high:
@@ -61,36 +61,20 @@ def _nearest_to_one(point: Point) -> complex:
     return complex(multipliers[np.argmin(np.abs(multipliers - 1.0))]) if multipliers.size else 1.0 + 0.0j
 
 
-def _extreme(path: Continuation, a: Point, b: Point, length: float) -> tuple[Point, float]:
-    """Return the point with the extreme parameter around two points, and its arclength from `a`."""
-    sign = 1.0 if a.tangent[-1] > 0.0 else -1.0
-    seen = {0.0: a, length: b}
-
-    def depth(arclength: float) -> float:
-        point = path.step(a, arclength)
-        if point is None:
-            return math.inf
-        seen[arclength] = point
-        return -sign * math.log(point.parameter)
-
-    bounds = (-WIDER * length, (1.0 + WIDER) * length)
-    with np.errstate(invalid="ignore"):  # where the corrector does not get there the depth is infinite
-        scipy.optimize.minimize_scalar(
-            depth, bounds=bounds, method="bounded", options={"xatol": 1e-3 * length, "maxiter": LOCATIONS}
-        )
-    arclength = max(seen, key=lambda s: sign * seen[s].parameter)
-    return seen[arclength], arclength
-
-
 def _between(
-    path: Continuation, a: Point, b: Point, length: float, test: Callable[[Point], float]
+    path: Continuation,
+    a: Point,
+    b: Point,
+    length: float,
+    test: Callable[[Point], float],
+    tolerance: float | None = None,
 ) -> tuple[Point, float]:
     """Return the point where `test` vanishes and its arclength from `a`, by the Illinois method."""
     left, right, f_left, f_right = 0.0, length, test(a), test(b)
     best, arclength, least = (a, 0.0, abs(f_left)) if abs(f_left) < abs(f_right) else (b, length, abs(f_right))
     for _ in range(LOCATIONS):
         middle = (left * f_right - right * f_left) / (f_right - f_left)
-        point = path.step(a, middle)
+        point = path.step(a, middle, tolerance) or path.step(a, middle)
         if point is None:
             break
         value = test(point)
