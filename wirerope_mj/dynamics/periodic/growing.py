@@ -10,8 +10,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
-from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
-from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
+from wirerope_mj.dynamics.periodic.continuation import Continuation, Point, turns
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.observe import travel_exceeded
 from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
@@ -100,7 +99,7 @@ class GrowingBranch:
             past = self._taken_up(point)
         if past is not None:
             point, length, leapt = past, FIRST, True
-        elif point is None or (turns(last, point) and unstable(last) == unstable(point)):
+        elif point is None or (turns(last, point) and last.unstable == point.unstable):
             # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
             # hardly move or of a needle of a resonance, have lost the tangent's direction.
             beyond = self._leap(last)
@@ -134,16 +133,16 @@ class GrowingBranch:
 
     def _past(self, a: Point, b: Point, length: float) -> Point | None:
         """Return the point from which the branch goes on past a fold between two points that is no jump, None if it is one."""
-        event = locate(self.path, a, b, length)
+        event = self.path.event(a, b, length)
         assert event is not None
-        fold, towards = event[2], 1.0 if a.tangent[-1] > 0.0 else -1.0
+        fold, towards = event.point, 1.0 if a.tangent[-1] > 0.0 else -1.0
         passed = pass_by(
             self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
             amplitude=self._row(fold).amplitude, towards=towards,
         )  # fmt: skip
         if passed is None:
             return None
-        self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
+        self._add(fold, len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
         return passed.point
 
@@ -231,15 +230,16 @@ class GrowingBranch:
 
     def _between(self, a: Point, b: Point, length: float) -> None:
         """Note what happens between two points (`a` is the last one kept), and the point where it does."""
-        event = locate(self.path, a, b, length)
+        event = self.path.event(a, b, length)
         if event is None:
             return
-        kind, multiplier, point, arclength = event
-        index = len(self.rows) if arclength > 0.0 else len(self.rows) - 1
-        self._add(point, index)
+        index = len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1
+        self._add(event.point, index)
         row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
         self.events.append(
-            Bifurcation(kind=kind, **row, index=index, multiplier=multiplier, before=unstable(a), after=unstable(b))
+            Bifurcation(
+                kind=event.kind, **row, index=index, multiplier=event.multiplier, before=a.unstable, after=b.unstable
+            )
         )
         self._forget_ripple()
 

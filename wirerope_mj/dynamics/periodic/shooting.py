@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from wirerope_mj.dynamics.arclength import least_solution
 from wirerope_mj.dynamics.periodic.coordinates import scales
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.observe import ranges
@@ -14,10 +15,6 @@ from wirerope_mj.foundation.arrays import Array
 DIFFERENCE = 1e-5
 """Step of the difference quotients in units of the scales: far above the rounding of positions of metres (1e-16 m against
 1e-5 of 1e-5 m), far below what bends the map."""
-
-NEUTRAL = 1e-6
-"""Singular values of I - Phi below this say nothing: they are the difference quotients' own error. Axes that hardly move have
-singular values near 1e-5 that must not be cut off: their states do converge."""
 
 TRIALS = 4
 """Step lengths 1, 1/2, 1/4, 1/8 of Newton's method that are tried at once."""
@@ -76,19 +73,6 @@ def monodromy(flow: Flow, at: Shot) -> Array:
     starts = at.x + DIFFERENCE * np.diag(at.scale)
     ends = flow.ends(starts, at.track.drive)
     return np.asarray(((ends - at.track.end) / at.scale).T / DIFFERENCE)
-
-
-def least_solution(matrix: Array, right: Array) -> Array:
-    """Return the solution of matrix @ step = right that is least in the directions in which the motion is neutral."""
-    try:
-        inverse = np.linalg.inv(matrix)
-    except np.linalg.LinAlgError:
-        inverse = np.full_like(matrix, np.inf)
-    if np.linalg.norm(inverse) < 1.0 / NEUTRAL:  # no singular value is below it: this costs a tenth of them
-        return np.asarray(inverse @ right)
-    u, values, v = np.linalg.svd(matrix, full_matrices=False)
-    kept = values > NEUTRAL
-    return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
 
 
 def close(
