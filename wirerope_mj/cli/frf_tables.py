@@ -7,8 +7,7 @@ from rich.markup import escape
 
 from wirerope_mj.cli.screen import console, print_lines, print_table
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, ResonancePeak
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text

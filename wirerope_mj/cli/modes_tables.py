@@ -11,8 +11,7 @@ from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam
 from wirerope_mj.assessment.criteria.tested import untested
 from wirerope_mj.cli.screen import console, print_lines, print_table, print_warnings
 from wirerope_mj.dynamics.modes import Modes, modes
-from wirerope_mj.dynamics.modes.carried import carried
-from wirerope_mj.dynamics.modes.travel import reached_in, travel_utilisation
+from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
 from wirerope_mj.engine.statics import History, model_warnings
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive

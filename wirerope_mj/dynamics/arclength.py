@@ -43,7 +43,8 @@ class OnCurve(Protocol):
     def tangent(self) -> Array: ...  # noqa: D102
 
 
-T, P = TypeVar("T", bound=Tried), TypeVar("P", bound=OnCurve)
+T = TypeVar("T", bound=Tried)
+P = TypeVar("P", bound=OnCurve)
 
 
 def least_solution(matrix: Array, right: Array) -> Array:

@@ -12,12 +12,17 @@ import numpy as np
 
 from wirerope_mj.dynamics.arclength import corrected, crossing, unit_tangent
 from wirerope_mj.dynamics.periodic.branch import Kind, Parameter
-from wirerope_mj.dynamics.periodic.coordinates import scales
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.multipliers import MARGIN, FloquetStability, stability
-from wirerope_mj.dynamics.periodic.observe import ranges
-from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, monodromy, shot
-from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.motion import Drive, ranges, scales
+from wirerope_mj.dynamics.periodic.shooting import (
+    DIFFERENCE,
+    MARGIN,
+    FloquetStability,
+    Shot,
+    monodromy,
+    shot,
+    stability,
+)
 from wirerope_mj.foundation.arrays import Array
 
 # Change of the motion relative to its ranges that counts as one unit of arclength.

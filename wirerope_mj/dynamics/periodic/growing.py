@@ -12,31 +12,33 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point, turns
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.observe import travel_exceeded
-from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
+from wirerope_mj.dynamics.periodic.motion import travel_exceeded
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
-from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
+from wirerope_mj.dynamics.periodic.storage import (
+    BranchOptions,
+    Row,
+    fingerprint,
+    load_rows,
+    require_motion,
+    row_of,
+    save_rows,
+)
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
+# First step in units of the largest.
 FIRST = 0.2
-"""First step in units of the largest."""
-
+# Corrector iterations that the step length is steered to.
 AIM = 4
-"""Corrector iterations that the step length is steered to."""
-
+# Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
 LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Steps, in units of the largest, by which a branch that cannot be followed is taken up again."""
-
+# Distance of two folds in units of the accuracy within which they may be the steps': three were seen.
 RIPPLE = 5.0
-"""Distance of two folds in units of the accuracy within which they may be the steps': three were seen."""
-
+# Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
-"""Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
-
+# Seconds between two looks at the disk: what a killed process loses.
 SAVE_EVERY = 2.0
-"""Seconds between two looks at the disk: what a killed process loses."""
 
 
 class GrowingBranch:

@@ -4,28 +4,31 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.arclength import corrected, crossing, unit_tangent
-from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
-from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
+from wirerope_mj.dynamics.single_mass.balance import (
+    Balance,
+    HarmonicOrbit,
+    Solution,
+    checked_harmonics,
+    harmonic_balance,
+    newton,
+    orbit_of,
+)
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.mounts.laws import Law
 
+# Arclength of the first step and of the shortest; 1 is the whole deflection, or a factor e in frequency.
 _FIRST, _SMALLEST = 0.02, 1e-6
-"""Arclength of the first step and of the shortest; 1 is the whole deflection, or a factor e in frequency."""
-
+# Corrections that the step length is steered to: Broyden's formula needs five to eight to reach 1e-10.
 _AIM = 7
-"""Corrections that the step length is steered to: Broyden's formula needs five to eight to reach 1e-10."""
-
+# Relative distance in the frequency to which folds are located.
 _CLOSE = 1e-9
-"""Relative distance in the frequency to which folds are located."""
-
+# Points after which a branch that does not arrive is going round in circles.
 _MOST = 4000
-"""Points after which a branch that does not arrive is going round in circles."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -64,7 +67,7 @@ class HarmonicBranch(Summarised):
     amplitude: Array = field(repr=False)
     smallest_deflection: Array = field(repr=False)
     largest_deflection: Array = field(repr=False)
-    coefficients: npt.NDArray[np.complex128] = field(repr=False)
+    coefficients: ComplexArray = field(repr=False)
     samples: int
     folds: tuple[HarmonicFold, ...]
     message: str
