@@ -9,7 +9,7 @@ from house import deck, mjcf
 from laws_for_tests import path_through
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
+from wirerope_mj.dynamics.modes.mount import loop_cycle, plane_cycle, plane_tangents
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of

@@ -15,17 +15,14 @@ from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
+# Rows of a period: ten degrees each.
 ROWS = 36
-"""Rows of a period: ten degrees each."""
-
+# Periods that each mode is shown, one second long each.
 PERIODS = 2
-"""Periods that each mode is shown, one second long each."""
-
+# Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture.
 FRACTION = 0.5
-"""Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture."""
-
+# That deflection where no height is known [m].
 _FLAT = 0.05
-"""That deflection where no height is known [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
