@@ -47,7 +47,7 @@ COMMANDS = {
         "Test an isolator or a law in a virtual rig: print what its loops measure and draw them.",
     ),
     "identify": (
-        "identify_options:identify_records",
+        "identify:identify_records",
         "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
     ),
     "laws": (

@@ -71,7 +71,7 @@ def durability(
     method = f"Rainflow cycles of the {mission.quantity} (ASTM E1049), open ones as halves"
     note = f"{method}; exponent {mission.exponent:g}; {len(damages)} counted."
     if any(stage.hours is not None for stage in mission.stages):
-        note += " Hours are of steady vibration: without rise, fall and what follows."
+        note += " Hours are of the vibration from start to end; of random vibration without rise and fall."
     if known:
         note += f" The worst lasts {1.0 / worst:.3g} such lives." if worst else ""
     names = " + ".join(_often(stage.repetitions, stage.hours, stage.run.name) for stage in mission.stages)

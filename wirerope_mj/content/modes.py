@@ -10,8 +10,7 @@ from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.statics import HISTORIES, stability_blocks
 from wirerope_mj.dynamics.modes import Modes
-from wirerope_mj.dynamics.modes.carried import carried
-from wirerope_mj.dynamics.modes.travel import reached_in, travel_utilisation
+from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table

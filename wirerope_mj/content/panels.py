@@ -7,19 +7,26 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-BASE, OTHERS = "base", "others"
-"""Kinds of curves beside the numbered ones of the table of colours."""
+BASE, OTHERS, LIMIT = "base", "others", "limit"
+"""Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE` or `OTHERS`; `marks`: dots instead."""
+    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE`, `OTHERS` or `LIMIT`.
+
+    `marks`: dots instead; `dash`: "dashed" or "dotted"; `weight`: width of the line, size of the dots, times the usual;
+    `opacity`: from 0 to 1, by which curves of a family are told apart. A name of "" is in no legend.
+    """
 
     x: Array
     y: Array
     name: str
     kind: int | str
     marks: bool = False
+    dash: str = ""
+    weight: float = 1.0
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -31,6 +38,7 @@ class Panel:
         ylabel, xlabel, title: texts; "" for none.
         limits: levels that are dashed, with their names.
         dots: positions of single points.
+        bands: ranges across that are shaded, with their names.
         xlim, ylim: ranges; None for what the curves take.
         log: whether both axes are logarithmic, or only the one across ("x").
         unit, xunit: of the values that are read.
@@ -42,6 +50,7 @@ class Panel:
     title: str = ""
     limits: Sequence[tuple[str, float]] = ()
     dots: Sequence[tuple[float, float]] = ()
+    bands: Sequence[tuple[str, float, float]] = ()
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
     log: str = ""

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import same_columns
+from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.runs.folder import SUMMARY
 

@@ -25,6 +25,9 @@ NEGLIGIBLE = 0.01
 PER_PERIOD = 100
 """Samples to a period of the mean frequency of a deflection that are asked for where there are too few."""
 
+_LASTING = STEADY | {"random-vibration", "record", "force-table"}
+"""Kinds of motions that go on for hours, or of which a part that was measured stands for them."""
+
 _SHORTEST = 0.05
 """Fraction of a stationary vibration that a run must hold for hours of it to be counted."""
 
@@ -175,8 +178,11 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
 def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
     """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s].
 
-    Hours are of steady vibration: of random vibration its stationary part, neither rise nor fall nor what follows; of sines and
-    sweeps from their start to their end, with all that follows. Repetitions, and hours of anything else, are of the whole run.
+    Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines, sweeps
+    and records from their start to their end, with all that follows. Repetitions are of the whole run.
+
+    Raises:
+        RecordError: hours are asked for of a shock, or of random vibration of which the run holds too little.
     """
     first, last = float(response.time[0]), float(response.time[-1])
     if stage.hours is None:
@@ -189,7 +195,12 @@ def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
                 f"{stage.run}: it holds too little of the stationary vibration from {rises:.4g} to {falls:.4g} s."
             )
         return start, end, end - start
-    times = [time for time, _ in response.events if first <= time <= last]
-    if times and {part.get("kind") for part in elements(response.motion)} <= STEADY:
-        return first, last, (times[-1] if times[-1] > times[0] else last) - times[0]
-    return first, last, last - first
+    if shocks := sorted({str(part.get("kind")) for part in elements(response.motion)} - _LASTING):
+        raise RecordError(
+            f"{stage.run}: `hours` are of what goes on, and a {shocks[0]} is over once it has happened: an hour of the run "
+            "would be shocks as close as the run happens to be long. Say how often it happens, as `repetitions`."
+        )
+    times = [time for time, _ in response.events if first <= time <= last] or [first]
+    over = response.numerics.motion_end
+    end = over if math.isfinite(over) else times[-1] if times[-1] > times[0] else last
+    return first, last, min(end, last) - times[0]

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import same_columns
+from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.system import Changes, System, load_system

@@ -16,6 +16,7 @@ from wirerope_mj.content.judged_run import JudgedRun, judged_run
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
@@ -178,6 +179,8 @@ def _scenario_text(
     judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
     if judge:
         content["judge"] = judge
+    if warned := aliasing([scenario.motion], resolved["sample_rate"]):
+        content["warning"] = warned
     return tomli_w.dumps(content, multiline_strings=True)
 
 
@@ -205,7 +208,8 @@ def _write_views(
         save_charts([charts["loops"]], folder / "loops.png", title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
-        save_charts([charts[f"record-{record.path.name}"]], folder / name, title=title)
+        chart = charts[f"record-{record.path.name}"]
+        save_charts([chart], folder / name, title=f"{title}: {chart.caption}")
     writing("the report")
     (folder / REPORT).write_text(report_html(content), encoding="utf-8")
 

@@ -11,10 +11,9 @@ import pyarrow as pa
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
-from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import values_of
-from wirerope_mj.studies.results.statements import percent
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance
+from wirerope_mj.studies.results.statements import not_counted, percent
+from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_in
 from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
@@ -42,8 +41,7 @@ class StatedLimit:
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""
-        failed = int(np.count_nonzero(np.asarray(table["status"]) != DONE))
-        return exceedance(self.largest(table), self.limit, failed=failed)
+        return exceedance_in(table, self.largest(table), self.limit)
 
     def largest(self, table: pa.Table) -> Array:
         """Return the largest of the measures of each variant, SI, (n,); NaN where none has a value."""
@@ -89,9 +87,10 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
     """Return in one sentence how often a limit is exceeded; bounds of the probability where variants are a sample."""
     beyond = stated.exceedance(table)
     several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
-    failed = f"; {beyond.failed} failed and are not counted" if beyond.failed else ""
+    failed = not_counted(beyond)
     if not beyond.n:
-        return f"Beyond {stated.text}: not judged, since nothing has a value{failed}."
+        why = "every run ends before its peaks are over" if beyond.early else "nothing has a value"
+        return f"Beyond {stated.text}: not judged, since {why}{failed}."
     start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
     if not sampled:
         return f"{start}{failed}."

@@ -11,6 +11,7 @@ import pyarrow as pa
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.studies.ended import ended_early, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
@@ -21,6 +22,7 @@ from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
     Exceedance,
     exceedance_of,
+    judged_values,
     row_of,
     struck_variants,
     worst,
@@ -44,7 +46,7 @@ def statements(result: StudyResult) -> list[str]:
     ]
     if not texts:
         texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
-    texts += struck_statements(result.table)
+    texts = [*early_statements(result.table), *texts, *struck_statements(result.table)]
     if "travel" in headlines(result.table):
         texts += travel_statements(result.study.base)
     texts += specimen_messages(result.study.quantities)
@@ -110,6 +112,7 @@ def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
     """Return an exceedance for a cell: "88 of 325 (27 %), 17 failed"; without the ratio if it is None."""
     of = "" if ratio is None or math.isnan(ratio) else f" ({percent(ratio)})"
     failed = f", {exceedance.failed} failed" if exceedance.failed else ""
+    failed += f", {exceedance.early} not judged" if exceedance.early else ""
     return f"{exceedance.count} of {exceedance.n}{of}{failed}"
 
 
@@ -120,21 +123,35 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
     values = values_of(independent, measure.name)
     largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
     start = f"{_capital(measure.name)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
+    if not beyond.n:
+        return f"{_capital(measure.name)} ({measure.text}): not judged{not_counted(beyond)}; {largest}."
+    values = judged_values(independent, values, limit)
     if not result.is_sampled:
         fraction = fraction_of_directions(table, inputs, values, limit)
         which = exceeding_inputs(table, inputs, values, limit)
         which += "" if fraction is None else f", {percent(fraction)} of {directions_text(table)}"
-        return f"{start} variants{which}{_failed(beyond)}; {largest}{inputs_text(row_of(table, top), inputs)}."
+        return f"{start} variants{which}{not_counted(beyond)}; {largest}{inputs_text(row_of(table, top), inputs)}."
     bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
     of = f"{'' if independent is table else 'independent '}variants"
-    at_most = f": {percent(beyond.at_most)} if all of them were beyond" if beyond.failed else ""
-    return f"{start} {of}, {percent(beyond.ratio)} ({bounds}){_failed(beyond)}{at_most}; {largest}."
+    at_most = f": {percent(beyond.at_most)} if all of them were beyond" if beyond.failed or beyond.early else ""
+    return f"{start} {of}, {percent(beyond.ratio)} ({bounds}){not_counted(beyond)}{at_most}; {largest}."
 
 
-def _failed(beyond: Exceedance) -> str:
-    """Return how many variants are not counted; "" if none failed."""
-    are = "is" if beyond.failed == 1 else "are"
-    return f"; {beyond.failed} more failed and {are} not counted" if beyond.failed else ""
+def not_counted(beyond: Exceedance) -> str:
+    """Return how many variants are not counted, and why; "" if all are."""
+    causes = ((beyond.failed, "failed"), (beyond.early, "ended too early"))
+    parts = [f"{count} more {cause}" for count, cause in causes if count]
+    are = "is" if beyond.failed + beyond.early == 1 else "are"
+    return f"; {' and '.join(parts)} and {are} not counted" if parts else ""
+
+
+def early_statements(table: pa.Table) -> list[str]:
+    """Return how many variants' runs end before their peaks are over, and how long they must be; nothing of none."""
+    count = int(np.count_nonzero(ended_early(table)))
+    if not count:
+        return []
+    which = "Every variant" if count == table.num_rows else f"{count} of {table.num_rows} variants"
+    return [f"{which}: not judged but for what is exceeded already, since {why_early(table)}."]
 
 
 def of_indices(indices: SobolIndices) -> str:

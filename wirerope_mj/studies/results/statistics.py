@@ -11,6 +11,7 @@ import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.renamed import Renamed
+from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of
 
@@ -29,6 +30,7 @@ class Exceedance:
         low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling is
             rather better than that. They know nothing of variants that failed.
         failed: variants that could not be simulated, and are counted nowhere.
+        early: variants whose runs end before their peaks are over and do not exceed it until then, counted nowhere.
     """
 
     count: int
@@ -36,6 +38,7 @@ class Exceedance:
     low: float
     high: float
     failed: int = 0
+    early: int = 0
 
     share = Renamed("ratio")
 
@@ -46,8 +49,9 @@ class Exceedance:
 
     @property
     def at_most(self) -> float:
-        """Ratio to all variants, if every one that failed counted as beyond the limit."""
-        return (self.count + self.failed) / (self.n + self.failed) if self.n + self.failed else math.nan
+        """Ratio to all variants, if every one that is not counted were beyond the limit."""
+        left = self.failed + self.early
+        return (self.count + left) / (self.n + left) if self.n + left else math.nan
 
 
 def finite(values: Array) -> Array:
@@ -66,20 +70,32 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
     ]
 
 
-def exceedance(values: Array, limit: float, *, failed: int = 0) -> Exceedance:
-    """Return the exceedance of a limit by values; `failed` more variants have none."""
+def exceedance(values: Array, limit: float, *, failed: int = 0, early: int = 0) -> Exceedance:
+    """Return the exceedance of a limit by values; `failed` more variants have none, and `early` ones are not judged."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0
     high = float(scipy.stats.beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
-    return Exceedance(count=k, n=n, low=low, high=high, failed=failed)
+    return Exceedance(count=k, n=n, low=low, high=high, failed=failed, early=early)
 
 
 def exceedance_of(table: pa.Table, measure: str, limit: float) -> Exceedance:
     """Return the exceedance of a limit by a measure, with the number of variants that failed."""
+    return exceedance_in(table, values_of(table, measure), limit)
+
+
+def exceedance_in(table: pa.Table, values: Array, limit: float) -> Exceedance:
+    """Return the exceedance of a limit by a value of each variant of a table, with how many failed or ended too early."""
+    judged = judged_values(table, values, limit)
     return exceedance(
-        values_of(table, measure), limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE))
-    )
+        judged, limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)),
+        early=int(np.count_nonzero(np.isfinite(values) & np.isnan(judged))),
+    )  # fmt: skip
+
+
+def judged_values(table: pa.Table, values: Array, limit: float) -> Array:
+    """Return the values of variants, NaN where one keeps a limit only because its run ends before its peaks are over, (n,)."""
+    return np.where(ended_early(table) & (values <= limit), math.nan, values)
 
 
 def worst(table: pa.Table, measure: str, count: int) -> list[int]:

@@ -7,9 +7,10 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.studies.definition import StudyDefinition
+from wirerope_mj.studies.ended import why_early
 from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
@@ -125,7 +126,7 @@ class SearchResult(StudyResult):
         closest = nearest(self.table, self.minimise, self.limits)
         if closest is None:
             first = min(self.failed, default=None)
-            why = (
+            why = why_early(self.table) or (
                 "nothing is rated or stated by which the designs would be judged"
                 if first is None
                 else self.failed[first]

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.colours import LIGHT
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -17,11 +17,11 @@ from wirerope_mj.views.thin import envelope, is_dense
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
-_LEFT, _RIGHT, _TITLE, _FOOT = 0.8, 0.15, 0.75, 0.5  # room about the panels [in]
+_LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
 
 
 def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -> None:
-    """Write the panels of some charts below each other as one PNG, whole or not at all.
+    """Write the panels of some charts below each other as one picture, PNG, SVG or PDF, whole or not at all.
 
     Args:
         charts: of a result, those without panels left out.
@@ -30,11 +30,13 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
     """
     rows = [(chart, row) for chart in charts for row in chart.rows]
     heights = [chart.height / _TALL + 0.35 for chart, _ in rows]
-    height = sum(heights) + _TITLE + _FOOT
+    lines = wrap(title, 105)
+    above = _TITLE + _LINE * max(len(lines) - 1, 0)
+    height = sum(heights) + above + _FOOT
     figure = PlainFigure(figsize=(_WIDTH, height), dpi=_DPI)
-    figure.suptitle("\n".join(wrap(title, 105)), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
+    figure.suptitle("\n".join(lines), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
     # Places are fixed, because to fit them to the texts takes as long as to draw them.
-    top = height - _TITLE
+    top = height - above
     for (_, row), tall in zip(rows, heights, strict=True):
         width = (_WIDTH - _LEFT - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
         for number, panel in enumerate(row):
@@ -43,7 +45,7 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
             draw_panel(figure.add_axes(box), panel)
         top -= tall
     with atomic_file(Path(path)) as beside:
-        figure.savefig(beside, format="png")
+        figure.savefig(beside)
 
 
 def draw_panel(axes: Any, panel: Panel) -> None:
@@ -61,6 +63,7 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
+    _shade(axes, panel)
     if "x" in panel.log:
         round_ticks(axes.xaxis, *axes.get_xlim())
     if "y" in panel.log:
@@ -71,27 +74,42 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     handles, labels = axes.get_legend_handles_labels()
     named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
     if named:
-        axes.legend(named.values(), named.keys(), fontsize=8, loc="upper right", ncols=2)
+        place = "upper right" if panel.xunit == "s" else "best"  # which takes long among the samples of a run
+        axes.legend(named.values(), named.keys(), fontsize=8, loc=place, ncols=2)
+
+
+def _shade(axes: Any, panel: Panel) -> None:
+    """Shade ranges across, with their names at the upper end, each below those that it overlaps."""
+    left, right = axes.get_xlim()
+    for number, (name, low, high) in enumerate(panel.bands):
+        first, last = max(low, left), min(high, right)
+        if first <= last:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            axes.axvspan(first, last, color="0.5", alpha=0.15, lw=1.0 if first == last else 0.0, zorder=1)
+            middle = (first * last) ** 0.5 if "x" in panel.log else 0.5 * (first + last)
+            place = {"xytext": (0.0, -12.0 * (1 + over)), "textcoords": "offset points", "ha": "center", "fontsize": 8}
+            axes.annotate(name, (middle, 1.0), xycoords=axes.get_xaxis_transform(), **place)
 
 
 def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
     """Draw a curve; what oscillates too often for a line as the band that it fills."""
-    look = {"color": curve_colour(curve), "label": curve.name, "zorder": zorder}
+    look = {"color": curve_colour(curve), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
     if curve.marks:
-        axes.plot(curve.x, curve.y, ".", ms=4, **look)
+        axes.plot(curve.x, curve.y, ".", ms=4.0 * curve.weight, **look)
         return
     tolerance = _FINE * max(float(np.abs(curve.y).max(initial=0.0)), 1e-12)
     if lines and (np.diff(curve.x) > 0.0).all() and is_dense(curve.x, curve.y[:, None], tolerance):
         time, low, high = envelope(curve.x, curve.y[:, None])
-        axes.fill_between(time, low[:, 0], high[:, 0], alpha=0.45, lw=0.6, **look)
+        axes.fill_between(time, low[:, 0], high[:, 0], lw=0.6, **look | {"alpha": 0.45})
     else:
-        axes.plot(curve.x, curve.y, lw=0.9 if isinstance(curve.kind, str) else 1.2, **look)
+        width = curve.weight * (0.9 if isinstance(curve.kind, str) else 1.2)
+        axes.plot(curve.x, curve.y, lw=width, ls=curve.dash or "solid", **look)
 
 
 def curve_colour(curve: Curve) -> str:
     """Return the colour of a curve on a light ground, as matplotlib takes it."""
-    kind = curve.kind
-    return _hex(LIGHT.base if kind == BASE else LIGHT.others if kind == OTHERS else LIGHT.series[int(kind)])
+    named = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
+    return _hex(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])
 
 
 def _hex(colour: tuple[int, int, int]) -> str:

@@ -17,7 +17,7 @@ from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.measure import Measure, measure_of, values_of
-from wirerope_mj.studies.results.statements import percent
+from wirerope_mj.studies.results.statements import not_counted, percent
 from wirerope_mj.studies.results.statistics import CONFIDENCE, exceedance_of, finite, quantiles
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import BASE, COLOURS, RATED, WIDTH, report_style
@@ -166,8 +166,7 @@ def _distribution(panel: Any, shown: Measure, table: pa.Table) -> None:
     if shown.limit is not None:
         beyond = exceedance_of(table, shown.name, shown.limit)
         bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
-        failed = f"; {beyond.failed} more failed" if beyond.failed else ""
-        text = f"beyond the limit: {beyond.count} of {beyond.n} variants{failed}\n{bounds}"
+        text = f"beyond the limit: {beyond.count} of {beyond.n} variants{not_counted(beyond)}\n{bounds}"
         panel.set_title(text, loc="left", color=RATED if beyond.count else "0.2", fontweight="normal")
     panel.set_xlabel(_wrapped(shown))
     panel.set_ylim(0.0, 104.0)

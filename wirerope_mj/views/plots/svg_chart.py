@@ -4,13 +4,13 @@ Written here and not by a library: matplotlib draws letters as outlines and take
 charts in a browser comes as a script of megabytes, which a PDF does not run.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from math import isfinite, log10
 
 import numpy as np
 
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
@@ -26,6 +26,7 @@ _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
 _MARK = 3.6  # across a dot
 _FINE = 1 / 500  # of a panel's height, that a line may be off
+_CLOSE = 0.1  # units that one on logarithmic axes may be off: the places are rounded to it
 _ROOM = 0.05  # of the range, left free above and below
 
 
@@ -51,6 +52,8 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
     entries: dict[str, tuple[str, str]] = {}
     for panel in panels:
         for curve in panel.curves:
+            if not curve.name:
+                continue
             entries.setdefault(curve.name, (_look(curve), "m9 0h0" if curve.marks else "h18"))
         for name, _ in panel.limits:
             entries.setdefault(name, (_LIMIT, "h18"))
@@ -70,7 +73,7 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, *
     logs = "x" in panel.log, "y" in panel.log
     across = _Scale(x0, x1, left, left + width, logs[0])
     upward = _Scale(y0, y1, top + height, top, logs[1])
-    parts = [_grid(across, upward, panel, labelled=labelled)]
+    parts = [*_bands(panel, across, top, height), _grid(across, upward, panel, labelled=labelled)]
     drawn = []
     for curve in panel.curves:
         drawn += [
@@ -96,6 +99,17 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, *
     data = f'data-ranges="{ranges}" data-area="{area}" data-log="{panel.log}"'
     data += f' data-unit="{panel.unit}" data-xunit="{panel.xunit}"'
     return f'<g class="panel" {data}>{"".join(parts)}</g>'
+
+
+def _bands(panel: Panel, across: "_Scale", top: float, height: float) -> Iterator[str]:
+    """Yield shaded ranges across with their names at the upper end, each below those that it overlaps."""
+    for number, (name, low, high) in enumerate(panel.bands):
+        left, right = across(max(low, across.low)), across(min(high, across.high))
+        if left <= right:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            rect = f'x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 1.0):.1f}" height="{height:.1f}"'
+            yield f'<rect fill="#888" fill-opacity="0.18" {rect}/>'
+            yield _text(0.5 * (left + right), top + 12.0 * (1 + over), name, anchor="middle")
 
 
 class _Scale:
@@ -164,7 +178,8 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
         return ["".join(f"M{a:g} {b:g}h0" for a, b in _points(across.of(x), upward.of(y)))]
     tolerance = _FINE * abs(upward.high - upward.low)
     if upward.log or across.log:
-        rows = np.arange(x.size)
+        both = np.column_stack([across.of(x), upward.of(y)])
+        rows = rows_of_line(np.arange(x.size, dtype=np.float64), both, _CLOSE)
     elif (np.diff(x) > 0.0).all():
         if is_dense(x, y[:, None], tolerance):
             at, low, high = envelope(x, y[:, None])
@@ -185,6 +200,7 @@ def _points(x: Array, y: Array) -> list[list[float]]:
     return (np.round(np.column_stack([x, y]), 1) + 0.0).tolist()
 
 
+_DASHES = {"dashed": "6 3", "dotted": "1.5 2.5"}
 _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
 
 _LIMIT = f'class="limit" fill="none" stroke="#{bytes(LIGHT.limit).hex()}" stroke-width="1.1" stroke-dasharray="5 4"'
@@ -193,11 +209,14 @@ _LIMIT = f'class="limit" fill="none" stroke="#{bytes(LIGHT.limit).hex()}" stroke
 def _look(curve: Curve) -> str:
     """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
     kind = curve.kind
-    color: Color = LIGHT.base if kind == BASE else _FAINT if kind == OTHERS else LIGHT.series[int(kind)]
+    named: dict[int | str, Color] = {BASE: LIGHT.base, OTHERS: _FAINT, LIMIT: LIGHT.limit}
+    color = named[kind] if kind in named else LIGHT.series[int(kind)]
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
-    width = _MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5
+    width = curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
     cap = ' stroke-linecap="round"' if curve.marks else ""  # a mark is a line of no length with round ends
-    return f'class="{name}" fill="none" stroke="#{bytes(color).hex()}" stroke-width="{width}"{cap}'
+    faint = f' stroke-opacity="{curve.opacity:.2g}"' if curve.opacity < 1.0 else ""
+    dash = f' stroke-dasharray="{_DASHES[curve.dash]}"' if curve.dash else ""
+    return f'class="{name}" fill="none" stroke="#{bytes(color).hex()}" stroke-width="{width:g}"{cap}{dash}{faint}'
 
 
 def _text(x: float, y: float, text: str, *, anchor: str = "start", weight: str = "", turned: bool = False) -> str:

@@ -16,7 +16,7 @@ from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.measure import input_names
 from wirerope_mj.studies.results.stated_limits import limit_statement
-from wirerope_mj.studies.results.statements import failures, numbered, percent, statements
+from wirerope_mj.studies.results.statements import failures, not_counted, numbered, percent, statements
 from wirerope_mj.studies.results.study_summary import StudySummary
 from wirerope_mj.views.plots.report_image import image_of
 from wirerope_mj.views.plots.study_pictures import StudyPicture, study_pictures
@@ -90,7 +90,9 @@ def _verdict(summary: StudySummary) -> Statement:
     if not judged:
         return Statement(id="headline", text="Not judged: no limit is stated", tone="unjudged")
     most, ratio = max(judged, key=lambda one: one[0].count)
-    failed = f"; {several(most.failed, 'more variant')} failed" if most.failed else ""
+    failed = not_counted(most)
+    if not most.n:
+        return Statement(id="headline", text=f"Not judged{failed}", tone="unjudged")
     if most.count:
         of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
         return Statement(
