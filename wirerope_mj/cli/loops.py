@@ -45,7 +45,7 @@ def loops(
     """
     from wirerope_mj.cli.isolators import check_picture, say_written
     from wirerope_mj.content.blocks import Chart
-    from wirerope_mj.content.cyclic_tests import CyclicTests, tests_content
+    from wirerope_mj.content.cyclic_tests import CyclicTests, loops_content
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of
     from wirerope_mj.mounts.test_rig import cyclic_test, save_cyclic_test
@@ -73,7 +73,7 @@ def loops(
         for title, (one, law) in laws.items()
     }
     tested = {title: law for title, (_, law) in laws.items()}
-    content = tests_content(
+    content = loops_content(
         CyclicTests(isolator=device, laws=tested, loops=found, operating_point=mean, frequency=frequency)
     )
     show(content)

@@ -53,7 +53,7 @@ class CyclicTests:
     frequency: float
 
 
-def tests_content(tests: CyclicTests) -> Content:
+def loops_content(tests: CyclicTests) -> Content:
     """Describe cyclic tests: the laws, measures of every loop, those of all loops of an axis, and the loops as a chart."""
     about = f", about {in_unit(tests.operating_point, 'mm'):.4g} mm" if tests.operating_point else ""
     rate = "" if all(law.rate_independent for law in tests.laws.values()) else f", at {tests.frequency:g} Hz"
@@ -63,7 +63,7 @@ def tests_content(tests: CyclicTests) -> Content:
         verdict=Statement(id="tests", text=title),
         sections=(
             Section(id="tests", title="", build=lambda: _test_blocks(tests), depth="summary"),
-            Section(id="loops", title="", build=lambda: [tests_chart(_titled(tests))]),
+            Section(id="loops", title="", build=lambda: [loops_chart(_titled(tests))]),
         ),
     )
 
@@ -113,7 +113,7 @@ def _titled(tests: CyclicTests) -> dict[str, Sequence[Loop]]:
     return {f"{name}{'' if tests.laws[name].rate_independent else rate}": one for name, one in tests.loops.items()}
 
 
-def tests_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
+def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
     """Return a panel for each test: its loops from the smallest to the largest, as they were run or measured.
 
     Args:
@@ -163,7 +163,7 @@ def _panel(curves: Sequence[Curve], title: str, unit: str) -> Panel:
 def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
     """Return loops of deepening colour; of many only some are named, each by its amplitude and damping ratio."""
     named = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_NAMES)).round().astype(int))
-    shades = np.linspace(0.35, 1.0, len(loops)) if len(loops) > 1 else [1.0]
+    shades = np.linspace(0.45, 1.0, len(loops)) if len(loops) > 1 else [1.0]
     curves = []
     for number, (loop, shade) in enumerate(zip(loops, shades, strict=True)):
         ratio, amplitude = loop.damping_ratio, in_unit(loop.amplitude, "mm")
@@ -182,22 +182,22 @@ def _ratings(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
         path = law.trace(-np.linspace(0.0, below, 2001))
         if -path.force[-1] >= load:  # the first loading carries it within the rated travel
             depth = float(np.interp(load, -path.force, -path.deflection))
-            yield _mark(-depth, -load, f"rated load {in_unit(load, 'kN'):.3g} kN", hollow=True)
+            yield _mark(-depth, -load, f"rated load {in_unit(load, 'kN'):.3g} kN", BASE)
     if not law.rate_independent:
         return
     for sign, limit in zip((-1.0, 1.0), travel, strict=True):
         if limit is not None:
             end = law.trace([0.0, sign * limit])
-            yield _mark(float(end.deflection[-1]), float(end.force[-1]), "rated travel")
+            yield _mark(float(end.deflection[-1]), float(end.force[-1]), "rated travel", LIMIT)
     for sign in (-1.0, 1.0):
         path = law.trace(sign * np.linspace(0.0, largest_amplitude(device, axis), 200))
         x, y = in_unit(path.deflection, "mm"), in_unit(path.force, "kN")
         yield Curve(x=x, y=y, name="first loading", kind=BASE, dash="dashed")
 
 
-def _mark(deflection: float, force: float, name: str, *, hollow: bool = False) -> Curve:
+def _mark(deflection: float, force: float, name: str, kind: str) -> Curve:
     x, y = np.array([in_unit(deflection, "mm")]), np.array([in_unit(force, "kN")])
-    return Curve(x=x, y=y, name=name, kind=BASE if hollow else LIMIT, marks=True, weight=2.0)
+    return Curve(x=x, y=y, name=name, kind=kind, marks=True, weight=2.0)
 
 
 def law_choice_statement(table: LawComparison, files: str) -> Statement:

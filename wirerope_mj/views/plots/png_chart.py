@@ -17,6 +17,7 @@ from wirerope_mj.views.thin import envelope, is_dense
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
+_WIDE = 0.5  # of a picture, from which on a legend has two columns
 _LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
 
 
@@ -75,7 +76,8 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
     if named:
         place = "upper right" if panel.xunit == "s" else "best"  # which takes long among the samples of a run
-        axes.legend(named.values(), named.keys(), fontsize=8, loc=place, ncols=2)
+        wide = axes.get_position().width > _WIDE
+        axes.legend(named.values(), named.keys(), fontsize=8, loc=place, ncols=2 if wide else 1)
 
 
 def _shade(axes: Any, panel: Panel) -> None:
