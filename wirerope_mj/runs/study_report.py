@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.page import page_files, write_page
+from wirerope_mj.runs.report import page_files, write_page
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study
