@@ -42,7 +42,7 @@ def test_a_run_that_ends_inside_the_answer_is_not_judged_and_longer_ones_agree(c
                 assert row.utilisation == pytest.approx(whole.utilisation, abs=0.01)
         if duration < 0.18:
             assert f"the run ends at {1e3 * duration:.4g} ms, before its peaks are over" in headline(verdicts)
-            assert headline(verdicts).startswith("Not judged: ")
+            assert headline(verdicts).startswith("NOT JUDGED: ")
             assert "run at least 188 ms" in verdict_lines(response, verdicts)[0]
             assert all(row.utilisation is None for row in mount_peaks(response))
         else:
