@@ -16,11 +16,10 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, plai
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes, random_phases, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
+from wirerope_mj.motions.piecewise import UniformSpline
 from wirerope_mj.motions.psd_lines import Points, checked_points, psd_power, psd_rms
-from wirerope_mj.motions.random_phases import random_amplitudes, random_phases
-from wirerope_mj.motions.spline import UniformSpline
 
 Amplitudes = Literal["fixed", "random"]
 

@@ -14,10 +14,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
-from wirerope_mj.motions.random_phases import random_phases
 
 _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
 _UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}

@@ -17,7 +17,7 @@ from wirerope_mj.motions.spectra import (
     power_spectral_density,
     shock_response_spectrum,
 )
-from wirerope_mj.motions.spectra.arguments import octave_grid
+from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
 from wirerope_mj.views.plots.report_motion import moving_axes
 from wirerope_mj.views.plots.report_response import acceleration_along

@@ -22,8 +22,8 @@ from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.judged import JudgedRun, judged_run

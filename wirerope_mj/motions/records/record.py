@@ -17,10 +17,9 @@ from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.piecewise import PiecewiseLinear
-from wirerope_mj.motions.records.baseline import BASELINES, without_baseline
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
 from wirerope_mj.motions.records.csv import csv_channels, read_csv
-from wirerope_mj.motions.records.sampling import even, resampled
+from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.

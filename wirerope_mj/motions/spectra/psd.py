@@ -10,7 +10,7 @@ import scipy
 from wirerope_mj.foundation.arguments import not_negative, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised, quantity
-from wirerope_mj.motions.spectra.arguments import check_samples
+from wirerope_mj.motions.spectra.ramp import check_samples
 
 # half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)
 SEGMENTS = 15
