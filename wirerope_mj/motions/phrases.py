@@ -48,6 +48,15 @@ class Phrase:
     named: dict[str, float]
     directions: tuple[Direction, ...]
 
+    @property
+    def start(self) -> float:
+        """Instant at which the motion begins [s]: what stands behind "at"."""
+        return self.named.get("at", 0.0)
+
+    def one(self, quantity: str) -> float:
+        """Return the first value of a quantity in SI."""
+        return self.quantities[quantity][0]
+
 
 def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     """Return what a phrase says.
@@ -203,8 +212,3 @@ def site_first(text: str, _: Path) -> tuple[str, str]:
     """Return the site that a phrase begins with, and what follows."""
     site, _space, rest = text.strip().partition(" ")
     return site, rest
-
-
-def one(phrase: Phrase, quantity: str) -> float:
-    """Return the first value of a quantity in SI."""
-    return phrase.quantities[quantity][0]

@@ -170,13 +170,9 @@ def match_spectrum(
         start=start,
     )
     return SpectrumMatch(
-        motion=motion,
-        frequencies=frequencies,
-        target=wanted,
-        achieved=achieved,
-        damping=float(damping),
+        motion=motion, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
         iterations=iterations,
-    )
+    )  # fmt: skip
 
 
 def _comparison(points: Points, damping: float) -> tuple[Array, Array]:

@@ -1,4 +1,4 @@
-"""Spectra that standards ask for: of earthquakes, as targets of `match_spectrum`, and of naval shock, with its double pulses."""
+"""Spectra that standards ask for: of earthquakes, as targets of `match_spectrum`; of naval shock, with its double pulses."""
 
 import math
 from collections.abc import Sequence

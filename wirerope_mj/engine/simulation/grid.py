@@ -93,14 +93,9 @@ class TimeGrid:
 
 
 def time_grid(
-    *,
-    start: float,
-    duration: float,
-    sample_rate: float,
-    timestep: float,
-    motion: BaseMotion,
+    *, start: float, duration: float, sample_rate: float, timestep: float, motion: BaseMotion,
     corners: Sequence[float] | Array = (),
-) -> TimeGrid:
+) -> TimeGrid:  # fmt: skip
     """Return the grid from `start` to `start + duration` [s].
 
     Sample instants k / sample_rate are joined with the motion's corners and with `corners` [s], at which segments end
@@ -196,10 +191,6 @@ def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
     )
     event = _events(motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
     return Grid(
-        start=start,
-        stop=stop,
-        steps=steps_per_segment[interval],
-        sampled=sampled[interval] & is_first,
-        event=event[:-1],
-        corner_after=event[1:] != SMOOTH,
-    )
+        start=start, stop=stop, steps=steps_per_segment[interval], sampled=sampled[interval] & is_first,
+        event=event[:-1], corner_after=event[1:] != SMOOTH,
+    )  # fmt: skip

@@ -135,13 +135,10 @@ def _piece(own: Sequence[Grid], stages: Sequence[Stages]) -> _Piece:
         np.array([grid.start[cut], grid.stop[cut], grid.steps[cut], grid.sampled[cut], grid.event[cut]]) for grid in own
     ]
     return _Piece(
-        grids=grids,
-        positions=np.array([one.positions for one in stages]),
-        rates=np.array([one.rates for one in stages]),
-        accelerations=np.array([one.accelerations for one in stages]),
-        ends=stages[0].ends,
-        samples=int(own[0].sampled[cut].sum()),
-    )
+        grids=grids, positions=np.array([one.positions for one in stages]),
+        rates=np.array([one.rates for one in stages]), accelerations=np.array([one.accelerations for one in stages]),
+        ends=stages[0].ends, samples=int(own[0].sampled[cut].sum()),
+    )  # fmt: skip
 
 
 def _groups(

@@ -41,14 +41,9 @@ def scene_of(system: System) -> Scene:
         bodies = _bodies(system, data)
         mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
     return Scene(
-        name=system.name,
-        base=system.base,
-        bodies=bodies,
-        mounts=mounts,
-        limits=system.limits,
-        combined_travel=system.combined_travel,
-        areas=system.areas,
-    )
+        name=system.name, base=system.base, bodies=bodies, mounts=mounts, limits=system.limits,
+        combined_travel=system.combined_travel, areas=system.areas,
+    )  # fmt: skip
 
 
 def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
@@ -104,21 +99,12 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
     sizes = ("height", "width", "bar", "bolts", "bolts_along_roll", "bolts_along_shear")
     height, width, bar, *bolts = (_number(getattr(isolator.geometry, size, None)) for size in sizes)
     return SceneMount(
-        name=mount.name,
-        isolator=isolator.name,
-        payload_body=model.body(on[0]).name,
-        base_body=model.body(on[1]).name,
+        name=mount.name, isolator=isolator.name, payload_body=model.body(on[0]).name, base_body=model.body(on[1]).name,
         payload_point=model.site_pos[sites[0]] - model.body_ipos[on[0]],
-        base_point=model.site_pos[sites[1]] - model.body_ipos[on[1]],
-        axes=rotation.T @ mount.axes,
-        height=height,
-        width=width,
-        bar=bar,
-        static_load=_number(isolator.limits.static_load),
-        travel=isolator.limits.travel.stated,
-        stop=isolator.is_stop,
-        bolts=np.array(bolts),
-    )
+        base_point=model.site_pos[sites[1]] - model.body_ipos[on[1]], axes=rotation.T @ mount.axes, height=height,
+        width=width, bar=bar, static_load=_number(isolator.limits.static_load), travel=isolator.limits.travel.stated,
+        stop=isolator.is_stop, bolts=np.array(bolts),
+    )  # fmt: skip
 
 
 def _number(value: float | None) -> float:

@@ -160,13 +160,10 @@ class StageTables:
             accelerations = self._motion.acceleration(times)
             self._running.add(times, accelerations)
             yield Stages(
-                first=first,
-                positions=positions[first - begin : last - begin],
-                rates=rates[first - begin : last - begin],
-                accelerations=accelerations,
-                forces=loads_at(self._motion, self._sites, times),
-                ends=total[block] - before,
-            )
+                first=first, positions=positions[first - begin : last - begin],
+                rates=rates[first - begin : last - begin], accelerations=accelerations,
+                forces=loads_at(self._motion, self._sites, times), ends=total[block] - before,
+            )  # fmt: skip
             first = last
 
     def segments(self, grid: Grid) -> Iterator[Segment]:

@@ -159,14 +159,10 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         load = result.mounts[name]
         lift = -float(up @ data.site(mount.base_site).xmat.reshape(3, 3) @ load.force)
         mounts[name] = MountSag(
-            deflection=load.deflection,
-            force=load.force,
-            carries=lift,
-            split=lift / weight if weight else np.nan,
-            compression=max(-float(load.force[2]), 0.0),
-            static_load=mount.isolator.limits.static_load,
+            deflection=load.deflection, force=load.force, carries=lift, split=lift / weight if weight else np.nan,
+            compression=max(-float(load.force[2]), 0.0), static_load=mount.isolator.limits.static_load,
             stop=mount.isolator.is_stop,
-        )
+        )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
         history=result.history,

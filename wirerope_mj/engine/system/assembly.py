@@ -121,14 +121,9 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     _add_sensors(spec, plain, declared, subjects)
     model = spec.compile()
     return Assembly(
-        model=model,
-        tables=tables,
-        subjects=subjects,
-        userdata=userdata,
-        activation=int(plain.na),
-        sensor=int(plain.nsensordata),
-        contacts=declared_contacts(model, base),
-    )
+        model=model, tables=tables, subjects=subjects, userdata=userdata, activation=int(plain.na),
+        sensor=int(plain.nsensordata), contacts=declared_contacts(model, base),
+    )  # fmt: skip
 
 
 def _drive(spec: mujoco.MjSpec, model: mujoco.MjModel, base: int) -> tuple[int, ...]:

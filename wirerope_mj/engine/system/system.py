@@ -166,18 +166,12 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     model = assembly.model
     roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
     return System(
-        model=model,
-        mounts=ByName(_mounts(assembly, declared)),
-        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
-        base=model.body(base).name if base else "",
-        mjcf=text,
-        path=path,
-        isolators={d.isolator_name: d.isolator for d in declared},
-        limits=declared_limits(model, base),
-        assembly=assembly,
-        combined_travel=judges_combined_travel(model),
+        model=model, mounts=ByName(_mounts(assembly, declared)),
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)], base=model.body(base).name if base else "",
+        mjcf=text, path=path, isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model, base), assembly=assembly, combined_travel=judges_combined_travel(model),
         areas=declared_areas(spec, [d.name for d in declared]),
-    )
+    )  # fmt: skip
 
 
 def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Mount]:

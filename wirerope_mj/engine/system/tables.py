@@ -138,14 +138,9 @@ class Tables:
 
 
 def make_tables(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    declared: list[DeclaredMount],
-    on: Subjects,
-    *,
-    sensor: int,
+    model: mujoco.MjModel, data: mujoco.MjData, declared: list[DeclaredMount], on: Subjects, *, sensor: int,
     drive: Array | None = None,
-) -> Tables:
+) -> Tables:  # fmt: skip
     """Return the tables of a model, whose modelled geometry is computed in `data`.
 
     `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
@@ -204,15 +199,10 @@ def make_tables(
     header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
     header[at.USER_TRAVELS] = user.travels
     return Tables(
-        layout=np.concatenate([header, *flat]),
-        parameters=np.concatenate([*parameters, []]),
-        user=user,
-        drive=drive,
-        channels=np.array(channels, dtype=np.int64),
-        base_channels=(base_channels := _base_channels(model, on)),
-        tracked=np.setdiff1d(np.arange(len(channels)), base_channels),
-        states=states,
-    )
+        layout=np.concatenate([header, *flat]), parameters=np.concatenate([*parameters, []]), user=user, drive=drive,
+        channels=np.array(channels, dtype=np.int64), base_channels=(base_channels := _base_channels(model, on)),
+        tracked=np.setdiff1d(np.arange(len(channels)), base_channels), states=states,
+    )  # fmt: skip
 
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:

@@ -147,13 +147,9 @@ def power_spectral_density(
         kept, fs=1.0 / step, window=window, noverlap=size // 2, detrend="constant", scaling="density", axis=0
     )
     return PowerSpectralDensity(
-        frequency=frequency,
-        density=density,
-        resolution=1.0 / (size * step),
-        duration=left,
-        segments=segments,
+        frequency=frequency, density=density, resolution=1.0 / (size * step), duration=left, segments=segments,
         degrees_of_freedom=_degrees(window, hop, segments),
-    )
+    )  # fmt: skip
 
 
 def _segment(samples: int, step: float, resolution: float | None) -> int:

@@ -1,4 +1,4 @@
-"""The response of one oscillator to samples joined by straight lines: exact steps, and the extremes between them; its samples."""
+"""The response of one oscillator to samples joined by straight lines: exact steps, and extremes between them; the samples."""
 
 import math
 
