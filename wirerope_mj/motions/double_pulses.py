@@ -50,8 +50,7 @@ class DoublePulse(StartedMotion):
                 "`peak`, `velocity` and `displacement` must have the same sign (negative: a shock against the direction), "
                 f"got {self.peak:.4g}, {self.peak_velocity:.4g} and {self.final_displacement:.4g}."
             )
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", ranges.start("start", start))
+        self._set(direction=checked_direction(direction), start=ranges.start("start", start))
         self._check_second_pulse()
         object.__setattr__(self, "duration", self.first_duration + self.second_duration)
 

@@ -121,6 +121,11 @@ class BaseMotion(ABC):
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         """Return the constructor's arguments as plain values."""
 
+    def _set(self, **values: Any) -> None:
+        """Set attributes of a frozen motion while it is made."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
     def __add__(self, other: "BaseMotion") -> "SumOfMotions":
         """Return the motion that is the sum of the two."""
         if not isinstance(other, BaseMotion):

@@ -102,16 +102,9 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
     return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)
 
 
-PSD_UNITS = {
-    "g^2/Hz": STANDARD_GRAVITY**2,
-    "g2/Hz": STANDARD_GRAVITY**2,
-    "g²/Hz": STANDARD_GRAVITY**2,
-    "(m/s^2)^2/Hz": 1.0,
-    "(m/s2)2/Hz": 1.0,
-    "(m/s²)²/Hz": 1.0,
-    "m^2/s^3": 1.0,
-    "m2/s3": 1.0,
-}
+PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
+    ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3"), 1.0
+)
 FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 
 ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)

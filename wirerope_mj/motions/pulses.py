@@ -38,8 +38,7 @@ class Pulse(StartedMotion):
     def __post_init__(self) -> None:
         object.__setattr__(self, "peak", ranges.level("peak", self.peak))
         object.__setattr__(self, "duration", ranges.length("duration", self.duration))
-        object.__setattr__(self, "direction", checked_direction(self.direction))
-        object.__setattr__(self, "start", ranges.start("start", self.start))
+        self._set(direction=checked_direction(self.direction), start=ranges.start("start", self.start))
 
     @property
     @abstractmethod
@@ -204,9 +203,7 @@ class VelocityStep(StartedMotion):
 
     def __init__(self, *, velocity: float, direction: str | Sequence[float], start: float = 0.0) -> None:
         object.__setattr__(self, "velocity_change", ranges.level("velocity", velocity))
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", ranges.start("start", start))
-        object.__setattr__(self, "duration", 0.0)
+        self._set(direction=checked_direction(direction), start=ranges.start("start", start), duration=0.0)
 
     @property
     def corners(self) -> Array:

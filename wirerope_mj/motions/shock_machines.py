@@ -229,12 +229,11 @@ class ShockTableImpact(StartedMotion):
         object.__setattr__(self, "drop_height", ranges.level("drop_height", positive("drop_height", drop_height)))
         object.__setattr__(self, "rebound", between("rebound", rebound, 0.0, 1.0))
         length = None if pulse_duration is None else ranges.length("pulse_duration", pulse_duration)
-        object.__setattr__(self, "pulse_duration", length)
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", ranges.start("start", start))
-        object.__setattr__(self, "fall", bool(fall))
-        object.__setattr__(self, "gravity", positive("gravity", gravity))
-        object.__setattr__(self, "duration", self.fall_duration + (length or 0.0))
+        self._set(
+            pulse_duration=length, direction=checked_direction(direction), start=ranges.start("start", start),
+            fall=bool(fall), gravity=positive("gravity", gravity),
+        )  # fmt: skip
+        self._set(duration=self.fall_duration + (length or 0.0))
 
     @property
     def impact_velocity(self) -> float:

@@ -144,15 +144,14 @@ class DesignSpectrum:
     def double_half_sine(
         self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0
     ) -> DoubleHalfSine:
-        """Return the double half-sine that stands for the spectrum.
+        """Make the double half-sine that stands for the spectrum.
 
         Args:
             direction: `"x"`, `"y"`, `"z"` or a 3-vector.
             factors: first peak over a0, velocity over v0 and final displacement over d0.
             start: instant at which the first pulse begins [s].
         """
-        peak, velocity, displacement = self._pulse(factors)
-        return DoubleHalfSine(peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start)
+        return DoubleHalfSine(**self._levels(factors), direction=direction, start=start)
 
     def double_triangle(
         self,
@@ -163,7 +162,7 @@ class DesignSpectrum:
         r1: float = 0.4,
         r2: float = 0.4,
     ) -> DoubleTriangle:
-        """Return the double triangle that stands for the spectrum.
+        """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
 
         Args:
             direction: `"x"`, `"y"`, `"z"` or a 3-vector.
@@ -172,13 +171,10 @@ class DesignSpectrum:
             r1: where the first peak lies in its triangle, from 0 to 1.
             r2: where the second peak lies in its triangle, from 0 to 1; sources give 0.4 and 0.6.
         """
-        peak, velocity, displacement = self._pulse(factors)
-        return DoubleTriangle(
-            peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start, r1=r1, r2=r2
-        )
+        return DoubleTriangle(**self._levels(factors), direction=direction, start=start, r1=r1, r2=r2)
 
-    def _pulse(self, factors: Sequence[float]) -> tuple[float, float, float]:
+    def _levels(self, factors: Sequence[float]) -> dict[str, float]:
         if len(factors) != 3:
             raise ValueError(f"`factors` must be three, on acceleration, velocity and displacement, got {factors!r}.")
         a, v, d = (positive("factors", factor) for factor in factors)
-        return a * self.acceleration, v * self.velocity, d * self.displacement
+        return {"peak": a * self.acceleration, "velocity": v * self.velocity, "displacement": d * self.displacement}

@@ -78,14 +78,11 @@ class VibrationLines(AsCall, StartedMotion):
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )
         lines = checked_points(quantity, points, quantity=f"amplitude [{_UNIT[quantity]}]", least=1)
-        object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "lines", lines)
-        object.__setattr__(self, "direction", checked_direction(direction))
+        self._set(quantity=quantity, lines=lines, direction=checked_direction(direction))
         if phases is not None and seed is not None:
             raise ValueError("at most one of `phases` and `seed` can be given, got both.")
         object.__setattr__(self, "phases", None if phases is None else _checked_phases(phases, len(lines)))
-        object.__setattr__(self, "seed", None if seed is None else integer("seed", seed, least=0))
-        object.__setattr__(self, "start", ranges.start("start", start))
+        self._set(seed=None if seed is None else integer("seed", seed, least=0), start=ranges.start("start", start))
         self._set_ramps(duration, rise, fall)
 
     def _set_ramps(self, duration: float | None, rise: float | None, fall: float | None) -> None:
@@ -100,9 +97,7 @@ class VibrationLines(AsCall, StartedMotion):
             first, last = (usual_ramp(name, value, lowest=lowest, duration=length) for name, value in given)
             check_room(length, first, last)
             ramps = first, last
-        object.__setattr__(self, "rise", ramps[0])
-        object.__setattr__(self, "fall", ramps[1])
-        object.__setattr__(self, "duration", math.inf if duration is None else float(duration))
+        self._set(rise=ramps[0], fall=ramps[1], duration=math.inf if duration is None else float(duration))
 
     @property
     def frequencies(self) -> Array:
