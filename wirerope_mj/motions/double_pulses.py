@@ -21,23 +21,14 @@ from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 @dataclass(frozen=True, init=False, repr=False)
 class DoublePulse(StartedMotion):
-    """Two opposite acceleration pulses: at rest before `start`, at rest at the displacement after the second.
+    """Two opposite acceleration pulses: at rest before `start`, at rest at the displacement after the second."""
 
-    Attributes:
-        peak: peak acceleration of the first pulse [m/s^2].
-        peak_velocity: velocity between the pulses, the largest there is [m/s].
-        final_displacement: displacement after the second pulse, the largest there is [m].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the first pulse begins [s].
-        duration: length of both pulses together [s].
-    """
-
-    peak: float
-    peak_velocity: float
-    final_displacement: float
-    direction: Direction
-    start: float
-    duration: float
+    peak: float  # peak acceleration of the first pulse [m/s^2]
+    peak_velocity: float  # velocity between the pulses, the largest there is [m/s]
+    final_displacement: float  # displacement after the second pulse, the largest there is [m]
+    direction: Direction  # `"x"`, `"y"`, `"z"` or a 3-vector
+    start: float  # instant at which the first pulse begins [s]
+    duration: float  # length of both pulses together [s]
 
     def __init__(
         self, *, peak: float, velocity: float, displacement: float, direction: str | Sequence[float], start: float = 0.0

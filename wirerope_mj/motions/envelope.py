@@ -20,19 +20,12 @@ USUAL_FRACTION = 0.1
 
 @dataclass(frozen=True, kw_only=True)
 class Envelope:
-    """Factor that rises from 0 to 1 as s^3 (10 - 15 s + 6 s^2), s from 0 to 1, and falls likewise: its curvature has no jump.
+    """Factor that rises from 0 to 1 as s^3 (10 - 15 s + 6 s^2), s from 0 to 1, and falls likewise: no jump of curvature."""
 
-    Attributes:
-        start: instant at which the rise begins [s].
-        stop: instant at which the fall ends [s]; infinite: it never falls.
-        rise: length of the rise [s]; 0: the factor was always 1.
-        fall: length of the fall [s].
-    """
-
-    start: float
-    stop: float
-    rise: float
-    fall: float
+    start: float  # instant at which the rise begins [s]
+    stop: float  # instant at which the fall ends [s]; infinite: it never falls
+    rise: float  # length of the rise [s]; 0: the factor was always 1
+    fall: float  # length of the fall [s]
 
     def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
         """Return the factor and its first two derivatives at the times (n_t,)."""

@@ -184,15 +184,11 @@ class StartedMotion(StraightMotion):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SumOfMotions(AsCall, BaseMotion):
-    """Several base motions at once; made by `a + b`.
-
-    Attributes:
-        terms: the motions that are added, none of them a sum itself.
-    """
+    """Several base motions at once; made by `a + b`."""
 
     kind: ClassVar[str] = "sum"
 
-    terms: "tuple[BaseMotion, ...]"
+    terms: "tuple[BaseMotion, ...]"  # the motions that are added, none of them a sum itself
     duration: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

@@ -36,17 +36,12 @@ _VECTOR = re.compile(r"[^,]+,[^,]+,[^,]+")
 
 @dataclass(frozen=True, kw_only=True)
 class Phrase:
-    """What a phrase says.
+    """What a phrase says."""
 
-    Attributes:
-        quantities: values in SI by quantity ("acceleration", "time", ...), in the order of the phrase.
-        named: value in SI of every word that stood before a number, such as "at"; an integer of "seed".
-        directions: directions of motion; several where axes were named together, as in "xyz".
-    """
-
+    # values in SI by quantity ("acceleration", "time", ...), in the order of the phrase
     quantities: dict[str, tuple[float, ...]]
-    named: dict[str, float]
-    directions: tuple[Direction, ...]
+    named: dict[str, float]  # value in SI of every word that stood before a number, such as "at"; an integer of "seed"
+    directions: tuple[Direction, ...]  # directions of motion; several where axes were named together, as in "xyz"
 
     @property
     def start(self) -> float:
@@ -169,29 +164,19 @@ START = {"at": "time"}
 
 @dataclass(frozen=True, kw_only=True)
 class SpokenMotion:
-    """A kind of motion as a phrase says it.
+    """A kind of motion as a phrase says it."""
 
-    Attributes:
-        example: a phrase of this kind.
-        summary: what it is, for a list of options.
-        needs: how many values of each quantity there must be.
-        make: makes the motion along one direction from the phrase, its number among several, and what `begins` returned.
-        words: quantity of what may follow each word.
-        needed_words: words that must be there.
-        begins: takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text.
-        may: quantities that may be there, and how many values at most.
-        directed: whether it has a direction.
-    """
-
-    example: str
-    summary: str
-    needs: Mapping[str, int]
+    example: str  # a phrase of this kind
+    summary: str  # what it is, for a list of options
+    needs: Mapping[str, int]  # how many values of each quantity there must be
+    # makes the motion along one direction from the phrase, its number among several, and what `begins` returned
     make: Callable[[Phrase, Direction, int, Any], BaseMotion]
-    words: Mapping[str, str] = field(default_factory=lambda: START)
-    needed_words: tuple[str, ...] = ()
+    words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of what may follow each word
+    needed_words: tuple[str, ...] = ()  # words that must be there
+    # takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text
     begins: Callable[[str, Path], tuple[Any, str]] | None = None
-    may: Mapping[str, int] = field(default_factory=dict)
-    directed: bool = True
+    may: Mapping[str, int] = field(default_factory=dict)  # quantities that may be there, and how many values at most
+    directed: bool = True  # whether it has a direction
 
 
 def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, str]]:

@@ -21,19 +21,12 @@ from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 @dataclass(frozen=True, kw_only=True)
 class Pulse(StartedMotion):
-    """Acceleration pulse along one direction: at rest before `start`, coasting at its velocity change after its end.
+    """Acceleration pulse along one direction: at rest before `start`, coasting at its velocity change after its end."""
 
-    Attributes:
-        peak: peak acceleration [m/s^2]; negative for a shock against the direction.
-        duration: length of the pulse [s].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the pulse begins [s].
-    """
-
-    peak: float
-    duration: float
-    direction: Direction
-    start: float = 0.0
+    peak: float  # peak acceleration [m/s^2]; negative for a shock against the direction
+    duration: float  # length of the pulse [s]
+    direction: Direction  # `"x"`, `"y"`, `"z"` or a 3-vector
+    start: float = 0.0  # instant at which the pulse begins [s]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "peak", ranges.level("peak", self.peak))

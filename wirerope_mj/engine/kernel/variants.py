@@ -192,23 +192,15 @@ NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant.
+    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant."""
 
-    Attributes:
-        equations: of the first variant.
-        numbers, states, memory: of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`.
-        clock: see `wirerope_mj.engine.kernel.observe`.
-        which: number of the motion that each lane's base follows, (WIDTH,).
-        size: number of variants.
-    """
-
-    equations: Equations
-    numbers: Array
+    equations: Equations  # of the first variant
+    numbers: Array  # of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`
     states: Array
     memory: Array
-    clock: Array
-    which: Integers
-    size: int
+    clock: Array  # see `wirerope_mj.engine.kernel.observe`
+    which: Integers  # number of the motion that each lane's base follows, (WIDTH,)
+    size: int  # number of variants
 
     @property
     def failed(self) -> Array:

@@ -17,22 +17,14 @@ SAME_TIME = 1e-10
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Segments of equal steps that never straddle a sample or a corner of the motion.
+    """Segments of equal steps that never straddle a sample or a corner of the motion."""
 
-    Attributes:
-        start, stop: ends of every segment [s], (n_p,).
-        steps: number of steps in every segment, (n_p,).
-        sampled: whether the segment starts at a sample instant, (n_p,).
-        event: SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,).
-        corner_after: whether the motion has a corner at the segment's end, (n_p,).
-    """
-
-    start: Array
+    start: Array  # ends of every segment [s], (n_p,)
     stop: Array
-    steps: npt.NDArray[np.int64]
-    sampled: npt.NDArray[np.bool_]
-    event: Array
-    corner_after: npt.NDArray[np.bool_]
+    steps: npt.NDArray[np.int64]  # number of steps in every segment, (n_p,)
+    sampled: npt.NDArray[np.bool_]  # whether the segment starts at a sample instant, (n_p,)
+    event: Array  # SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,)
+    corner_after: npt.NDArray[np.bool_]  # whether the motion has a corner at the segment's end, (n_p,)
 
     @classmethod
     def empty(cls) -> "Grid":
@@ -56,24 +48,15 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True, kw_only=True)
 class TimeGrid:
-    """The segments of a whole run, made block by block: a record may have millions of corners.
+    """The segments of a whole run, made block by block: a record may have millions of corners."""
 
-    Attributes:
-        start, stop: ends of the run [s].
-        sample_rate: of the samples [Hz].
-        timestep: largest step [s].
-        motion: whose events the segments carry.
-        corners: instants at which segments end, those of the motion among them [s], (n_c,).
-        sample_times: sample instants [s], (n_t,); the last may be the end of the last segment.
-    """
-
-    start: float
+    start: float  # ends of the run [s]
     stop: float
-    sample_rate: float
-    timestep: float
-    motion: BaseMotion
-    corners: Array
-    sample_times: Array
+    sample_rate: float  # of the samples [Hz]
+    timestep: float  # largest step [s]
+    motion: BaseMotion  # whose events the segments carry
+    corners: Array  # instants at which segments end, those of the motion among them [s], (n_c,)
+    sample_times: Array  # sample instants [s], (n_t,); the last may be the end of the last segment
 
     def blocks(self) -> Iterator[Grid]:
         """Yield grids that follow each other."""

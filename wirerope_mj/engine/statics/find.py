@@ -40,21 +40,14 @@ HELD = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibria:
-    """Equilibria of variants.
+    """Equilibria of variants."""
 
-    Attributes:
-        found: whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none.
-        held: whether the mounts certainly resist every motion, (n,).
-        states: qpos, qvel and act, (n, n_state).
-        mounts: deflection and force of every mount, (n, n_mounts, 2, 3).
-        residual: largest acceleration left [m/s^2 or rad/s^2], (n,).
-    """
-
+    # whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none
     found: npt.NDArray[np.bool_]
-    held: npt.NDArray[np.bool_]
-    states: Array
-    mounts: Array
-    residual: Array
+    held: npt.NDArray[np.bool_]  # whether the mounts certainly resist every motion, (n,)
+    states: Array  # qpos, qvel and act, (n, n_state)
+    mounts: Array  # deflection and force of every mount, (n, n_mounts, 2, 3)
+    residual: Array  # largest acceleration left [m/s^2 or rad/s^2], (n,)
 
 
 class EquilibriumSolver:

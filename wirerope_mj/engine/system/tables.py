@@ -104,26 +104,16 @@ class Subjects:
 
 @dataclass(frozen=True, kw_only=True)
 class Tables:
-    """The callback's tables as numbers, and what the rest of the library needs to know of them.
+    """The callback's tables as numbers, and what the rest of the library needs to know of them."""
 
-    Attributes:
-        layout: header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,).
-        parameters: parameters of all laws, (n_p,).
-        user: addresses in userdata.
-        drive: slide accelerations from base acceleration, (n_driven, 3).
-        channels: indices of the tracked 3-vectors among the system's sensor values, (n_channels,).
-        base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
-        tracked: numbers of the others, (n_channels - n_base_channels,).
-        states: per mount where the states of roll, shear and axial stand among the internal states.
-    """
-
-    layout: Array
-    parameters: Array
-    user: at.UserData
-    drive: Array
-    channels: npt.NDArray[np.int64]
-    base_channels: tuple[int, ...]
-    tracked: npt.NDArray[np.int64]
+    layout: Array  # header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,)
+    parameters: Array  # parameters of all laws, (n_p,)
+    user: at.UserData  # addresses in userdata
+    drive: Array  # slide accelerations from base acceleration, (n_driven, 3)
+    channels: npt.NDArray[np.int64]  # indices of the tracked 3-vectors among the system's sensor values, (n_channels,)
+    base_channels: tuple[int, ...]  # numbers of the channels with the acceleration of what is fixed to the driven base
+    tracked: npt.NDArray[np.int64]  # numbers of the others, (n_channels - n_base_channels,)
+    # per mount where the states of roll, shear and axial stand among the internal states
     states: dict[str, tuple[slice, slice, slice]]
 
     def rows(self, table: int, columns: int, count: int) -> Array:

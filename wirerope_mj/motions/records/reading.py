@@ -11,19 +11,12 @@ from wirerope_mj.foundation.directions import Direction, unit_vector
 
 @dataclass(frozen=True)
 class Reading:
-    """Accelerations as they were measured.
+    """Accelerations as they were measured."""
 
-    Attributes:
-        time: instants of the file's own clock [s], increasing, (n,).
-        samples: acceleration along x, y, z [m/s^2], (n, 3).
-        units: in which the file gives them, each once.
-        warnings: what had to be done to the samples, and what looks wrong about them.
-    """
-
-    time: Array
-    samples: Array
-    units: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    time: Array  # instants of the file's own clock [s], increasing, (n,)
+    samples: Array  # acceleration along x, y, z [m/s^2], (n, 3)
+    units: tuple[str, ...]  # in which the file gives them, each once
+    warnings: tuple[str, ...] = ()  # what had to be done to the samples, and what looks wrong about them
 
     def warned(self, *messages: str) -> "Reading":
         """Return the same reading with more warnings."""

@@ -36,21 +36,15 @@ class Record(BaseMotion):
 
     Velocity and displacement are its exact integrals from rest. After the record the base coasts at the velocity that
     is left; `baseline` says what was done about it.
-
-    Attributes:
-        path: file that the record was read from.
-        time: sample instants [s], (n,); the first is `start`. The baseline "highpass" adds some at either end.
-        samples: acceleration [m/s^2], scaled and baseline-corrected, (n, 3).
-        channels, scale, baseline, start, highpass, resample, gaps, unit: as `load_record` takes them.
-        warnings: what had to be done to the samples, and what looks wrong about them; each begins with the file's name.
     """
 
     kind: ClassVar[str] = "record"
 
-    path: Path
+    path: Path  # file that the record was read from
+    # sample instants [s], (n,); the first is `start`. The baseline "highpass" adds some at either end.
     time: Array = field(repr=False)
-    samples: Array = field(repr=False)
-    channels: Mapping[str, Direction] | None = None
+    samples: Array = field(repr=False)  # acceleration [m/s^2], scaled and baseline-corrected, (n, 3)
+    channels: Mapping[str, Direction] | None = None  # as `load_record` takes them
     scale: float = 1.0
     baseline: str = "none"
     start: float = 0.0
@@ -58,6 +52,7 @@ class Record(BaseMotion):
     resample: float | None = None
     gaps: str = "refuse"
     unit: str | None = None
+    # what had to be done to the samples, and what looks wrong about them; each begins with the file's name
     warnings: tuple[str, ...] = field(default=(), repr=False)
     duration: float = field(init=False)
 

@@ -32,18 +32,12 @@ LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equi
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Extremes(Brief):
-    """Largest magnitudes of a quantity of oscillators, (n_f,) or (n_f, k).
+    """Largest magnitudes of a quantity of oscillators, (n_f,) or (n_f, k)."""
 
-    Attributes:
-        positive, negative: in the positive and in the negative direction.
-        primary: the larger of both while the base accelerates.
-        residual: the larger of both afterwards, when the base's acceleration is zero.
-    """
-
-    positive: Array
+    positive: Array  # in the positive and in the negative direction
     negative: Array
-    primary: Array
-    residual: Array
+    primary: Array  # the larger of both while the base accelerates
+    residual: Array  # the larger of both afterwards, when the base's acceleration is zero
 
     @property
     def maximax(self) -> Array:
