@@ -71,13 +71,8 @@ class Numbers:
         # What moves these would change what the variants share, or is refused by `varied`.
         self._shared_sites = {site for site in sites if sites.count(site) > 1} | set(system.assembly.subjects.points)
         base = system.assembly.subjects.base
-        self._of_base = {body for body in range(model.nbody) if base and self._under(body, base)}
+        self._of_base = set(np.flatnonzero(model.body_rootid == base).tolist()) if base else set()
         self._moving = set(moving_bodies(model))
-
-    def _under(self, body: int, base: int) -> bool:
-        while body not in (0, base):
-            body = int(self._system.model.body_parentid[body])
-        return body == base
 
     def of(self, changes: Changes) -> Array | None:
         """Return the numbers of the variant that changes make, (n_num,); None if it may be of another structure.

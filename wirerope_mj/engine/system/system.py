@@ -33,6 +33,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.travel import beyond_law
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -235,6 +236,14 @@ def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: 
 
 
 Value = TypeVar("Value")
+
+
+def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) -> tuple[str, str] | None:
+    """Find the first mount that stands beyond a fraction of its law's travel, and where; deflections (n_mounts, 3) [m]."""
+    for (name, mount), row in zip(system.mounts.items(), deflections, strict=True):
+        if beyond := beyond_law(mount.isolator.axes, row, row, fraction=fraction):
+            return name, beyond
+    return None
 
 
 def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Array]]:
