@@ -15,9 +15,8 @@ from wirerope_mj.engine.system.model_files import missing_isolators, read_change
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.motions.copies import check_records
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.restore import motion_from_dict
+from wirerope_mj.motions.restore import check_records, motion_from_dict
 from wirerope_mj.runs.checksums import digest_of
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.judging import judged_by, read_judge_table
