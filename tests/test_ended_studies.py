@@ -14,10 +14,10 @@ from wirerope_mj.assessment.criteria import judge
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.sentences import contact_lines
 from wirerope_mj.cli import main
+from wirerope_mj.content.study_statements import limit_statement, statements
 from wirerope_mj.mounts.isolator import Limits, Travel
 from wirerope_mj.studies.ended import ended_early
-from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
-from wirerope_mj.studies.results.statements import statements
+from wirerope_mj.studies.results.stated_limits import limit_of_text
 from wirerope_mj.studies.results.study_summary import summary_of
 
 PULSE = wr.HalfSine(peak=15.0 * G, duration=0.011, direction="z")
