@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.engine.simulation.same_layout import check_same_layout
+from wirerope_mj.engine.simulation.lockstep import check_same_layout
 from wirerope_mj.foundation.resources import models_folder
 
 pytestmark = pytest.mark.quick

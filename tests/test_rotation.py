@@ -12,7 +12,7 @@ from house import deck, hysteresis, mjcf, quiet, rotation
 import wirerope_mj as wr
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.rotation import righting_torque, turning_energy
+from wirerope_mj.engine.control.mounts import righting_torque, turning_energy
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.failure import without_force

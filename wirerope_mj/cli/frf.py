@@ -9,8 +9,7 @@ from rich.markup import escape
 
 from wirerope_mj.cli.frf_tables import print_response
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
-from wirerope_mj.dynamics.frequency_response.orders import OrderBand, order_statements
-from wirerope_mj.dynamics.frequency_response.summary import level_summaries
+from wirerope_mj.dynamics.frequency_response.summary import OrderBand, level_summaries, order_statements
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.directions import Direction

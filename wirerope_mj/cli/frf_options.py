@@ -57,7 +57,7 @@ def frf(
     """
     from wirerope_mj.cli.frf import direction_of, frf_command, levels
     from wirerope_mj.dynamics.frequency_response import ResponseOptions
-    from wirerope_mj.dynamics.frequency_response.orders import order_bands
+    from wirerope_mj.dynamics.frequency_response.summary import order_bands
 
     if (orders is None) != (speed_rpm is None):
         raise ValueError("`--orders` and `--speed-rpm` belong together: give both.")

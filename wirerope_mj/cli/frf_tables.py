@@ -6,8 +6,7 @@ from collections.abc import Sequence
 from rich.markup import escape
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, ResonancePeak
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text

@@ -10,8 +10,7 @@ from rich.markup import escape
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
 from wirerope_mj.assessment.criteria.tested import untested
 from wirerope_mj.dynamics.modes import Modes, modes
-from wirerope_mj.dynamics.modes.carried import carried
-from wirerope_mj.dynamics.modes.travel import reached_in, travel_utilisation
+from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
 from wirerope_mj.engine.statics import History, model_warnings
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.arguments import positive

@@ -21,7 +21,7 @@ from wirerope_mj.content.selection import Selection, select
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
-from wirerope_mj.engine.statics.result import HISTORIES
+from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.errors import WireRopeError

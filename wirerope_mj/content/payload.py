@@ -39,7 +39,7 @@ def payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
     limited = "those with limits come first, the most critical before the others; then "
     chosen = f"{limited if run.response.scene.limits else ''}those with the largest accelerations"
     yield replace(
-        _histories(run, worst),
+        accelerations_chart(run, worst),
         id="accelerations",
         caption=f"Absolute accelerations of {listed(worst)} and of the base; {chosen}.",
         alt=f"Histories of the accelerations of {listed(worst)} and the base along x, y and z.",
@@ -103,7 +103,7 @@ def _random(verdicts: Sequence[Verdict]) -> Table | None:
     )
 
 
-def _histories(run: JudgedRun, names: Sequence[str]) -> Chart:
+def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
     """Draw the accelerations of the base and of some bodies or points over time, a panel for each axis with any."""
     time, acceleration = base_acceleration(run.response, run.motion)
     panels: list[tuple[list[Curve], str, Sequence[tuple[str, float]]]] = []

@@ -16,12 +16,11 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, plai
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 
-LEFT_AT_END = 1e-3
-"""Fraction of the oscillation that is left at `end`."""
+LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
 
+# length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e
+# to that power is far from the largest number
 SLOWEST_BLOW = 100.0
-"""Length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e to
-that power is far from the largest number."""
 
 
 @dataclass(frozen=True, init=False)

@@ -13,8 +13,8 @@ from wirerope_mj.motions import ranges
 from wirerope_mj.motions.double_half_sine import DoubleHalfSine
 from wirerope_mj.motions.double_triangle import DoubleTriangle
 
+# peak, velocity and displacement of the pulse over the spectrum's: as the BV 043/85 literature uses them, from memory
 FACTORS = (0.6, 0.75, 1.05)
-"""Peak, velocity and displacement of the pulse over the spectrum's: as the BV 043/85 literature uses them, from memory."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,11 +8,11 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.motion import unique_times
 
+# periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most
 USUAL_PERIODS = 10.0
-"""Periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most."""
 
+# fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency
 USUAL_FRACTION = 0.1
-"""Fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,9 +21,7 @@ PSD_UNITS = {
 }
 FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 
-ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]
-"""Times [s] and loads [N, N m], (n,) and (n, 6)."""
-
+ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)
 _MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
 _FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 

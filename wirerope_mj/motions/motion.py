@@ -15,12 +15,12 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.summary import AsCall
 
+# corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
-"""Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
 
 
+# instants below which a product with three components costs least at once; of thousands it costs a quarter one by one
 _FEW = 200
-"""Instants below which a product with three components costs least at once; of thousands it costs a quarter one by one."""
 
 
 class BaseMotion(ABC):
@@ -34,8 +34,7 @@ class BaseMotion(ABC):
             of a sum from time zero; infinite for an endless sine. `end` is the instant after which it is over.
     """
 
-    kind: ClassVar[str]
-    """Name of the motion in stored files."""
+    kind: ClassVar[str]  # name of the motion in stored files
 
     duration: float
 

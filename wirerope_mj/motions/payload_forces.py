@@ -15,8 +15,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion
 
-MOST_ROWS = 20_000
-"""Rows of a table of forces, which is stored with its run as text: two megabytes."""
+MOST_ROWS = 20_000  # rows of a table of forces, which is stored with its run as text: two megabytes
 
 
 class PayloadForce(BaseMotion):

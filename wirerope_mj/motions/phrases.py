@@ -9,6 +9,7 @@ from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
 
+# quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min
 UNITS: dict[str, Mapping[str, float]] = {
     "acceleration": ACCELERATION_UNITS,
     "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254, "ft/s": 0.3048},
@@ -21,8 +22,6 @@ UNITS: dict[str, Mapping[str, float]] = {
     "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
     "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
 }
-"""Quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min."""
-
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")

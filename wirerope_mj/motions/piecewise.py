@@ -8,8 +8,7 @@ from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
 
-_BLOCK = 4096
-"""Knots between two whose velocity and displacement are kept: a record may have millions of knots."""
+_BLOCK = 4096  # knots between two whose velocity and displacement are kept: a record may have millions of knots
 
 
 class PiecewiseLinear:

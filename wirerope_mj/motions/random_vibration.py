@@ -24,12 +24,10 @@ from wirerope_mj.motions.spline import UniformSpline
 
 Amplitudes = Literal["fixed", "random"]
 
-KNOTS_PER_PERIOD = 8
-"""Knots of the acceleration in a period of the highest frequency."""
+KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
 
 
-MOST_POINTS = 1e8
-"""Points of a random vibration: a gigabyte, more than an hour up to 2 kHz."""
+MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 
 @dataclass(frozen=True, init=False, repr=False)

@@ -21,31 +21,20 @@ from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.spectrum_flanks import too_steep
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
-LINES_PER_OCTAVE = 12
-"""Least number of lines, which are also the frequencies at which the spectrum is matched."""
+LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
 
+# largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
+# at least one line lies within it. Twelve to an octave for 5 %.
 SPACING_PER_DAMPING = 1.2
-"""Largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
-at least one line lies within it. Twelve to an octave for 5 %."""
+LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %
+SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
+OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
+ITERATIONS = 60  # corrections after which the search ends; those seen took 2 to 22
 
-LEAST_DAMPING = 0.01
-"""Smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %."""
-
-SAMPLES_PER_PERIOD = 20
-"""Samples in a period of the highest frequency: twice what the spectrum asks for."""
-
-OF_A_SAMPLE = 48
-"""Bytes of a line at an instant: its sine and cosine, both lines and what they are made of."""
-
-ITERATIONS = 60
-"""Corrections after which the search ends; those seen took 2 to 22."""
-
+# added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
+# ten times as much or a tenth the search was seen to take two or three times as many corrections.
 REGULARISATION = 1e-3
-"""Added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
-ten times as much or a tenth the search was seen to take two or three times as many corrections."""
-
-FORGOTTEN = 1e-6
-"""Fraction of an impulse response below which it does not matter for a correction."""
+FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matter for a correction
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -10,8 +10,7 @@ from wirerope_mj.motions.spoken_forces import FORCES
 from wirerope_mj.motions.spoken_kind import SpokenMotion
 from wirerope_mj.motions.spoken_motions import BASE_MOTIONS
 
-SPOKEN_MOTIONS: dict[str, SpokenMotion] = BASE_MOTIONS | FORCES
-"""Kinds of motion that a phrase says, by name."""
+SPOKEN_MOTIONS: dict[str, SpokenMotion] = BASE_MOTIONS | FORCES  # kinds of motion that a phrase says, by name
 
 
 def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> BaseMotion:

@@ -56,6 +56,7 @@ def _force_table(phrase: Phrase, _: Direction, __: int, begun: tuple[str, ForceR
     return ForceTable(site=site, times=times, loads=loads, start=phrase.named.get("at", 0.0))
 
 
+# forces on the payload, by name
 FORCES: dict[str, SpokenMotion] = {
     "unbalance": SpokenMotion(
         example="engine 20 kg.mm 5 to 30 Hz 20 s x",
@@ -98,4 +99,3 @@ FORCES: dict[str, SpokenMotion] = {
         directed=False,
     ),
 }
-"""Forces on the payload, by name."""

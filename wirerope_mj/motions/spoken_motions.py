@@ -15,9 +15,8 @@ from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.spectrum_match import match_spectrum
 from wirerope_mj.motions.spoken_kind import START, SpokenMotion, file_first, one
 
+# seed of a phrase at the most: numbers are read as floats, and of larger ones neighbours would be one
 LARGEST_SEED = 2**53 - 1
-"""Seed of a phrase at the most: numbers are read as floats, and of larger ones neighbours would be one."""
-
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
 
 
@@ -89,6 +88,7 @@ def _seed(phrase: Phrase) -> int:
 
 _PULSE_NEEDS = {"acceleration": 1, "time": 1}
 
+# motions of the base, by name
 BASE_MOTIONS: dict[str, SpokenMotion] = {
     "half-sine": SpokenMotion(
         example="15 g 11 ms z", summary="half-sine: peak, length, direction", needs=_PULSE_NEEDS, make=_pulse(HalfSine)
@@ -156,4 +156,3 @@ BASE_MOTIONS: dict[str, SpokenMotion] = {
         begins=file_first(spectrum_points),
     ),
 }
-"""Motions of the base, by name."""

@@ -125,6 +125,7 @@ def _acceleration_of_displacement(course: Course, t: Array) -> Array:
 
 Form = Callable[[Course, Array], Array]
 
+# by the quantity whose amplitude is constant: displacement, velocity and acceleration for an amplitude of 1
 FORMS: dict[str, tuple[Form, Form, Form]] = {
     "acceleration": (
         _displacement_of_acceleration,
@@ -142,4 +143,3 @@ FORMS: dict[str, tuple[Form, Form, Form]] = {
         _acceleration_of_displacement,
     ),
 }
-"""By the quantity whose amplitude is constant: displacement, velocity and acceleration for an amplitude of 1."""

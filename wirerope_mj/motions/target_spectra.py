@@ -8,6 +8,8 @@ from numpy.typing import ArrayLike
 from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.foundation.arrays import Array
 
+# soil factor and corner periods TB, TC, TD [s] that EN 1998-1 recommends for its ground types, from memory; a national annex
+# may have others
 EN1998_TYPE_1 = {
     "A": {"soil_factor": 1.0, "corner_periods": (0.15, 0.4, 2.0)},
     "B": {"soil_factor": 1.2, "corner_periods": (0.15, 0.5, 2.0)},
@@ -15,14 +17,8 @@ EN1998_TYPE_1 = {
     "D": {"soil_factor": 1.35, "corner_periods": (0.2, 0.8, 2.0)},
     "E": {"soil_factor": 1.4, "corner_periods": (0.15, 0.5, 2.0)},
 }
-"""Soil factor and corner periods TB, TC, TD [s] that EN 1998-1 recommends for its ground types, from memory; a national annex
-may have others."""
-
-LONGEST_PERIOD = 4.0
-"""Longest period of the shape of EN 1998-1 [s]."""
-
-AC156_FREQUENCIES = (1.3, 8.3, 33.3)
-"""Ends of the plateau and of the slope of ICC-ES AC156 [Hz]."""
+LONGEST_PERIOD = 4.0  # longest period of the shape of EN 1998-1 [s]
+AC156_FREQUENCIES = (1.3, 8.3, 33.3)  # ends of the plateau and of the slope of ICC-ES AC156 [Hz]
 
 
 def en1998_spectrum(

@@ -10,9 +10,8 @@ from typing import Any
 import tomli_w
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.orders import OrderBand
-from wirerope_mj.dynamics.frequency_response.storage import save_tables
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, summary
+from wirerope_mj.dynamics.frequency_response.result import save_tables
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, OrderBand, summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.directions import direction_text, plain_direction
 from wirerope_mj.runs.folder import atomic_run

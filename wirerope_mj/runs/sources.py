@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import same_columns
+from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.system import Changes, System, load_system
@@ -18,8 +18,42 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.copies import check_records
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import motion_from_dict
+from wirerope_mj.runs.checksums import digest_of
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.judging import judged_by, read_judge_table
+from wirerope_mj.runs.scenario_file import scenario_content
+
+_TABLES = ("options", "simulate", "versions")
+_CHARACTERS = 8  # of a file's digest: enough to see that two files differ
+
+
+def run_inputs(folder: str | Path) -> dict[str, str]:
+    """Return scenario, options, motion, simulation, versions and the digests of the model's files; {} without a scenario.
+
+    Raises:
+        RecordError: the scenario or a file of the model cannot be read; names it.
+    """
+    path = Path(folder) / SCENARIO
+    if not path.is_file():  # a response that was saved alone
+        return {}
+    content = scenario_content(path.parent)
+    inputs = {"scenario": content["name"], "motion": content["motion"]["description"]}
+    for table in _TABLES:
+        inputs |= {f"{_prefix(table)}{key}": _text(value) for key, value in content[table].items()}
+    for file in sorted(path.parent.glob("model/**/*")):
+        if file.is_file():
+            digest = digest_of(file)[:_CHARACTERS]
+            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest}"
+    return inputs
+
+
+def _prefix(table: str) -> str:
+    return "version of " if table == "versions" else ""
+
+
+def _text(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
 
 _REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
 

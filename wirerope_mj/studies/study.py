@@ -4,7 +4,7 @@ import math
 from functools import partial
 from pathlib import Path
 
-from wirerope_mj.engine.simulation.finished import warn_of_aliasing
+from wirerope_mj.engine.simulation.run import warn_of_aliasing
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.folder import TABLE, computed_alone, finish, prepare

@@ -4,10 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
-from wirerope_mj.dynamics.frequency_response.options import ResponseOptions
-from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
+from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level, ResponseOptions
 from wirerope_mj.dynamics.periodic import Branch, follow_branch
-from wirerope_mj.dynamics.periodic.options import require_motion
+from wirerope_mj.dynamics.periodic.storage import require_motion
 from wirerope_mj.dynamics.sweep import FrequencySweep, frequency_sweep
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ConvergenceError, SimulationError

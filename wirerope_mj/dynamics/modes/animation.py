@@ -9,24 +9,20 @@ import numpy as np
 from wirerope_mj.dynamics.modes.rest import STATE, AtRest, linearise
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.histories import MemorySamples, Numerics
+from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
-from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
+# Rows of a period: ten degrees each.
 ROWS = 36
-"""Rows of a period: ten degrees each."""
-
+# Periods that each mode is shown, one second long each.
 PERIODS = 2
-"""Periods that each mode is shown, one second long each."""
-
+# Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture.
 FRACTION = 0.5
-"""Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture."""
-
+# That deflection where no height is known [m].
 _FLAT = 0.05
-"""That deflection where no height is known [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,28 +1,135 @@
-"""Modes about the sagged position, for small amplitudes and for given ones."""
+"""Modes about the sagged position, for small amplitudes and for given ones, and the distance from tipping over."""
 
 import math
+from collections.abc import Callable, Iterator
 from typing import TypeVar
 
+import mujoco
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from wirerope_mj.dynamics.modes.eigen import frequency_of, iterate, solve
-from wirerope_mj.dynamics.modes.motion import descriptions_of, participation_of, payload_shapes
-from wirerope_mj.dynamics.modes.rest import AtRest, linearise
-from wirerope_mj.dynamics.modes.result import Modes
-from wirerope_mj.dynamics.modes.tipping import stability_of
+from wirerope_mj.dynamics.modes.rest import AtRest, descriptions_of, linearise, participation_of, payload_shapes
+from wirerope_mj.dynamics.modes.result import Modes, TippingStability
 from wirerope_mj.engine.statics import History, equilibrium
+from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 
-ComplexArray = npt.NDArray[np.complex128]
+# Relative distance of eigenvalues whose shapes may turn into one another.
+CLOSE = 1e-6
+# Relative change of the eigenvalue at which an iterated mode is found.
+TOLERANCE = 1e-9
+# Iterations of a mode, those in which its shape may change, and those that are not damped.
+ROUNDS, DISTINCT, DIRECT = 100, 40, 15
+# Share of the largest eigenvalue below which one is rounding: nothing holds that motion.
+FREE = 1e-9
 AnyArray = TypeVar("AnyArray", Array, ComplexArray)
-
+# Amplitudes, each twice the last, by which a mode is led from the small one to the given one: so it stays itself.
 STEPS = 6
-"""Amplitudes, each twice the last, by which a mode is led from the small one to the given one: so it stays itself."""
+
+
+def solve(stiffness: Array, mass: Array) -> tuple[Array, Array]:
+    """Return the eigenvalues [(rad/s)^2], (n,), from the lowest on, and the shapes, phi^T M phi = 1, as columns (n, n)."""
+    values, shapes = scipy.linalg.eigh(stiffness, mass)
+    values[np.abs(values) < FREE * np.abs(values).max(initial=0.0)] = 0.0
+    return values, shapes
+
+
+def frequency_of(values: Array) -> Array:
+    """Return the frequencies [Hz] of eigenvalues; NaN for those below zero, whose motion runs away."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(values) / (2.0 * np.pi))
+
+
+def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -> tuple[float, Array]:
+    """Return eigenvalue and shape of the mode that stands for column `mode` of the shapes `known`, (n, n_known).
+
+    Each of those is given one of the modes, so that their likeness (phi^T M phi)^2 is largest in all: two modes whose
+    frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
+    """
+    likeness = shapes.T @ mass @ known
+    indices, owners = scipy.optimize.linear_sum_assignment(-(likeness**2))
+    best = int(indices[owners == mode][0])
+    close = np.abs(values - values[best]) <= CLOSE * np.abs(values).max()
+    shape = shapes[:, close] @ likeness[close, mode]
+    return float(values[best]), np.asarray(shape / np.sqrt(shape @ mass @ shape))
+
+
+def iterate(
+    stiffness: Callable[[Array, float], ComplexArray], mass: Array, known: Array, mode: int, start: tuple[float, Array]
+) -> tuple[float, Array, ComplexArray]:
+    """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
+
+    Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
+    whose Rayleigh quotient is right to the second order of what the shape lacks.
+
+    Args:
+        stiffness: complex stiffness of a shape (n,) and an eigenvalue.
+        mass: mass matrix.
+        known: shapes of all modes for small amplitudes, phi^T M phi = 1, (n, n).
+        mode: which of them is followed.
+        start: eigenvalue and shape to start from.
+    """
+    value, shape = start
+    matrix = stiffness(shape, value)
+    for count in range(ROUNDS):
+        before = value
+        if count < DISTINCT:
+            value, shape = follow(*solve(matrix.real, mass), mass, known, mode)
+        else:
+            shape = known[:, mode]
+            value = float(shape @ matrix.real @ shape)
+        renewed = stiffness(shape, value)
+        if abs(value - before) <= TOLERANCE * max(abs(value), abs(before)):
+            return value, shape, renewed
+        matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # what alternates is damped
+    return value, shape, matrix
+
+
+def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
+    """Return the stability of a system.
+
+    Args:
+        system: the system.
+        rest: where it rests.
+        tangent: stiffness of the mounts that holds, (n, n): in small cycles, or what lasts.
+        loading: their stiffness on further loading, (n, n).
+    """
+    stiffness = rest.other + rest.weight + tangent
+    values, _ = solve(stiffness, rest.mass)
+    return TippingStability(
+        smallest_eigenvalue=float(values.min(initial=np.inf)),
+        gravity_factor=_critical(rest.other + tangent, -rest.weight),
+        rise=min((_critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
+        softest=_critical(rest.other + loading, -rest.weight),
+    )
+
+
+def _critical(stiffness: Array, load: Array) -> float:
+    """Return the smallest factor > 0 at which stiffness - factor * load is no longer positive definite."""
+    try:
+        grows = scipy.linalg.eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
+    except np.linalg.LinAlgError:
+        return 0.0  # not positive definite without any load
+    largest = float(grows.max(initial=0.0))
+    return 1.0 / largest if largest > FREE else np.inf
+
+
+def _overturning(system: System, rest: AtRest) -> Iterator[Array]:
+    """Yield what the weight of each moving body takes from the stiffness against tilting per metre of height [N], (n, n)."""
+    model, data = system.model, rest.data
+    up = -model.opt.gravity
+    size = float(np.linalg.norm(up))
+    if size == 0.0:
+        return
+    level = np.eye(3) - np.outer(up, up) / size**2
+    for body in (body for mover in movers_of(system) for body in mover.bodies if model.body_dofnum[body]):
+        turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+        mujoco.mj_jacBody(model, data, unused, turn, body)
+        tilt = level @ turn[:, rest.free]
+        yield float(model.body_subtreemass[body]) * size * tilt.T @ tilt
 
 
 def modes(system: System, *, history: History = "virgin", amplitude: float | None = None) -> Modes:

@@ -10,34 +10,35 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
-from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
-from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
+from wirerope_mj.dynamics.periodic.continuation import Continuation, Point, turns
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.observe import travel_exceeded
-from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
+from wirerope_mj.dynamics.periodic.motion import travel_exceeded
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
-from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
+from wirerope_mj.dynamics.periodic.storage import (
+    BranchOptions,
+    Row,
+    fingerprint,
+    load_rows,
+    require_motion,
+    row_of,
+    save_rows,
+)
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
+# First step in units of the largest.
 FIRST = 0.2
-"""First step in units of the largest."""
-
+# Corrector iterations that the step length is steered to.
 AIM = 4
-"""Corrector iterations that the step length is steered to."""
-
+# Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
 LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Steps, in units of the largest, by which a branch that cannot be followed is taken up again."""
-
+# Distance of two folds in units of the accuracy within which they may be the steps': three were seen.
 RIPPLE = 5.0
-"""Distance of two folds in units of the accuracy within which they may be the steps': three were seen."""
-
+# Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
-"""Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
-
+# Seconds between two looks at the disk: what a killed process loses.
 SAVE_EVERY = 2.0
-"""Seconds between two looks at the disk: what a killed process loses."""
 
 
 class GrowingBranch:
@@ -78,8 +79,8 @@ class GrowingBranch:
         """Return a motion a little further on, found anew from the last one, None if there is none."""
         options = self.options
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
-        for leap in LEAPS:
-            value = last.parameter * math.exp(towards * leap * options.largest_step)
+        for unsupported_motion in LEAPS:
+            value = last.parameter * math.exp(towards * unsupported_motion * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
                 return None
             start = shot(self.search.flow, last.shot.x, self.path.drive(value))
@@ -100,7 +101,7 @@ class GrowingBranch:
             past = self._taken_up(point)
         if past is not None:
             point, length, leapt = past, FIRST, True
-        elif point is None or (turns(last, point) and unstable(last) == unstable(point)):
+        elif point is None or (turns(last, point) and last.unstable == point.unstable):
             # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
             # hardly move or of a needle of a resonance, have lost the tangent's direction.
             beyond = self._leap(last)
@@ -134,16 +135,16 @@ class GrowingBranch:
 
     def _past(self, a: Point, b: Point, length: float) -> Point | None:
         """Return the point from which the branch goes on past a fold between two points that is no jump, None if it is one."""
-        event = locate(self.path, a, b, length)
+        event = self.path.event(a, b, length)
         assert event is not None
-        fold, towards = event[2], 1.0 if a.tangent[-1] > 0.0 else -1.0
+        fold, towards = event.point, 1.0 if a.tangent[-1] > 0.0 else -1.0
         passed = pass_by(
             self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
             amplitude=self._row(fold).amplitude, towards=towards,
         )  # fmt: skip
         if passed is None:
             return None
-        self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
+        self._add(fold, len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
         return passed.point
 
@@ -231,15 +232,16 @@ class GrowingBranch:
 
     def _between(self, a: Point, b: Point, length: float) -> None:
         """Note what happens between two points (`a` is the last one kept), and the point where it does."""
-        event = locate(self.path, a, b, length)
+        event = self.path.event(a, b, length)
         if event is None:
             return
-        kind, multiplier, point, arclength = event
-        index = len(self.rows) if arclength > 0.0 else len(self.rows) - 1
-        self._add(point, index)
+        index = len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1
+        self._add(event.point, index)
         row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
         self.events.append(
-            Bifurcation(kind=kind, **row, index=index, multiplier=multiplier, before=unstable(a), after=unstable(b))
+            Bifurcation(
+                kind=event.kind, **row, index=index, multiplier=event.multiplier, before=a.unstable, after=b.unstable
+            )
         )
         self._forget_ripple()
 

@@ -14,23 +14,19 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.branch import ALIKE, Bifurcation, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.options import BranchOptions
+from wirerope_mj.dynamics.periodic.motion import Drive
 from wirerope_mj.dynamics.periodic.shooting import Shot, shot
-from wirerope_mj.dynamics.periodic.storage import Row, amplitude_of
-from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.storage import BranchOptions, Row, amplitude_of
 from wirerope_mj.foundation.arrays import Array
 
+# Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for.
 LEAPS = (0.1, 0.25, 0.5, 1.0)
-"""Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for."""
-
+# Periods after which Newton's method is tried again beyond a fold.
 SETTLE = 60
-"""Periods after which Newton's method is tried again beyond a fold."""
-
+# Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read.
 SETTLING, SEEN = 300, 8
-"""Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read."""
-
+# Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods.
 AWAY = 1e-3
-"""Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods."""
 
 
 @dataclass(frozen=True, kw_only=True)

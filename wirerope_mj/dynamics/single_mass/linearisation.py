@@ -15,12 +15,12 @@ import scipy
 
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.laws import Law
 
+# Amplitudes looked at: from a tenth of what the unloaded stiffness would give, finely enough to tell three roots apart.
 _DECADES, _PER_DECADE = 6.0, 24
-"""Amplitudes looked at: from a tenth of what the unloaded stiffness would give, finely enough to tell three roots apart."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -62,7 +62,7 @@ class EquivalentLinear(Brief):
     damping_ratio: Array
 
     @property
-    def solutions(self) -> npt.NDArray[np.int64]:
+    def solutions(self) -> Integers:
         """Number of solutions at each frequency, (n_f,)."""
         return np.isfinite(self.deflection).sum(axis=1)
 

@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.response.histories import Numerics
-from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, Peak
+from wirerope_mj.engine.response.histories import ColumnPlan, Numerics
+from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, ContactPeak, Peak
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, one_of, positive
 from wirerope_mj.foundation.errors import ModelError
@@ -23,9 +21,8 @@ from wirerope_mj.motions import RandomVibration, motion_from_dict
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
+# takes the key and the value, like the checks of arguments, and raises ValueError
 Check = Callable[[str, Any], object]
-"""Takes the key and the value, like the checks of arguments, and raises ValueError."""
-
 _SHAPES = ("box", "sphere", "capsule", "cylinder", "ellipsoid", "plane", "mesh")
 _UNIT = 1e-6  # by which the length of a stored quaternion may differ from 1: far above rounding, far below a turn that shows
 
@@ -57,11 +54,8 @@ def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
     for group in ("bodies", "points"):
         _list(_text)(group, content[group])
     _list(_row(_text, _list(_state_name)))("mounts", content["mounts"])
-    mounts = [(name, tuple(states)) for name, states in content["mounts"]]
     _list(_text)("contacts", content.get("contacts", []))  # older responses have none
-    plan = ColumnPlan(
-        bodies=content["bodies"], points=content["points"], mounts=mounts, contacts=content.get("contacts", ())
-    )
+    plan = ColumnPlan.of(content)
     if len(set(plan.names)) < len(plan.names):
         raise ValueError("`bodies`, `points` or `mounts` name one thing twice.")
     return plan

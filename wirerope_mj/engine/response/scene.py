@@ -121,13 +121,8 @@ class Scene(Brief):
         return tuple(mount for mount in self.mounts if mount.stop)
 
 
-def scene_to_dict(scene: Scene) -> dict[str, Any]:
-    """Return the scene as plain lists, numbers and strings."""
-    return _plain(scene)
-
-
 def scene_from_dict(content: dict[str, Any]) -> Scene:
-    """Return the scene that `scene_to_dict` wrote."""
+    """Read the scene that `scene_to_dict` wrote."""
     bodies = tuple(
         _arrays(SceneBody, {**body, "geoms": tuple(_arrays(Geom, geom) for geom in body["geoms"])})
         for body in content["bodies"]
@@ -137,36 +132,28 @@ def scene_from_dict(content: dict[str, Any]) -> Scene:
         PayloadLimit(kind=limit["kind"], name=limit["name"], values=tuple(limit["values"]))
         for limit in content.get("limits", ())  # older responses have none
     )
+    combined, areas = content.get("combined_travel", True), content.get("areas", {})  # older responses do not say them
     return Scene(
-        name=content["name"],
-        base=content["base"],
-        bodies=bodies,
-        mounts=mounts,
-        limits=limits,
-        combined_travel=content.get("combined_travel", True),  # older responses do not say it
-        areas={name: tuple(mounts) for name, mounts in content.get("areas", {}).items()},
-    )
+        name=content["name"], base=content["base"], bodies=bodies, mounts=mounts, limits=limits,
+        combined_travel=combined, areas={name: tuple(mounts) for name, mounts in areas.items()},
+    )  # fmt: skip
 
 
-def _plain(value: Any) -> Any:
+def scene_to_dict(value: Any) -> Any:
+    """Write a scene, or a part of one, as plain lists, numbers and strings."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, tuple):
-        return [_plain(item) for item in value]
+        return [scene_to_dict(item) for item in value]
     if isinstance(value, dict):
-        return {key: _plain(item) for key, item in value.items()}
+        return {key: scene_to_dict(item) for key, item in value.items()}
     if hasattr(value, "__dataclass_fields__"):
-        return {key: _plain(getattr(value, key)) for key in value.__dataclass_fields__}
+        return {key: scene_to_dict(getattr(value, key)) for key in value.__dataclass_fields__}
     return value
 
 
 def _arrays(kind: Any, content: dict[str, Any]) -> Any:
-    three = ("vertices", "faces")
-    return kind(
-        **{
-            key: np.array(value, dtype=np.float64).reshape((-1, 3) if key in three else np.shape(value))
-            if isinstance(value, list)
-            else value
-            for key, value in content.items()
-        }
-    )
+    values = {key: np.array(v, dtype=np.float64) if isinstance(v, list) else v for key, v in content.items()}
+    for key in {"vertices", "faces"} & values.keys():
+        values[key] = values[key].reshape(-1, 3)
+    return kind(**values)

@@ -11,8 +11,8 @@ from wirerope_mj.engine.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 
+# instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it
 SAME_TIME = 1e-10
-"""Instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,8 +50,8 @@ class Grid:
         return float(((self.stop - self.start) / self.steps).max()) if self.start.size else 0.0
 
 
+# instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory
 BLOCK = 1 << 15
-"""Instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory."""
 
 
 @dataclass(frozen=True, kw_only=True)

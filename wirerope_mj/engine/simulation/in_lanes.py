@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.kernel.equations import Equations
-from wirerope_mj.engine.kernel.group import NOTHING, Group, group_of
+from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
-from wirerope_mj.engine.simulation.stages import Stages, StageTables
+from wirerope_mj.engine.simulation.stages import Stages, StageTables, distinct_motions, events_key
 from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
@@ -22,8 +22,8 @@ from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
+# takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)
 Sink = Callable[[int, int, Array], None]
-"""Takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,10 +93,8 @@ def go_in_lanes(
         sink: takes the samples; None if they are not wanted.
         progress: takes the simulated time [s] now and then.
     """
-    distinct = list({id(motion): motion for motion in motions}.values())
-    numbers = {id(motion): number for number, motion in enumerate(distinct)}
-    which = [numbers[id(motion)] for motion in motions]
-    events = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in distinct]
+    distinct, which = distinct_motions(motions)
+    events = [events_key(motion) for motion in distinct]
     groups = _groups(equations, states, which, [events[motion] for motion in which])
     tables = [StageTables(motion, drive) for motion in distinct]
     done, steps, largest, stop = 0, 0, 0.0, grid.start

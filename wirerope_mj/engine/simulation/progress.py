@@ -11,8 +11,8 @@ from wirerope_mj.engine.simulation.grid import TimeGrid
 Update = Callable[[float, float], None]
 
 
+# time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run
 PATIENCE, PACE = 60.0, 0.01
-"""Time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run."""
 
 
 @contextmanager

@@ -1,20 +1,76 @@
-"""The base motion for the steps of a grid, segment by segment."""
+"""The base motion for the steps of a grid, segment by segment, its peaks, and windows of it."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control.layout import SMOOTH
+from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.engine.simulation.running_peak import RunningPeak
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 
+
+class RunningPeak:
+    """Extremes of the norm and of the components of a vector, which are zero before the first block."""
+
+    def __init__(self) -> None:
+        self._norm = (0.0, 0.0)  # value and instant, as in the next two
+        self._lows, self._highs = [(0.0, 0.0)] * 3, [(0.0, 0.0)] * 3
+        self._vector = np.zeros(3)
+
+    def add(self, times: Array, vectors: Array) -> None:
+        """Take the vectors (n, 3) at instants in order (n,) [s], of which neighbours may be the same."""
+        components = np.ascontiguousarray(vectors.T)
+        x, y, z = components
+        norms = np.sqrt(x * x + y * y + z * z)
+        largest = int(norms.argmax())
+        norm = _extreme(times, norms, largest)
+        if norm[0] > self._norm[0]:
+            self._norm = norm
+            self._vector = norm[0] * (components[:, largest] / max(float(norms[largest]), 1e-300))
+        for axis, component in enumerate(components):
+            low = _extreme(times, component, int(component.argmin()))
+            high = _extreme(times, component, int(component.argmax()))
+            if low[0] < self._lows[axis][0]:
+                self._lows[axis] = low
+            if high[0] > self._highs[axis][0]:
+                self._highs[axis] = high
+
+    @property
+    def peak(self) -> Peak:
+        """Peak over all blocks so far."""
+        (minimum, minimum_time), (maximum, maximum_time) = (np.transpose(ends) for ends in (self._lows, self._highs))
+        value, time = self._norm
+        return Peak(
+            value=value, time=time, vector=self._vector,
+            minimum=minimum, minimum_time=minimum_time, maximum=maximum, maximum_time=maximum_time,
+        )  # fmt: skip
+
+
+def _extreme(times: Array, values: Array, i: int) -> tuple[float, float]:
+    """Return value and instant of the extreme at index i, refined by a parabola unless a corner stands beside it."""
+    value, time = values.item(i), times.item(i)
+    before, after = i - 1, i + 1
+    while after < times.size and times.item(after) == time:  # segments share their ends
+        after += 1
+    while before >= 0 and times.item(before) == time:
+        before -= 1
+    if before < 0 or after == times.size:
+        return value, time
+    earlier, later = times.item(before), times.item(after)
+    if 0.1 < (later - time) / (time - earlier) < 10.0:  # the two limits of a corner stand 2e-10 s apart
+        time, value = parabola_extreme(earlier, values.item(before), time, value, later, values.item(after))
+    return value, time
+
+
+# instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions
 POINTS = 4096
-"""Instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -119,6 +175,18 @@ class StageTables:
             yield from stages.segments()
 
 
+def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], list[int]]:
+    """Return the motions that are not the same object, each to be evaluated once, and each given one's number among them."""
+    distinct = {id(motion): motion for motion in motions}
+    numbers = {key: number for number, key in enumerate(distinct)}
+    return list(distinct.values()), [numbers[id(motion)] for motion in motions]
+
+
+def events_key(motion: BaseMotion) -> tuple[bytes, tuple[float, ...]]:
+    """Return what is equal for motions whose segments have the same events."""
+    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
+
+
 def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
     """Return forces [N] and moments [N m] at the sites, along their axes, (n_times, n_sites, 6); (0,) without a site."""
     if not sites:
@@ -146,3 +214,53 @@ def along_slides(drive: Array, vectors: Array) -> Array:
     """
     x, y, z = vectors[:, :, np.newaxis].transpose(1, 0, 2)
     return x * drive[:, 0] + y * drive[:, 1] + z * drive[:, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class Later(BaseMotion):
+    """`motion` whose time begins at the instant `at` [s]; it is stepped through and never stored."""
+
+    motion: BaseMotion
+    at: float
+    kind: ClassVar[str] = "later"
+
+    @property
+    def duration(self) -> float:  # type: ignore[override]
+        """Length that is left [s]."""
+        return self.motion.end - self.at
+
+    def _derivative(self, t: Array, order: int) -> Array:
+        return self.motion._derivative(t + self.at, order)
+
+    @property
+    def corners(self) -> Array:
+        """Instants of the motion's corners [s], (n,)."""
+        return self.motion.corners - self.at
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
+        """Instants [s] and jumps of the velocity (3,) [m/s]."""
+        return tuple((time - self.at, jump) for time, jump in self.motion.velocity_jumps)
+
+    @property
+    def description(self) -> str:
+        """One line for a human reader."""
+        return f"{self.motion.description}, from {self.at:.6g} s"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Events: instants [s] and texts."""
+        return tuple((time - self.at, text) for time, text in self.motion.events)
+
+    @property
+    def shortest_time(self) -> float:
+        """Shortest time scale [s]."""
+        return self.motion.shortest_time
+
+    @property
+    def directions(self) -> Array:
+        """Vectors that span the directions of the motion, (n, 3)."""
+        return self.motion.directions
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        raise NotImplementedError("a window of a motion is not stored")

@@ -7,10 +7,10 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.statics.find import equilibrium
+from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.statics.payloads import payloads_of
-from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError

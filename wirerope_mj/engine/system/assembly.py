@@ -1,22 +1,52 @@
-"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, and the tables of the callback."""
+"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, the callback's tables, scratch data."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.system.contact_pairs import declared_contacts, declared_pairs
+from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
-from wirerope_mj.engine.system.scratch import Scratch
-from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
+from wirerope_mj.engine.system.tables import (
+    DRIVE_ARMATURE,
+    Subjects,
+    Tables,
+    declared_contacts,
+    declared_pairs,
+    make_tables,
+)
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
-SOLVER_TOLERANCE = 1e-15
-"""The drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early."""
 
+class Scratch:
+    """Data for models of one layout, those of a system and of its variants; several threads may borrow at once."""
+
+    def __init__(self) -> None:
+        self._free: list[mujoco.MjData] = []
+
+    @contextmanager
+    def data(self, model: mujoco.MjModel) -> Iterator[mujoco.MjData]:
+        """Lend data as `MjData(model)` makes them: the model's initial state, and nothing computed yet."""
+        try:
+            data = self._free.pop()
+        except IndexError:
+            data = mujoco.MjData(model)
+        else:
+            mujoco.mj_resetData(model, data)
+        yield data
+        self._free.append(data)  # not after an error: nobody knows what it left
+
+    def __reduce__(self) -> tuple[type["Scratch"], tuple[()]]:
+        """Carry nothing to another process; a copy lends for itself."""
+        return Scratch, ()
+
+
+# the drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early
+SOLVER_TOLERANCE = 1e-15
 POINT, FORCE = "point/", "force/"
 
 

@@ -8,8 +8,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
 from wirerope_mj.foundation.inside import file_inside, is_inside
 from wirerope_mj.foundation.regular_files import regular
 
-_FOLDERS = ("assetdir", "meshdir", "texturedir")
-"""Attributes of a `compiler` element that say where files are."""
+_FOLDERS = ("assetdir", "meshdir", "texturedir")  # attributes of a `compiler` element that say where files are
 
 
 def named_files(model: Path) -> Iterator[tuple[str, Path]]:

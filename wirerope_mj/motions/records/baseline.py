@@ -7,15 +7,15 @@ from wirerope_mj.motions.records.rest import offset_of
 
 BASELINES = ("none", "rest", "mean", "velocity", "highpass")
 
+# of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase
 _ORDER = 2
-"""Of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase."""
 
+# periods of the cutoff by which a record is lengthened at either end, at rest, for the filter's answer, which comes before a
+# shock as well as after it. It has died away there to 1e-4.
 _QUIET = 2.0
-"""Periods of the cutoff by which a record is lengthened at either end, at rest, for the filter's answer, which comes before a
-shock as well as after it. It has died away there to 1e-4."""
 
+# samples that may be added: a cutoff far below anything in a record would fill the memory with rest
 _MOST_ADDED = 20_000_000
-"""Samples that may be added: a cutoff far below anything in a record would fill the memory with rest."""
 
 
 def without_baseline(time: Array, samples: Array, baseline: str, highpass: float | None) -> tuple[Array, Array]:

@@ -11,8 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST, Header, number_in, parse_number, require_cells
 from wirerope_mj.foundation.errors import RecordError
 
-_BLOCK = 50_000
-"""Rows that are read at once: a record may be longer than what fits into memory several times over."""
+_BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
 
 
 def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[Array]:

@@ -5,11 +5,9 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.records.rest import is_pulse, offset_of
 
+# of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart
 _ORDER, _WINDOW = 32, 1000
-"""Of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart."""
-
-_EXACT = 1e-10
-"""Error of the prediction, as a fraction of the signal's power, at which it is good enough."""
+_EXACT = 1e-10  # error of the prediction, as a fraction of the signal's power, at which it is good enough
 
 
 def continued(a: Array, count: int) -> Array:

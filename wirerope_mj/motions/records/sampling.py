@@ -12,39 +12,27 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions.records.ends import continued
 from wirerope_mj.motions.records.reading import Reading
 
+# fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does
 _ROUNDED = 1e-3
-"""Fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does."""
 
+# the same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one
 _COARSE = 1 / 3
-"""The same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one."""
+_REGULAR = 0.9  # fraction of equal intervals from which on the others are gaps in an even sampling
+_GAP = 1.5  # usual intervals from which on a longer one is a gap
+_FEWEST = 16  # samples below which a record was written by hand and means the straight lines between its corners
 
-_REGULAR = 0.9
-"""Fraction of equal intervals from which on the others are gaps in an even sampling."""
-
-_GAP = 1.5
-"""Usual intervals from which on a longer one is a gap."""
-
-_FEWEST = 16
-"""Samples below which a record was written by hand and means the straight lines between its corners."""
-
+# usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away
 _FAR = 3.0
-"""Usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away."""
+_FINEST = 8  # instants per usual interval at which an uneven record is interpolated, at most, before the filter
 
-_FINEST = 8
-"""Instants per usual interval at which an uneven record is interpolated, at most, before the filter."""
-
+# anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes
 _STOP_DB, _PASS = 80.0, 0.8
-"""Anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes."""
+_BLOCK = 100_000  # samples that are looked at together
 
-_BLOCK = 100_000
-"""Samples that are looked at together."""
-
+# samples at equal intervals that are made of a record whose own are not, at most: so many, or so many for each of its own.
+# Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong.
 _MOST_MADE, _MOST_TIMES = 1_000_000, 10
-"""Samples at equal intervals that are made of a record whose own are not, at most: so many, or so many for each of its own.
-Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong."""
-
-_LARGEST_FACTOR = 10_000
-"""Of a change of rate, as a fraction: the filter has some fifty taps for each."""
+_LARGEST_FACTOR = 10_000  # of a change of rate, as a fraction: the filter has some fifty taps for each
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:

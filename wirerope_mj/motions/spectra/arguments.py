@@ -7,8 +7,8 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 
+# largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file
 JITTER = 0.01
-"""Largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file."""
 
 
 def check_samples(time: npt.ArrayLike, acceleration: npt.ArrayLike) -> tuple[Array, float]:

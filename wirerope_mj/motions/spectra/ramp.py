@@ -5,10 +5,9 @@ import math
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import inlined, njit
 
+# indices of the extremes: the highest of the absolute acceleration, of displacement and velocity relative to the base; behind
+# each stands the lowest
 ACCELERATION, DISPLACEMENT, VELOCITY = 0, 2, 4
-"""Indices of the extremes: the highest of the absolute acceleration, of displacement and velocity relative to the base; behind
-each stands the lowest."""
-
 EXTREMES = 6
 
 

@@ -14,15 +14,11 @@ from wirerope_mj.foundation.summary import Brief, Summarised, quantity, span
 from wirerope_mj.motions.spectra.arguments import check_samples, octave_grid
 from wirerope_mj.motions.spectra.ramp import ACCELERATION, DISPLACEMENT, EXTREMES, VELOCITY, ramp_extremes
 
+# ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack at
+# most 3 % (sinc^2 of a tenth) of a sine of that frequency
 SAMPLES_PER_PERIOD = 10.0
-"""ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack
-at most 3 % (sinc^2 of a tenth) of a sine of that frequency."""
-
-HALVINGS, TERMS = 4, 18
-"""Of the series of an exponential: what is left out of a norm of 10 is 1e-20."""
-
-LOWEST_FREQUENCY = 1.0
-"""First of the default frequencies [Hz], below what equipment on isolators answers with."""
+HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
+LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

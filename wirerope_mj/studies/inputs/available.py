@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.centres import centre_of_mass
+from wirerope_mj.engine.system.varied import centre_of_mass
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.parallel import FACTORS

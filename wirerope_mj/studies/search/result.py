@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.ended import why_early

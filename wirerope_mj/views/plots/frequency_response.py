@@ -10,8 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
-from wirerope_mj.dynamics.frequency_response.orders import OrderBand
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, OrderBand
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import COLOURS, round_ticks

@@ -7,7 +7,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.samples import along_resonance, busiest_loops
+from wirerope_mj.dynamics.frequency_response.curve import along_resonance, busiest_loops
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES

@@ -18,7 +18,7 @@ from wirerope_mj.views.thin import envelope, is_dense
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
-_LEFT, _RIGHT, _TITLE, _FOOT = 0.8, 0.15, 0.75, 0.5  # room about the panels [in]
+_LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
 _LETTER = 0.075  # width of a letter of a name, on the average [in]
 
 
@@ -32,11 +32,13 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
     """
     rows = [(chart, row) for chart in charts for row in chart.rows]
     heights = [chart.height / _TALL + 0.35 for chart, _ in rows]
-    height = sum(heights) + _TITLE + _FOOT
+    lines = wrap(title, 105)
+    above = _TITLE + _LINE * max(len(lines) - 1, 0)
+    height = sum(heights) + above + _FOOT
     figure = PlainFigure(figsize=(_WIDTH, height), dpi=_DPI)
-    figure.suptitle("\n".join(wrap(title, 105)), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
+    figure.suptitle("\n".join(lines), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
     # Places are fixed, because to fit them to the texts takes as long as to draw them.
-    top = height - _TITLE
+    top = height - above
     for (_, row), tall in zip(rows, heights, strict=True):
         names = [text for _, text in row[0].yticks]
         room = max(_LEFT, _LETTER * max(map(len, names), default=0) + 0.35)

@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
+from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording.along import along_branch, at_points

@@ -1,6 +1,8 @@
-"""Numbers of a variant's equations, written from the changes that make it, without a model of its own."""
+"""Variants of a system: the numbers of their equations, written from the changes that make them, and several side by side."""
 
 import copy
+from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import mujoco
@@ -9,11 +11,14 @@ import numpy as np
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import equations as made
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.equations import Bodies, Equations
+from wirerope_mj.engine.kernel.equations import Bodies, Equations, Integers
+from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
+from wirerope_mj.engine.kernel.steps import advance, finish
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.tables import rated_travel, turning
 from wirerope_mj.engine.system.varied import moving_bodies
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI
 from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS
@@ -22,8 +27,8 @@ from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 
+# kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
 _PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI)
-"""Kernels none of whose parameters says how many there are or what is done with them: any values have the same structure."""
 
 
 class _Changed:
@@ -51,8 +56,8 @@ class Numbers:
         n = len(system.mounts)
         rows = lay[lay[at.MOUNTS] :][: at.MOUNT_COLUMNS * n].reshape(n, at.MOUNT_COLUMNS)
         self._points = dict(zip(system.mounts, rows[:, at.POINTS].tolist(), strict=True))
-        first, parameters = int(tables.layout[control.AXES]), int(lay[at.PARAMETERS])
-        axes = tables.layout[first:][: control.AXIS_COLUMNS * 3 * n].reshape(n, 3, control.AXIS_COLUMNS)
+        parameters = int(lay[at.PARAMETERS])
+        axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * n).reshape(n, 3, control.AXIS_COLUMNS)
         self._laws = dict(zip(system.mounts, (parameters + axes[:, :, 1]).astype(int).tolist(), strict=True))
         self._couplings = dict(zip(system.mounts, (parameters + rows[:, at.COUPLING]).tolist(), strict=True))
         self._bodies = Bodies(model)
@@ -180,3 +185,81 @@ def same_structure(law: Law | None, other: Law | None) -> bool:
     if law is None or other is None:
         return law is other
     return type(law) is type(other) and (law.kernel in _PLAIN or law == other)
+
+
+NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant.
+
+    Attributes:
+        equations: of the first variant.
+        numbers, states, memory: of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`.
+        clock: see `wirerope_mj.engine.kernel.observe`.
+        which: number of the motion that each lane's base follows, (WIDTH,).
+        size: number of variants.
+    """
+
+    equations: Equations
+    numbers: Array
+    states: Array
+    memory: Array
+    clock: Array
+    which: Integers
+    size: int
+
+    @property
+    def failed(self) -> Array:
+        """Why a variant was given up, 0 if it was not, (size,); see `wirerope_mj.engine.kernel.layout`."""
+        return self._section(at.FAILED, at.N_WORK)[0, : self.size]
+
+    def channels(self, number: int) -> Array:
+        """Return the tracker's memory of one variant, (n_channels, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.MEMORY, at.TOUCHED)[:, number].reshape(-1, control.CHANNEL_MEMORY)
+
+    def stops(self, number: int) -> Array:
+        """Return the memory of one variant's stops, (n_stops, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.TOUCHED, at.TRAVELS)[:, number].reshape(-1, control.CONTACT_MEMORY)
+
+    def travels(self, number: int) -> Array:
+        """Return the memory of one variant's travels, (n_mounts, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.TRAVELS, at.FAILED)[:, number].reshape(-1, control.TRAVEL_MEMORY)
+
+    def _section(self, first: int, behind: int) -> Array:
+        lay = self.equations.lay
+        return self.memory[lay[first] : lay[behind]]
+
+    @property
+    def _lanes(self) -> tuple[Array | Integers, ...]:
+        e = self.equations
+        return e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which
+
+    def go(
+        self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int
+    ) -> int:
+        """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`; returns the number of samples so far."""
+        return int(advance(*self._lanes, grid, positions, rates, table, ends, out, sample))
+
+    def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array, sample: int) -> None:
+        """Observe the last instant; `sample` is its number, -1 if it is none."""
+        finish(*self._lanes, time, positions, rates, table, out, sample)
+
+
+def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]) -> Group:
+    """Return a group of at most WIDTH variants with the states (n, n_states) they start from, and their motions."""
+    size = len(equations)
+    lanes = np.minimum(np.arange(WIDTH), size - 1)
+    first = equations[0]
+    memory = np.zeros((int(first.lay[at.N_WORK]), WIDTH))
+    memory[first.lay[at.KIN] : first.lay[at.KIN] + first.rest.size] = first.rest[:, np.newaxis]
+    return Group(
+        equations=first,
+        numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
+        states=np.ascontiguousarray(states[lanes].T),
+        memory=memory,
+        clock=np.zeros(CLOCK_SIZE),
+        which=np.asarray(which, dtype=np.int64)[lanes],
+        size=size,
+    )

@@ -1,4 +1,4 @@
-"""Hysteretic states whose sensitivities are scaled by their own slope, so that the derivative of the slope does not occur.
+"""The laws of a system as periodic motions need them: smoothed over a velocity, their states scaled by their own slope.
 
 Bouc-Wen's equation is zdot = v f(z, s), s = sgn v, f = alpha - |z|^n (beta sgn(s z) + gamma). For n < 1 the derivative of f is
 infinite at z = 0: sampled at steps, or in differences of the stepped map, it scatters for any step that can be paid. With
@@ -17,24 +17,76 @@ which is the equation in w where f is large, that in dz where it is not. A law t
 with phi as without smoothing. Two states of one axis have one w each.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from mujoco.batch import Batch
 
-from wirerope_mj.dynamics.periodic.observe import mount_deflections
-from wirerope_mj.dynamics.periodic.track import Track
+from wirerope_mj.dynamics.periodic.motion import Track, mount_deflections
+from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.engine.system.varied import with_other_laws
+from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Parallel, Smoothed
-from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, TABULATED
+from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, SMOOTHED, TABULATED
+from wirerope_mj.mounts.laws.smoothed import with_width
 
+# Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
+# is infinite, a millionth of it is what stays in the equation.
 SMALL = 1e-6
-"""Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f' is
-infinite, a millionth of it is what stays in the equation."""
-
+# Fraction of a state's largest value below which its power is not differentiated.
 NEAREST = 1e-12
-"""Fraction of a state's largest value below which its power is not differentiated."""
+
+
+def smoothed(system: System, width: float) -> System:
+    """Return the system with every law that can be smoothed over the velocity `width` [m/s].
+
+    Raises:
+        ValueError: none of its laws can be smoothed.
+    """
+    if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
+        raise ValueError(
+            "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."
+        )
+    return with_other_laws(system, lambda isolator: _smoothed(isolator, width))
+
+
+def _smoothed(isolator: Isolator, width: float) -> Isolator:
+    axes: dict[str, Any] = {
+        axis: with_width(law, width)
+        for index, (axis, law) in enumerate(isolator.axes.items())
+        if law is not None and index not in isolator.coupled_axes
+    }
+    return replace(isolator, **axes)
+
+
+def width_indices(system: System) -> Integers:
+    """Return the indices of the widths of a smoothed system's laws in its model's numeric_data."""
+    model = system.model
+    numbers = model.actuator_dynprm[-1]
+    layout, parameters = int(numbers[1]), int(numbers[2])
+    first = layout + int(model.numeric_data[layout + at.AXES])
+    rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
+    return parameters + widths_of(rows[:, :2], model.numeric_data[parameters:])
+
+
+def widths_of(laws: npt.NDArray[Any], parameters: Array) -> Integers:
+    """Find the widths of smoothed laws, also those in parallel, among the parameters of (number, first parameter) rows."""
+    found = []
+    for law, first in laws.astype(int).tolist():
+        found += [first] if law == SMOOTHED else []
+        parts = int(parameters[first]) if law == PARALLEL else 0
+        for part in parameters[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
+            found += [first + part[1]] if part[0] == SMOOTHED else []
+    return np.array(found, dtype=np.int64)
+
+
+def set_width(batch: Batch, indices: Integers, width: float) -> None:
+    """Give every simulation of a batch laws that are smoothed over `width` [m/s]."""
+    batch.expand("numeric_data")[:, indices] = width
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -158,7 +210,7 @@ class ScaledStates:
         return full
 
 
-def _signs(moves: Array) -> npt.NDArray[np.float64]:
+def _signs(moves: Array) -> Array:
     """Return the signs of moves in turn, (n, m); one that is none is that of the move before."""
     signs = np.sign(moves)
     for k in range(-1, len(signs) - 1):

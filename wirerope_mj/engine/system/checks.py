@@ -1,5 +1,6 @@
-"""The numbers of a compiled model: finite, and joints that move in directions of their own."""
+"""What a model's numbers and joints must be, and the message about a model that MuJoCo refuses."""
 
+import re
 from functools import cache
 from pathlib import Path
 from xml.etree import ElementTree
@@ -12,15 +13,15 @@ from wirerope_mj.engine.system.named_files import model_trees
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
+# beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
 _ELEMENTS = {"site": "site", "jnt": "joint", "geom": "geom", "body": "body", "eq": "equality"}
-"""Beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named."""
 
+# attributes from which others are computed: they are named before those
 _WRITTEN = ("pos", "quat", "axis", "size", "mass")
-"""Attributes from which others are computed: they are named before those."""
 
+# smallest eigenvalue of a matrix whose diagonal is scaled to 1: dependent joints leave rounding, 1e-16. Slides 1e-6 rad apart
+# and a body on a joint of its own with 1e-11 of the mass that it carries still pass.
 REGULAR = 1e-12
-"""Smallest eigenvalue of a matrix whose diagonal is scaled to 1: dependent joints leave rounding, 1e-16. Slides 1e-6 rad apart
-and a body on a joint of its own with 1e-11 of the mass that it carries still pass."""
 
 
 def check_written(text: str, path: Path | None) -> None:
@@ -116,4 +117,51 @@ def _check_independent(model: mujoco.MjModel, dofs: npt.NDArray[np.int64], matri
     raise ModelError(
         f"the joints {names} of {bodies} do not move in independent directions: what one does the others undo. Turn the axis "
         "of one of them, or remove it."
+    )
+
+
+_LEAD = re.compile(r"^(?:XML Error: |Error: |Schema violation: )+")
+_ELEMENT = re.compile(r" ?Element (?:name )?'([^']*)'(?:, id -?\d+)?(?:, line (\d+))?")
+# parts of MuJoCo's messages, and what to do about each; the first that a message holds counts
+_REMEDIES = (
+    ("opening file", "Put the file there, or correct its name; it is looked for from the model's folder on."),
+    ("mjMINVAL", "Give this body mass: a geom, or an <inertial>."),
+    ("decoder", "Export or copy this file again."),
+    (
+        "repeated name",
+        "Give each element of a kind its own name; body/NAME, point/NAME, mount/NAME and wirerope/... are added to each model.",
+    ),
+    ("model type", "An MJCF file begins with <mujoco>."),
+    ("not found", "Name one that the model has, or add it."),
+    ("unknown", "Name one that the model has, or add it."),
+    ("unrecognized name", "Name one that the model has, or add it."),
+)
+_ELSEWHERE = "What each element may hold: https://mujoco.readthedocs.io/en/stable/XMLreference.html."
+
+
+def refused(reason: str, text: str) -> str:
+    """Return the message about an MJCF text that MuJoCo refused for a `reason`, which never says what to do."""
+    reason = " ".join(reason.split())
+    if "XML parse error" in reason:
+        return _not_xml(text)
+    element = _ELEMENT.search(reason)
+    name, line = element.groups() if element else ("", None)
+    included = " of it or of a file that it includes" if "<include" in text else ""
+    location = ", ".join(filter(None, [name and f"element {name!r}", line and f"line {line}{included}"]))
+    problem = (
+        _LEAD.sub("", _ELEMENT.sub("", reason)).rstrip(". ").replace("mjMINVAL", f"{mujoco.mjMINVAL:g} kg and kg m^2")
+    )
+    remedy = next((remedy for key, remedy in _REMEDIES if key in reason), _ELSEWHERE)
+    return f"MuJoCo cannot compile the model: {': '.join(filter(None, [location, problem]))}. {remedy}"
+
+
+def _not_xml(text: str) -> str:
+    location = "a file that it includes"
+    try:
+        ElementTree.fromstring(text)
+    except ElementTree.ParseError as error:
+        location = f"line {error.position[0]}, column {error.position[1] + 1}"
+    return (
+        f"MuJoCo cannot compile the model: {location} is not well-formed XML. Write & as &amp; and < as &lt;, close every "
+        "element, and give no attribute twice."
     )
