@@ -63,8 +63,9 @@ def _exceeded(result: StudyResult, stated: StatedLimit) -> dict[str, Any]:
     beyond = stated.exceedance(result.independent)
     content = {
         "text": stated.text, "measures": list(stated.measures), "limit": stated.limit,
-        "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed, "ended_early": beyond.early,
+        "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed,
     }  # fmt: skip
+    content |= {"ended_early": beyond.early} if beyond.early else {}
     if result.is_sampled and beyond.n:
         content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
     return content

@@ -41,7 +41,7 @@ class StatedLimit:
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""
-        return exceedance_in(table, self.largest(table), self.limit)
+        return exceedance_in(table, self.measures[0], self.largest(table), self.limit)
 
     def largest(self, table: pa.Table) -> Array:
         """Return the largest of the measures of each variant, SI, (n,); NaN where none has a value."""
@@ -88,8 +88,8 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
     beyond = stated.exceedance(table)
     several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
     failed = not_counted(beyond)
-    if not beyond.n:
-        why = "every run ends before its peaks are over" if beyond.early else "nothing has a value"
+    if not beyond.judged:
+        why = "every run ends before its peaks are over" if beyond.n else "nothing has a value"
         return f"Beyond {stated.text}: not judged, since {why}{failed}."
     start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
     if not sampled:

@@ -24,15 +24,7 @@ from wirerope_mj.studies.results.measure import (
 from wirerope_mj.studies.results.stated_file import read_stated
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.statements import exceedance_text
-from wirerope_mj.studies.results.statistics import (
-    Exceedance,
-    exceedance_in,
-    exceedance_of,
-    judged_values,
-    quantiles,
-    row_of,
-    worst,
-)
+from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -184,10 +176,9 @@ class StudySummary:
 
     def _ratio(self, values: Array, limit: float) -> float | None:
         """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""
-        table = self.result.independent
         if self.result.is_sampled:
-            return exceedance_in(table, values, limit).ratio
-        values = judged_values(table, values, limit)
+            return exceedance(values, limit).ratio
+        table = self.result.independent
         return fraction_of_directions(table, input_names(table), values, limit)
 
 

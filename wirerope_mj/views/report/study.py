@@ -79,12 +79,14 @@ def _verdict(summary: StudySummary) -> Mark:
         return Mark(content="Not judged: no limit is stated", tone="unjudged")
     most, ratio = max(judged, key=lambda one: one[0].count)
     failed = not_counted(most)
-    if not most.n:
+    if not most.judged:
         return Mark(content=f"Not judged{failed}", tone="unjudged")
     if most.count:
         of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
         return Mark(content=f"A limit is exceeded in {most.count} of {most.n} variants{of}{failed}", tone="exceeded")
-    return Mark(content=f"Within the limits in all {most.n} variants{failed}", tone="unjudged" if failed else "within")
+    return Mark(
+        content=f"Within the limits in all {most.judged} variants{failed}", tone="unjudged" if failed else "within"
+    )
 
 
 def failed_blocks(result: StudyResult) -> tuple[Block, ...]:
