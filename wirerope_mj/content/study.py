@@ -89,14 +89,14 @@ def _verdict(summary: StudySummary) -> Statement:
         return Statement(id="headline", text="Not judged: no limit is stated", tone="unjudged")
     most, ratio = max(judged, key=lambda one: one[0].count)
     rest = not_counted(most)
-    if not most.n:
+    if not most.judged:
         return Statement(id="headline", text=f"Not judged{rest}", tone="unjudged")
     values = {"beyond": float(most.count), "of": float(most.n), "ratio": ratio}
     if most.count:
         of = "" if ratio is None else f" ({percent(ratio)}{summary.of_directions})"
         text = f"A limit is exceeded in {most.count} of {most.n} variants{of}{rest}"
         return Statement(id="headline", text=text, tone="exceeded", values=values)
-    text, tone = f"Within the limits in all {most.n} variants{rest}", "unjudged" if rest else "within"
+    text, tone = f"Within the limits in all {most.judged} variants{rest}", "unjudged" if rest else "within"
     return Statement(id="headline", text=text, tone=tone, values=values)
 
 

@@ -23,7 +23,6 @@ from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
     Exceedance,
     exceedance_of,
-    judged_values,
     row_of,
     struck_variants,
     worst,
@@ -114,8 +113,8 @@ def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> s
     beyond = stated.exceedance(table)
     several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
     failed = not_counted(beyond)
-    if not beyond.n:
-        why = "every run ends before its peaks are over" if beyond.early else "nothing has a value"
+    if not beyond.judged:
+        why = "every run ends before its peaks are over" if beyond.n else "nothing has a value"
         return f"Beyond {stated.text}: not judged, since {why}{failed}."
     start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
     if not sampled:
@@ -139,9 +138,8 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
     values = values_of(independent, measure.name)
     largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
     start = f"{capital(measure.name)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
-    if not beyond.n:
-        return f"{capital(measure.name)} ({measure.text}): not judged{not_counted(beyond)}; {largest}."
-    values = judged_values(independent, values, limit)
+    if not beyond.judged:
+        return f"{capital(measure.name)} ({measure.text}): not judged, since every run ends before its peaks are over."
     if not result.is_sampled:
         fraction = fraction_of_directions(table, inputs, values, limit)
         which = exceeding_inputs(table, inputs, values, limit)
@@ -154,11 +152,10 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
 
 
 def not_counted(beyond: Exceedance) -> str:
-    """Return how many variants are not counted, and why; "" if all are."""
-    causes = ((beyond.failed, "failed"), (beyond.early, "ended too early"))
-    parts = [f"{count} more {cause}" for count, cause in causes if count]
-    are = "is" if beyond.failed + beyond.early == 1 else "are"
-    return f"; {' and '.join(parts)} and {are} not counted" if parts else ""
+    """Return how many variants are not judged, and how many not counted; "" if all are."""
+    early = f"; {beyond.early} ended too early to be judged" if beyond.early else ""
+    are = "is" if beyond.failed == 1 else "are"
+    return early + (f"; {beyond.failed} more failed and {are} not counted" if beyond.failed else "")
 
 
 def early_statements(table: pa.Table) -> list[str]:

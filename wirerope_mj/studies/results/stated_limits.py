@@ -52,7 +52,7 @@ class StatedLimit:
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""
-        return exceedance_in(table, self.largest(table), self.limit)
+        return exceedance_in(table, self.measures[0], self.largest(table), self.limit)
 
     def largest(self, table: pa.Table) -> Array:
         """Return the largest of the measures of each variant, SI, (n,); NaN where none has a value."""
@@ -138,8 +138,9 @@ def _exceeded(result: StudyResult, stated: StatedLimit) -> dict[str, Any]:
     beyond = stated.exceedance(result.independent)
     content = {
         "text": stated.text, "measures": list(stated.measures), "limit": stated.limit,
-        "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed, "ended_early": beyond.early,
+        "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed,
     }  # fmt: skip
+    content |= {"ended_early": beyond.early} if beyond.early else {}
     if result.is_sampled and beyond.n:
         content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
     return content

@@ -24,9 +24,8 @@ from wirerope_mj.studies.results.measure import (
 from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
 from wirerope_mj.studies.results.statistics import (
     Exceedance,
-    exceedance_in,
+    exceedance,
     exceedance_of,
-    judged_values,
     quantiles,
     row_of,
     worst,
@@ -177,10 +176,9 @@ class StudySummary:
 
     def _ratio(self, values: Array, limit: float) -> float | None:
         """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""
-        table = self.result.independent
         if self.result.is_sampled:
-            return exceedance_in(table, values, limit).ratio
-        values = judged_values(table, values, limit)
+            return exceedance(values, limit).ratio
+        table = self.result.independent
         return fraction_of_directions(table, input_names(table), values, limit)
 
 
