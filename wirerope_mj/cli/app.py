@@ -63,7 +63,7 @@ COMMANDS = {
         "Make the report of a run: one HTML page that holds everything it shows, and a PDF of it.",
     ),
     "study-report": (
-        "study_report:study_report",
+        "study:study_report",
         "Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.",
     ),
     "compare": (

@@ -13,7 +13,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.isolator_file import assumptions, identified_isolator
+from wirerope_mj.mounts.identification.isolator_file import assumptions, falling_in_rating, identified_isolator
 from wirerope_mj.mounts.identification.options import Constraint
 from wirerope_mj.mounts.identification.records import Tests, contents, loop_warnings, read_tests
 from wirerope_mj.mounts.identification.result import FittedLoop, Identification, fitted_loops
@@ -100,6 +100,11 @@ def identify_command(request: Request) -> int:
         known=known, whole=whole,
     )  # fmt: skip
     wanted, warnings = result.converged or request.accept_unconverged, loop_warnings(tests, result)
+    if falling := falling_in_rating(result, request.axis, whole or known):
+        warnings = [
+            *warnings,
+            f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that",
+        ]
     with atomic_run(request.folder, force=request.force, kind="report", marks=_marks(request.folder)) as folder:
         _write_report(folder, request, result, fits, tests, warnings)
         _keep_others(request.folder, folder)

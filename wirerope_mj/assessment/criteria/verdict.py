@@ -26,7 +26,7 @@ class Verdict:
         unit: SI unit of both, "" for a ratio.
         time: instant at which the value was reached [s]; None if it has none.
         note: why nothing is judged, or what the value rests on.
-        contact: STRUCK, TOUCHING or CLEAR for a contact pair; "" for everything else.
+        contact: STRUCK, TOUCHING, CLEAR or NOT_JUDGED for a contact pair; "" for everything else.
     """
 
     criterion: Criterion
