@@ -18,8 +18,7 @@ from house import sdof_text
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
 from wirerope_mj.engine.response import Peak
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.errors import Absent, RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.report import write_report

@@ -21,7 +21,7 @@ from wirerope_mj.assessment.criteria import (
 from wirerope_mj.assessment.criteria.sentences import rule_lines
 from wirerope_mj.cli.screen import console, print_table, print_warnings
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep

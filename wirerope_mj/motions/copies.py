@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.foundation.inside import file_inside
+from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.motions.motion import BaseMotion
 
 

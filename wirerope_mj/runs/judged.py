@@ -13,8 +13,7 @@ from wirerope_mj.assessment.criteria.tested import falling_line, untested_line
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.errors import Absent, WireRopeError
 
 Result = TypeVar("Result")
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions import BaseMotion, Sweep
 from wirerope_mj.runs.run_spectra import RunSpectra
 from wirerope_mj.views.curves import Panel

@@ -7,10 +7,9 @@ from typing import Any
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.runs.folder import FORMAT, SUMMARY

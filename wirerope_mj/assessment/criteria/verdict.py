@@ -5,8 +5,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from typing import Any
 
-from wirerope_mj.foundation.json_values import json_values
-from wirerope_mj.foundation.renamed import Renamed
+from wirerope_mj.foundation.summary import json_values
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
 STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
@@ -40,8 +39,6 @@ class Verdict:
     def __post_init__(self) -> None:
         if self.limit is not None and not 0.0 < self.limit < math.inf:
             raise ValueError(f"`limit` must be a finite number > 0 or None, got {self.limit!r}.")
-
-    share = Renamed("utilisation")
 
     @property
     def utilisation(self) -> float | None:

@@ -7,7 +7,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.contact_pairs import declared_pairs
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 
 FARTHEST = 1e3
 """Gap that is as good as any larger one [m]."""

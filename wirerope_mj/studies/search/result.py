@@ -8,7 +8,6 @@ import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.result import StudyResult
@@ -113,8 +112,6 @@ class SearchResult(StudyResult):
     def shown(self) -> tuple[str, ...]:
         """The measures that are displayed of a design: what was minimised, what is limited, and the number of mounts."""
         return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
-
-    word = Renamed("remark")
 
     def remark(self, variant: int) -> str:
         """Return "given", "knee", both or nothing."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.plots.report_image import COLOURS, RATED, short
 from wirerope_mj.views.plots.scene_outline import (

@@ -6,7 +6,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.steady import steady_interval
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.motions import Sweep
 from wirerope_mj.mounts.isolator import AXES

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.statics import Sag
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.display import fixed, with_unit

@@ -10,7 +10,7 @@ from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.mounts.isolator import Isolator

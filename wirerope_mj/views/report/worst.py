@@ -10,7 +10,7 @@ from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.views.display import with_unit
 from wirerope_mj.views.plots.scene_outline import drawn_scene
 from wirerope_mj.views.plots.scene_svg import moved_scene_svgs
