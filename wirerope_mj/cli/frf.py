@@ -12,7 +12,6 @@ from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_r
 from wirerope_mj.dynamics.frequency_response.summary import OrderBand, level_summaries, order_statements
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
-from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.folder import check_target
@@ -60,17 +59,6 @@ def levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float]
     if acceleration_g is not None:
         return tuple(level * STANDARD_GRAVITY for level in acceleration_g)
     return (DEFAULT,) if acceleration is None else tuple(acceleration)
-
-
-def direction_of(option: str, text: str) -> Direction:
-    """Return the direction that an option says: an axis, or three numbers with commas between them."""
-    if text in ("x", "y", "z"):
-        return text
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise ValueError(f"`{option}` must be x, y, z or a vector such as 1,0,1; got {text!r}.") from None
-    return (x, y, z)
 
 
 def _report(text: str) -> None:

@@ -55,19 +55,20 @@ def frf(
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.
     """
-    from wirerope_mj.cli.frf import direction_of, frf_command, levels
+    from wirerope_mj.cli.frf import frf_command, levels
     from wirerope_mj.dynamics.frequency_response import ResponseOptions
     from wirerope_mj.dynamics.frequency_response.summary import order_bands
+    from wirerope_mj.foundation.directions import direction_in
 
     if (orders is None) != (speed_rpm is None):
         raise ValueError("`--orders` and `--speed-rpm` belong together: give both.")
     bands = () if orders is None or speed_rpm is None else order_bands(orders, speed_rpm)
     options = ResponseOptions(
         accelerations=levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
-        direction=direction_of("--direction", direction), payload=payload, rate=rate,
+        direction=direction_in(direction, "--direction"), payload=payload, rate=rate,
         periods=int(periods) if float(periods).is_integer() else periods,  # type: ignore[arg-type]  # refused by name below
         response_direction=None if response_direction is None
-        else direction_of("--response-direction", response_direction),
+        else direction_in(response_direction, "--response-direction"),
         largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
     )  # fmt: skip
     return frf_command(model, options, bands=bands, keep=keep, out=out, force=force)

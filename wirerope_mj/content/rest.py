@@ -7,7 +7,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, with_unit
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.statics import Sag
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 

@@ -11,7 +11,7 @@ import tomli_w
 
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.result import save_tables
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, OrderBand, summary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, OrderBand, plain_summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.directions import direction_text, plain_direction
 from wirerope_mj.runs.folder import atomic_run
@@ -48,7 +48,7 @@ def write_frequency_response(
         model = write_model(result.system, temporary / "model")
         settings = _settings(result, model_table(result.system, model))
         (temporary / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
-        summary_content = {"format": FORMAT, "levels": summary(findings)}
+        summary_content = {"format": FORMAT, "levels": [plain_summary(one) for one in findings]}
         (temporary / SUMMARY).write_text(
             json.dumps(summary_content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
         )
