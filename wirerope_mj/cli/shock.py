@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.numerics_options import with_numerics
+from wirerope_mj.cli.options import with_numerics
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.errors import RecordError
 

@@ -7,8 +7,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-BASE, OTHERS = "base", "others"
-"""Kinds of curves beside the numbered ones of the table of colours."""
+BASE, OTHERS, LIMIT = "base", "others", "limit"
+"""Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,11 +17,14 @@ class Curve:
 
     Attributes:
         x, y: positions, (n,).
-        name: in the legend.
-        kind: number of a colour, `BASE` or `OTHERS`.
+        name: in the legend; "" for none.
+        kind: number of a colour, `BASE`, `OTHERS` or `LIMIT`.
         marks: whether dots are drawn at the positions instead of a line.
         bars: height of the bars that go from zero to each x instead; 0 for none.
         ends: of an interval across the end of each bar, (n, 2).
+        dash: "dashed" or "dotted".
+        weight: width of the line, size of the dots, times the usual.
+        opacity: from 0 to 1, by which curves of a family are told apart.
     """
 
     x: Array
@@ -31,6 +34,9 @@ class Curve:
     marks: bool = False
     bars: float = 0.0
     ends: Array | None = None
+    dash: str = ""
+    weight: float = 1.0
+    opacity: float = 1.0
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +77,7 @@ class Panel:
         notes: texts at positions.
         field: behind the curves; None for none.
         yticks, xticks: where round numbers would not do: names of bars, angles.
+        bands: ranges across that are shaded, with their names.
         xlim, ylim: ranges; None for what the curves take.
         log: whether both axes are logarithmic, or only the one across ("x").
         unit, xunit: of the values that are read.
@@ -87,6 +94,7 @@ class Panel:
     field: Field | None = None
     yticks: Ticks = ()
     xticks: Ticks = ()
+    bands: Sequence[tuple[str, float, float]] = ()
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
     log: str = ""

@@ -57,7 +57,7 @@ class TippingStability:
         if self.word == "not held":
             return "something moves without any stiffness: no mount, joint or stop holds it."
         if self.gravity_factor > _FAR and self.rise > _FAR:
-            return f"{self.word}, far from tipping over."
+            return f"{self.word}, large margin."
         limits = []
         if np.isfinite(self.gravity_factor):
             limits.append(f"at {self.gravity_factor:.2g} times its weight")

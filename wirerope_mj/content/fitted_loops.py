@@ -1,16 +1,16 @@
-"""Charts of a fit for its page: loops, residuals and measures over the amplitude, measured against fitted."""
+"""Charts of a fit: loops, residuals and measures over the amplitude, measured against fitted."""
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from wirerope_mj.content.panels import OTHERS, Curve, Panel
+from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.result import FittedLoop
-from wirerope_mj.views.colours import LIGHT
-from wirerope_mj.views.plots.svg_chart import Chart
 
 MOST = 12
 """Loops of one chart: more cannot be read."""
@@ -42,17 +42,25 @@ def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
             Curve(x=x, y=in_unit(fit.measured, unit), name="measured", kind=_MEASURED, marks=True),
         ]
 
-    return _chart(fits, curves, f"force [{unit}]", unit)
+    drawn = f" {MOST} of {len(fits)} loops are drawn." if len(fits) > MOST else ""
+    return replace(
+        _chart(fits, curves, f"force [{unit}]", unit),
+        id="fit",
+        caption=f"Loops, measured and fitted; the error is that of the force over half its range.{drawn}",
+        alt="Loops, measured and fitted.",
+    )
 
 
 def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
-    """Return fitted minus measured force of every loop over the deflection, in percent of half its range.
-
-    Dots are the samples, lines their mean over a ninth of each branch, all on one scale. A law that fits leaves noise, whose
-    mean is zero everywhere; what bends is what the law cannot do.
-    """
+    """Return fitted minus measured force of every loop over the deflection, in percent of half its range, on one scale."""
     largest = 110.0 * max(float(np.abs(fit.residual).max()) for fit in drawn_loops(fits)) or 1.0
-    return _chart(fits, _residual_curves, "fitted - measured [%]", "%", ylim=(-largest, largest))
+    return replace(
+        _chart(fits, _residual_curves, "fitted - measured [%]", "%", ylim=(-largest, largest)),
+        id="residuals",
+        caption="Fitted minus measured force over half its range: samples, and their mean over a ninth of each branch. A law "
+        "that fits leaves noise, whose mean is zero; what bends is what the law cannot do.",
+        alt="Residuals over the deflection.",
+    )
 
 
 def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
@@ -81,7 +89,13 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
                 unit=unit, xunit="mm",
             )
         )  # fmt: skip
-    return Chart(rows=[panels], height=180.0)
+    return Chart(
+        id="measures",
+        rows=[panels],
+        height=180.0,
+        caption="Energy per cycle and secant stiffness over the amplitude.",
+        alt="Measures over the amplitude.",
+    )
 
 
 def _residual_curves(fit: FittedLoop) -> list[Curve]:
@@ -109,7 +123,7 @@ def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list
     for number, group in enumerate(groups):
         x = np.array([in_unit(fit.amplitude, "mm") for fit in group])
         about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
-        kinds = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (number % len(LIGHT.series),)
+        kinds = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (number % COLOURS,)
         measured, fitted = (
             np.array([in_unit(getattr(fit, measure)(getattr(fit, side)), unit) for fit in group])
             for side in ("measured", "fitted")
