@@ -71,8 +71,9 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=panel.title)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
-    handles, labels = axes.get_legend_handles_labels()
-    named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
+    named: dict[str, Any] = {}
+    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
+        named.setdefault(label, handle)
     if named:
         place = "upper right" if panel.xunit == "s" else "best"  # which takes long among the samples of a run
         axes.legend(named.values(), named.keys(), fontsize=8, loc=place, ncols=2)
