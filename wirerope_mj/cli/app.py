@@ -55,7 +55,7 @@ COMMANDS = {
         "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",
     ),
     "frf": (
-        "frf_options:frf",
+        "frf:frf",
         "Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.",
     ),
     "report": (

@@ -101,7 +101,7 @@ def identify_records(
     result = identify(
         [loop for loops in tests.values() for loop in loops], law=kind, start=first, fixed=values, free=free or (),
         beside=known_law, constraint=constraint, elements=elements or _ELEMENTS,
-        scales="auto" if scales == "auto" else int(scales),  # type: ignore[arg-type]  # one of the choices above
+        scales="auto" if scales == "auto" else int(scales),
     )  # fmt: skip
     given = [*(fix or ()), *([constraint] if constraint is not None else [])]
     given += [f"the law of {beside.name} beside it"] if beside is not None else []
