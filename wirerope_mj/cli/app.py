@@ -55,7 +55,7 @@ COMMANDS = {
         "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",
     ),
     "frf": (
-        "frf_options:frf",
+        "frf:frf",
         "Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.",
     ),
     "report": (
@@ -63,7 +63,7 @@ COMMANDS = {
         "Make the report of a run: one HTML page that holds everything it shows, and a PDF of it.",
     ),
     "study-report": (
-        "study_report:study_report",
+        "study:study_report",
         "Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.",
     ),
     "compare": (

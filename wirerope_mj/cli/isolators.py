@@ -114,7 +114,7 @@ def estimate(
         if out.suffix != ".toml":
             raise ValueError(f"`--out` must end with .toml, got {str(out)!r}.")
         check_writable(out)
-    estimated = estimate_loop(**lengths, loops=loops)
+    estimated = estimate_loop(**lengths, loops=loops)  # type: ignore[arg-type]  # the required ones are given
     show(estimate_content(estimated))
     if out is not None:
         estimated_isolator(estimated).save(out)

@@ -212,7 +212,9 @@ def _stage_table(result: Identification) -> Table:
 def _correlation_table(result: Identification) -> Table:
     free = result.uncertainty.free
     columns = [Column("parameter", align="left"), *(Column(name, form="+z.2f") for name in free)]
-    rows = [[name, *map(float, row)] for name, row in zip(free, result.uncertainty.correlation, strict=True)]
+    rows: list[list[Cell]] = [
+        [name, *row.tolist()] for name, row in zip(free, result.uncertainty.correlation, strict=True)
+    ]
     return Table(id="correlations", title="Correlations", columns=columns, rows=rows)
 
 

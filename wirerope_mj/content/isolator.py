@@ -89,7 +89,8 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         ),
         rows=rows,
         note="-: not stated. Load and stiffnesses are those in compression. Isolator: shipped as a file, fitted from the row "
-        "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is fitted and what assumed.",
+        "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is "
+        "fitted and what assumed.",
     )
 
 

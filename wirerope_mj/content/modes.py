@@ -1,7 +1,7 @@
 """The modes of a system about its equilibrium: which frequency to quote, damping, shapes, and what the laws were tested for."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
@@ -12,7 +12,7 @@ from wirerope_mj.content.statics import HISTORIES, stability_blocks
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
@@ -44,7 +44,7 @@ def modes_content(
         ddam: ship and location, for the design accelerations of DDAM.
     """
     stability = list(stability_blocks({small.history: small.stability}))
-    parts = {
+    parts: dict[str, Callable[[], Iterable[Block | None]]] = {
         "modes": partial(_modes_blocks, system, small, bool(large)),
         "amplitudes": partial(_amplitudes_blocks, system, small, large),
         "stability": lambda: stability,
@@ -123,7 +123,7 @@ def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
         ),
     )
     columns = [Column("mount", align="left"), *(Column(axis, form="+.3f") for axis in ("roll", "shear", "axial"))]
-    rows = [(name, *map(float, shape[mode])) for name, shape in modes.mounts.items()]
+    rows: list[Row] = [(name, *map(float, shape[mode])) for name, shape in modes.mounts.items()]
     yield Table(id="mode-shape", title="Deflections of the mounts, the largest 1", columns=columns, rows=rows)
 
 

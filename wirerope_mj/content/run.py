@@ -30,6 +30,10 @@ _START = {
 }
 
 
+SUMMARY_SECTIONS = ("warnings", "answer", "accelerations", "mounts", "contacts")
+"""Sections that a terminal and a summary show."""
+
+
 def run_content(run: JudgedRun) -> Content:
     """Compose what a run says: the verdict first, what it rests on after it."""
     question = [" ".join(part.split()) for part in str(run.inputs.get("question", "")).strip().split("\n\n")]

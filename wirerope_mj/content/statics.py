@@ -14,7 +14,7 @@ from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.content.verdicts import TONE
 from wirerope_mj.dynamics.modes import TippingStability
 from wirerope_mj.engine.statics import Sag, StaticTable
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 
 HISTORIES = {

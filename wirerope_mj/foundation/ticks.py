@@ -6,11 +6,10 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+# First digits of the numbers on a logarithmic axis, from many to few; 10, 100, .. are always among them.
 _DIGITS = ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))
-"""First digits of the numbers on a logarithmic axis, from many to few; 10, 100, .. are always among them."""
-
+# Numbers of `_DIGITS` from which they are the ticks within one decade; with fewer, equal steps are.
 _ENOUGH = 4
-"""Numbers of `_DIGITS` from which they are the ticks within one decade; with fewer, equal steps are."""
 
 
 def log_ticks(low: float, high: float, *, most: int = 12) -> Array:

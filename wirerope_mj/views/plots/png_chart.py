@@ -6,10 +6,11 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_rgba
 
 from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.views.colours import LIGHT
+from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import round_ticks
 from wirerope_mj.views.thin import envelope, is_dense
@@ -19,6 +20,7 @@ _TALL = 88.0  # units of a chart's height to an inch
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
 _WIDE = 0.5  # of a picture, from which on a legend has two columns
 _LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
+_LETTER = 0.075  # width of a letter of a name, on the average [in]
 
 
 def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -> None:
@@ -39,9 +41,11 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
     # Places are fixed, because to fit them to the texts takes as long as to draw them.
     top = height - above
     for (_, row), tall in zip(rows, heights, strict=True):
-        width = (_WIDTH - _LEFT - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
+        names = [text for _, text in row[0].yticks]
+        room = max(_LEFT, _LETTER * max(map(len, names), default=0) + 0.35)
+        width = (_WIDTH - room - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
         for number, panel in enumerate(row):
-            left = _LEFT + number * (width + _LEFT)
+            left = room + number * (width + _LEFT)
             box = (left / _WIDTH, (top - tall + 0.35) / height, width / _WIDTH, (tall - 0.4) / height)
             draw_panel(figure.add_axes(box), panel)
         top -= tall
@@ -55,10 +59,23 @@ def draw_panel(axes: Any, panel: Panel) -> None:
         _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
     axes.set_xscale("log" if "x" in panel.log else "linear")
     axes.set_yscale("log" if "y" in panel.log else "linear")
+    if panel.field is not None:
+        cells = [[to_rgba(colour or "white") for colour in row] for row in field_colours(panel.field)]
+        axes.pcolormesh(panel.field.x, panel.field.y, np.array(cells))
+        for colour, text in field_key(panel.field):
+            axes.plot([], [], "s", color=colour, label=text)
     low, high = axes.get_ylim()
     for name, level in panel.limits:
         if 1.5 * low < level < 1.5 * high:  # farther away it would only flatten the curves
-            axes.axhline(level, color=_hex(LIGHT.limit), ls="--", lw=1.0, label=name)
+            axes.axhline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for name, level in panel.xlimits:
+        axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for x, y, text, on_left in panel.notes:
+        side = {"xytext": (-5 if on_left else 5, 0), "ha": "right" if on_left else "left"}
+        axes.annotate(
+            text, (x, y), textcoords="offset points", va="center", fontsize=8, annotation_clip=True, zorder=4.0,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4}, **side,
+        )  # fmt: skip
     for x, y in panel.dots:
         axes.plot(x, y, "o", color="0.2", ms=5)
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
@@ -69,15 +86,29 @@ def draw_panel(axes: Any, panel: Panel) -> None:
         round_ticks(axes.xaxis, *axes.get_xlim())
     if "y" in panel.log:
         round_ticks(axes.yaxis, *axes.get_ylim())
-    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=panel.title)
+    for ticks, set_ticks in ((panel.xticks, axes.set_xticks), (panel.yticks, axes.set_yticks)):
+        if ticks:
+            set_ticks([place for place, _ in ticks], [text for _, text in ticks])
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel)
+    axes.set_title(panel.title, loc="left", fontsize=10)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
-    named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
+    named: dict[str, Any] = {}
+    for label, handle in zip(labels, handles, strict=True):
+        named.setdefault(label, handle)  # each name once
+    named.pop("", None)
+    aside = bool(panel.notes or panel.yticks or panel.field)  # where texts stand among the curves
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False} if aside else {"loc": "upper right"}
     if named:
-        place = "upper right" if panel.xunit == "s" else "best"  # which takes long among the samples of a run
-        wide = axes.get_position().width > _WIDE
-        axes.legend(named.values(), named.keys(), fontsize=8, loc=place, ncols=2 if wide else 1)
+        at = (
+            {"fontsize": 8, "ncols": 6}
+            if aside
+            else {"fontsize": 8, "ncols": 2 if axes.get_position().width > _WIDE else 1}
+        )
+        if not aside and panel.xunit != "s":
+            place = {"loc": "best"}  # which takes long among the samples of a run
+        axes.legend(named.values(), named.keys(), **at, **place)
 
 
 def _shade(axes: Any, panel: Panel) -> None:
@@ -96,6 +127,14 @@ def _shade(axes: Any, panel: Panel) -> None:
 def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
     """Draw a curve; what oscillates too often for a line as the band that it fills."""
     look = {"color": curve_colour(curve), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
+    if curve.bars:
+        axes.barh(curve.y, curve.x, height=curve.bars, **look)
+        if curve.ends is not None:
+            reach = np.abs(np.maximum([curve.x - curve.ends[:, 0], curve.ends[:, 1] - curve.x], 0.0))
+            axes.errorbar(
+                curve.x, curve.y, xerr=reach, fmt="none", ecolor="0.25", elinewidth=0.9, capsize=2.0, zorder=4.0
+            )
+        return
     if curve.marks:
         axes.plot(curve.x, curve.y, ".", ms=4.0 * curve.weight, **look)
         return
@@ -111,8 +150,4 @@ def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
 def curve_colour(curve: Curve) -> str:
     """Return the colour of a curve on a light ground, as matplotlib takes it."""
     named = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
-    return _hex(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])
-
-
-def _hex(colour: tuple[int, int, int]) -> str:
-    return f"#{bytes(colour).hex()}"
+    return hexadecimal(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])

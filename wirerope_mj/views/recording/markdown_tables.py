@@ -10,9 +10,14 @@ _SIGNS = ("-", "=")
 """Cells that would begin a list or a heading elsewhere, and nothing here."""
 
 
-def markdown_blocks(blocks: Iterable[Block]) -> str:
-    """Return statements and tables below each other."""
-    parts = [markdown_statement(block) if isinstance(block, Statement) else markdown_table(block) for block in blocks]
+def markdown_blocks(blocks: Iterable[Block | None]) -> str:
+    """Write statements and tables below each other; charts and scenes have views of their own."""
+    parts = []
+    for block in blocks:
+        if isinstance(block, Statement):
+            parts.append(markdown_statement(block))
+        elif isinstance(block, Table):
+            parts.append(markdown_table(block))
     return "\n\n".join(filter(None, parts))
 
 
