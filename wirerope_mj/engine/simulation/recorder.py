@@ -222,7 +222,10 @@ def column_plan(system: System) -> ColumnPlan:
         bodies=subjects.body_names,
         points=subjects.point_names,
         mounts=[
-            (name, tuple(f"{c}.{z}" for c, law in one.isolator.axes.items() if law is not None for z in law.state_names))
+            (
+                name,
+                tuple(f"{c}.{z}" for c, law in one.isolator.axes.items() if law is not None for z in law.state_names),
+            )
             for name, one in system.mounts.items()
         ],
         contacts=list(system.assembly.contacts),
