@@ -40,12 +40,11 @@ def ratings_table(devices: Sequence[Isolator]) -> Table:
 
 def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
     """Tabulate sizes and ratings of the isolators of the catalogue by the names of their files."""
-    rows = [(name, one.name, *_ratings(one), one.provenance.kind) for name, one in devices.items()]
-    names = Column("isolator", align="left"), Column("name", align="text")
+    rows = [(name, *_ratings(one), one.provenance.kind) for name, one in devices.items()]
     return Table(
         id="catalogue",
         title="",
-        columns=(*names, *_RATING_COLUMNS, Column("figures are", align="left")),
+        columns=(Column("isolator", align="left"), *_RATING_COLUMNS, Column("figures are", align="left")),
         rows=rows,
         note=f"-: not stated, and so not judged. `wirerope isolators NAME` shows one, `--all` the {len(vendor_parts())} parts "
         "of the vendors' tables, which every command takes by name as well.",
@@ -74,7 +73,7 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
     for part in parts:
         along, across = part.modes["compression"], part.modes["shear"]
         whole = None not in (part.height, part.width, part.rope, along.travel, along.vibration, along.shock)
-        made = shipped_file(part) or ("fitted from this row" if whole else "too little stated")
+        made = "shipped" if shipped_file(part) else "fitted" if whole else None
         sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
         rows.append((part.name, *sizes, along.vibration, along.shock, made))
     return Table(
@@ -83,14 +82,15 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         columns=(
             Column("part", align="left"),
             *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
-            Column("load", "kN", 4),
+            Column("load", "N", ".0f"),
             *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
             *(Column(f"{name}\nstiffness", "N/mm", ".4g") for name in ("vibration", "shock")),
-            Column("isolator", align="text"),
+            Column("isolator", align="left"),
         ),
         rows=rows,
-        note="-: not stated. Load and stiffnesses are those in compression. `wirerope isolators PART` says what is fitted and "
-        "what assumed.",
+        note="-: not stated. Load and stiffnesses are those in compression. Isolator: shipped as a file, fitted from the row "
+        "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is "
+        "fitted and what assumed.",
     )
 
 
