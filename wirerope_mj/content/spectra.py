@@ -22,8 +22,6 @@ _DECADES, _POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is
 _ABOVE = 1.15  # of the largest, where the axis ends
 _STILL = 1e-6  # [m/s^2]: an rms that is rounding
 
-SRS_LABEL = "SRS, peak absolute acceleration [g]"
-
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield shock response spectra, or power spectral densities and their rms values, of payload and base."""
@@ -35,13 +33,18 @@ def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
         yield _rms(run)
 
 
+def _srs_label(q: float) -> str:
+    return f"SRS, Q = {q:g}: peak acceleration [g]"
+
+
 def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
     """Return the base's spectra: absolute acceleration and pseudo-velocity over frequency, a line for each axis.
 
     Args:
         spectra: by axis, "x", "y", "z".
     """
-    parts = ((SRS_LABEL, "g"), ("pseudo-velocity [m/s]", "m/s"))
+    q = next(iter(spectra.values())).q
+    parts = ((_srs_label(q), "g"), (f"pseudo-velocity, Q = {q:g} [m/s]", "m/s"))
     row = []
     for number, (label, unit) in enumerate(parts):
         curves = [
@@ -54,7 +57,6 @@ def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
             for axis, one in spectra.items()
         ]
         row.append(_panel(curves, label, unit))
-    q = next(iter(spectra.values())).q
     return Chart(
         id="base-spectrum",
         rows=[row],
@@ -77,7 +79,7 @@ def shock_chart(run: JudgedRun) -> Chart:
     held = f"up to {run.spectra.held:.3g} Hz" if run.spectra.held else "nowhere"
     q = next(iter(first.values())).q
     return replace(
-        _panels(lines, f"SRS, Q = {q:g}: peak acceleration [g]", run.selection, unit="g"),
+        _panels(lines, _srs_label(q), run.selection, unit="g"),
         id="payload-spectra",
         caption=f"Shock response spectra of {listed(names)} and of the base, maximax, Q = {q:g}: what equipment meets "
         "that stands there. Where the payload's line lies above the base's, isolation makes it worse. "

@@ -16,6 +16,7 @@ from wirerope_mj.views.thin import envelope, is_dense
 
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
+_LABEL = 0.5  # width of a number at a tick, and twice its height [in]
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
 _LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
 
@@ -64,10 +65,11 @@ def draw_panel(axes: Any, panel: Panel) -> None:
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
     _shade(axes, panel)
+    extent = axes.get_window_extent()
     if "x" in panel.log:
-        round_ticks(axes.xaxis, *axes.get_xlim())
+        round_ticks(axes.xaxis, *axes.get_xlim(), most=int(extent.width / (_LABEL * axes.figure.dpi)))
     if "y" in panel.log:
-        round_ticks(axes.yaxis, *axes.get_ylim())
+        round_ticks(axes.yaxis, *axes.get_ylim(), most=int(2.0 * extent.height / (_LABEL * axes.figure.dpi)))
     axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=panel.title)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
