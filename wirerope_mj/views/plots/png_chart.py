@@ -53,8 +53,6 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     """Draw a panel on axes of matplotlib: curves, the first in front, limits, points and its ranges."""
     for number, curve in enumerate(panel.curves):
         _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
-    axes.set_xscale("log" if "x" in panel.log else "linear")
-    axes.set_yscale("log" if "y" in panel.log else "linear")
     low, high = axes.get_ylim()
     for name, level in panel.limits:
         if 1.5 * low < level < 1.5 * high:  # farther away it would only flatten the curves
@@ -64,6 +62,9 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
+    # After the limits: curves that are zero have none on a logarithmic axis.
+    axes.set_xscale("log" if "x" in panel.log else "linear")
+    axes.set_yscale("log" if "y" in panel.log else "linear")
     _shade(axes, panel)
     extent = axes.get_window_extent()
     if "x" in panel.log:
