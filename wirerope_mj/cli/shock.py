@@ -122,7 +122,7 @@ def shock(
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.motions import Sweep, load_record
-    from wirerope_mj.motions.levels import motion_of_levels
+    from wirerope_mj.motions.restore import motion_of_levels
     from wirerope_mj.motions.spoken import motion_from_phrase
     from wirerope_mj.runs.scenario import Scenario
 

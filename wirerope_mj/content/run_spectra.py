@@ -18,7 +18,7 @@ from wirerope_mj.motions.spectra import (
     power_spectral_density,
     shock_response_spectrum,
 )
-from wirerope_mj.motions.spectra.arguments import octave_grid
+from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
 
 BASE = "base"

@@ -25,8 +25,8 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
-from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.judging import judge_table, judged_by
