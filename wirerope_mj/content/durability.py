@@ -37,7 +37,7 @@ def _worst(mission: Mission, damages: Sequence[MountDamage]) -> Statement:
         return Statement(id="most-damaged", text=text, tone="unjudged", values={"where": _called(worst)})
     life = 1.0 / worst.total
     text += f": damage {worst.total:.3g} in one such life; it lasts {life:.3g} such lives."
-    values = {"where": _called(worst), "damage": worst.total, "lives": life}
+    values: dict[str, float | str | None] = {"where": _called(worst), "damage": worst.total, "lives": life}
     return Statement(id="most-damaged", text=text, tone="exceeded" if worst.total > 1.0 else "within", values=values)
 
 

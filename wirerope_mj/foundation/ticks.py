@@ -18,7 +18,9 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     Of an axis on which `most` numbers fit, none stand closer than that. Where not even the powers of ten fit, every second,
     third .. of them stands there; where there are none, numbers are in equal steps.
     """
-    powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    powers = np.asarray(
+        10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64
+    )
     equal = [linear_ticks(low, high, most=count) for count in range(min(most, 6), 1, -1)]
     whole = _inside(powers, low, high)
     chosen = [(powers[:, None] * np.array(digits)).ravel() for digits in _DIGITS]
