@@ -18,19 +18,12 @@ FRACTIONS = (0.35, 0.7)
 
 @dataclass(frozen=True, kw_only=True)
 class BranchCurve:
-    """A branch as a fine line, in its own order.
+    """A branch as a fine line, in its own order."""
 
-    Attributes:
-        frequency: [Hz], (n,).
-        amplitude: of the payload [m/s^2], (n,).
-        stable: whether the motions on either side are, (n,).
-        point: position in the branch, an integer at its points, (n,).
-    """
-
-    frequency: Array
-    amplitude: Array
-    stable: Booleans
-    point: Array
+    frequency: Array  # [Hz], (n,)
+    amplitude: Array  # of the payload [m/s^2], (n,)
+    stable: Booleans  # whether the motions on either side are, (n,)
+    point: Array  # position in the branch, an integer at its points, (n,)
 
     @cached_property
     def runs(self) -> list[slice]:

@@ -40,17 +40,11 @@ _SMALLEST_LEVEL = 1e-3
 
 @dataclass(frozen=True)
 class Solution:
-    """The point at which Newton's method stopped.
+    """The point at which Newton's method stopped."""
 
-    Attributes:
-        u: unknowns: the mean, the cosines, the sines [m], (2 H + 1,).
-        residual: largest |R_k| over m a.
-        iterations: steps taken.
-    """
-
-    u: Array
-    residual: float
-    iterations: int
+    u: Array  # unknowns: the mean, the cosines, the sines [m], (2 H + 1,)
+    residual: float  # largest |R_k| over m a
+    iterations: int  # steps taken
 
 
 class Balance:

@@ -17,19 +17,12 @@ RAN_AWAY = 10.0
 
 @dataclass(frozen=True, kw_only=True)
 class Channels:
-    """Numbers of the peak tracker's channels.
+    """Numbers of the peak tracker's channels."""
 
-    Attributes:
-        base: acceleration of the driven base.
-        names: bodies that move and are not fixed to the base, payloads first.
-        bodies: their accelerations, (n_bodies,).
-        mounts: deflections of the mounts, (n_mounts,).
-    """
-
-    base: int
-    names: tuple[str, ...]
-    bodies: Integers
-    mounts: Integers
+    base: int  # acceleration of the driven base
+    names: tuple[str, ...]  # bodies that move and are not fixed to the base, payloads first
+    bodies: Integers  # their accelerations, (n_bodies,)
+    mounts: Integers  # deflections of the mounts, (n_mounts,)
 
     @classmethod
     def of(cls, system: System) -> "Channels":
