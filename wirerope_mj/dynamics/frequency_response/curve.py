@@ -61,12 +61,8 @@ def curve_of(branch: Branch) -> BranchCurve:
     fine = np.append((along[:-1, None] + np.diff(along)[:, None] * fraction).ravel(), along[-1])
     position = np.interp(fine, along, point)
     stable = branch.stable[np.floor(position).astype(int)] & branch.stable[np.ceil(position).astype(int)]
-    return BranchCurve(
-        frequency=np.exp(scipy.interpolate.Akima1DInterpolator(along, f)(fine)),
-        amplitude=np.exp(scipy.interpolate.Akima1DInterpolator(along, a)(fine)),
-        stable=stable,
-        point=position,
-    )
+    frequency, amplitude = (np.exp(scipy.interpolate.Akima1DInterpolator(along, values)(fine)) for values in (f, a))
+    return BranchCurve(frequency=frequency, amplitude=amplitude, stable=stable, point=position)
 
 
 def relative_steps(f: Array, a: Array) -> Array:

@@ -98,13 +98,12 @@ def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | N
     difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
     known = np.flatnonzero(np.isfinite(difference))
     largest = int(known[np.argmax(difference[known])]) if known.size else -1
+    most, at, median = math.nan, math.nan, math.nan
+    if known.size:
+        most, at, median = float(difference[largest]), float(f[largest]), float(np.median(difference[known]))
+    jumps = () if branch is None else _jumps(sweep, branch)
     return SweepComparison(
-        largest=float(difference[largest]) if known.size else math.nan,
-        at=float(f[largest]) if known.size else math.nan,
-        median=float(np.median(difference[known])) if known.size else math.nan,
-        peak_frequency=float(f[top]),
-        peak=float(a[top]),
-        jumps=() if branch is None else _jumps(sweep, branch),
+        largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=jumps
     )
 
 

@@ -179,11 +179,9 @@ class GrowingBranch:
     def _first(self, guess: State | None) -> Point:
         options = self.options
         drive = self.path.drive(options.start)
-        orbit = self.search.find(
-            drive.frequency, drive.acceleration, options.periods, guess=guess, tolerance=options.tolerance
-        )
-        carried = self.search.coordinates.carried(drive.frequency, drive.acceleration)
-        x = self.search.coordinates.from_state(orbit.state.values, carried)
+        f, a = drive.frequency, drive.acceleration
+        orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
+        x = self.search.coordinates.from_state(orbit.state.values, self.search.coordinates.carried(f, a))
         point = self._at(x, options.start)
         self._add(point)
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)

@@ -33,12 +33,9 @@ class Channels:
         others = [name for name in every if name not in fixed and name not in system.payloads]
         names = (*system.payloads, *others)
         n_channels = assembly.tables.channels.size
-        return cls(
-            base=every.index(system.base),
-            names=names,
-            bodies=np.array([every.index(name) for name in names], dtype=np.int64),
-            mounts=np.arange(n_channels - 2 * len(system.mounts), n_channels, 2),  # deflection, force of each
-        )
+        bodies = np.array([every.index(name) for name in names], dtype=np.int64)
+        mounts = np.arange(n_channels - 2 * len(system.mounts), n_channels, 2)  # deflection, force of each
+        return cls(base=every.index(system.base), names=names, bodies=bodies, mounts=mounts)
 
 
 class Lawful:
