@@ -102,7 +102,7 @@ def print_table(table: Table) -> None:
         shown.add_row(*(_text(text, tone) for text, tone in row))
     screen.print(shown)
     left = len(table.rows) - (len(table.rows) if table.shown is None else table.shown)
-    print_lines([*([f"{left} more stand in the report."] if left > 0 else []), *([table.note] if table.note else [])])
+    print_lines([*([f"{left} more are not shown."] if left > 0 else []), *([table.note] if table.note else [])])
 
 
 def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:

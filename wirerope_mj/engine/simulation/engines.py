@@ -247,7 +247,7 @@ def _by_kernel(
 def result_of(
     system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int
 ) -> RunResult:
-    """Return what came of one variant, in a lane of its group."""
+    """Read the result of one variant, in a lane of its group."""
     final = final_state(system, start, group.states[:, lane], grid.stop)
     peaks = peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]])
     return RunResult(

@@ -17,6 +17,7 @@ from wirerope_mj.views.thin import envelope, is_dense
 
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
+_LABEL = 0.5  # width of a number at a tick, and twice its height [in]
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
 _WIDE = 0.5  # of a picture, from which on a legend has two columns
 _LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
@@ -57,8 +58,6 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     """Draw a panel on axes of matplotlib: curves, the first in front, limits, points and its ranges."""
     for number, curve in enumerate(panel.curves):
         _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
-    axes.set_xscale("log" if "x" in panel.log else "linear")
-    axes.set_yscale("log" if "y" in panel.log else "linear")
     if panel.field is not None:
         cells = [[to_rgba(colour or "white") for colour in row] for row in field_colours(panel.field)]
         axes.pcolormesh(panel.field.x, panel.field.y, np.array(cells))
@@ -81,11 +80,15 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
+    # After the limits: curves that are zero have none on a logarithmic axis.
+    axes.set_xscale("log" if "x" in panel.log else "linear")
+    axes.set_yscale("log" if "y" in panel.log else "linear")
     _shade(axes, panel)
+    extent = axes.get_window_extent()
     if "x" in panel.log:
-        round_ticks(axes.xaxis, *axes.get_xlim())
+        round_ticks(axes.xaxis, *axes.get_xlim(), most=int(extent.width / (_LABEL * axes.figure.dpi)))
     if "y" in panel.log:
-        round_ticks(axes.yaxis, *axes.get_ylim())
+        round_ticks(axes.yaxis, *axes.get_ylim(), most=int(2.0 * extent.height / (_LABEL * axes.figure.dpi)))
     for ticks, set_ticks in ((panel.xticks, axes.set_xticks), (panel.yticks, axes.set_yticks)):
         if ticks:
             set_ticks([place for place, _ in ticks], [text for _, text in ticks])

@@ -177,7 +177,7 @@ def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
 def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> str:
     left, right = across(across.low), across(across.high)
     bottom, top = upward(upward.low), upward(upward.high)
-    xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (38.0 if across.log else 62.0))))
+    xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (42.0 if across.log else 62.0))))
     ys = panel.yticks or _ticks(upward, most=max(3, int((bottom - top) / (16.0 if upward.log else 26.0))))
     lines = "".join(
         [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x, _ in xs]
