@@ -6,11 +6,9 @@ from house import sdof
 from test_recording import column, entities
 
 import wirerope_mj as wr
-from wirerope_mj.content.run_spectra import spectra_of
-from wirerope_mj.content.selection import select
-from wirerope_mj.runs.over_frequency import panel_over_frequency
-from wirerope_mj.views.recording.drawn_runs import run_alone
-from wirerope_mj.views.recording.record import write_alone
+from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.content.over_frequency import panel_over_frequency
+from wirerope_mj.views.recording.record import record_run
 
 G = wr.STANDARD_GRAVITY
 
@@ -20,11 +18,11 @@ def mass():
     return sdof(wr.KelvinVoigt(k=4e4, c=120.0))
 
 
-def recorded(response, motion, path):
+def recorded(system, response, motion, path):
     """Return what is drawn over frequency, and the entities of the recording."""
-    selection, spectra = select(response), spectra_of(motion, response, 1000.0)
-    panel = panel_over_frequency(motion, response, selection, spectra)
-    write_alone(run_alone(response, selection), path, title="", scenario_text="", panel=panel)
+    run = judged_run(system, motion, response)
+    panel = panel_over_frequency(run)
+    record_run(run, path, over_frequency=panel)
     return panel, entities(path)
 
 
@@ -37,7 +35,7 @@ def over_time(batches):
 def test_the_cursor_of_a_sweep_stands_at_the_frequency_of_the_instant(mass, tmp_path):
     sweep = wr.Sweep(start=2.0, stop=20.0, rate=60.0, acceleration=0.5 * G, direction="z")
     response = wr.simulate(mass, sweep, duration=sweep.duration, timestep=1e-3)
-    _, found = recorded(response, sweep, tmp_path / "run.rrd")
+    _, found = recorded(mass, response, sweep, tmp_path / "run.rrd")
     times, now = over_time(found["/frequencies/data/now"])
     places = np.array([spot[0] for spot in column(now, "Points2D:positions").to_pylist()])
     octaves = np.log2(10.0 ** places[:, 0] / 2.0)
@@ -50,9 +48,10 @@ def test_densities_and_shock_spectra_are_drawn_as_they_are(mass, tmp_path):
     shock = wr.HalfSine(peak=5.0 * G, duration=0.011, direction="z", start=0.05)
     for motion, duration in ((random, 6.0), (shock, 0.5)):
         response = wr.simulate(mass, motion, duration=duration, timestep=1e-3)
-        panel, found = recorded(response, motion, tmp_path / f"{duration}.rrd")
-        line = np.array(column(found["/frequencies/data/mass"], "LineStrips2D:strips")[0][0].as_py())
-        curve = next(curve for curve in panel.curves if curve.name == "mass")
+        panel, found = recorded(mass, response, motion, tmp_path / f"{duration}.rrd")
+        curve = next(curve for curve in panel.curves if curve.name.partition(",")[0] == "mass")
+        (path,) = [one for one in found if one.startswith("/frequencies/data/mass") and not one.endswith("/peak")]
+        line = np.array(column(found[path], "LineStrips2D:strips")[0][0].as_py())
         across = 10.0 ** line[:, 0]
         np.testing.assert_allclose(across, curve.x[: across.size], rtol=1e-5)
         expected = np.maximum(curve.y[: across.size], panel.ylim[0])

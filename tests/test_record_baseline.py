@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
+from wirerope_mj.views.plots.record_baseline import save_record_baseline
 
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
 from wirerope_mj.motions.records.record import records_in
-from wirerope_mj.views.plots.record_baseline import save_record_baseline
 
 pytestmark = pytest.mark.quick
 

@@ -100,9 +100,12 @@ def print_table(table: Table) -> None:
             no_wrap=column.align == "left" or (column.align == "right" and len(column.heading) <= _LONG),
             overflow="fold",
         )
-    for row in table.marks():
+    rows = table.marks()[: table.shown]
+    for row in rows:
         shown.add_row(*(_text(text, tone) for text, tone in row))
     screen.print(shown)
+    if len(rows) < len(table.rows):
+        print_lines([f"{len(rows)} of {len(table.rows)} rows"])
     if table.note:
         print_lines([table.note])
 

@@ -10,9 +10,9 @@ from wirerope_mj.dynamics.periodic import Bifurcation, Branch, PeriodicOrbit
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.markdown import markdown_table
 from wirerope_mj.views.recording.along import at_points
 from wirerope_mj.views.recording.animation import Animation, Strip
-from wirerope_mj.views.recording.markdown_tables import markdown_table
 from wirerope_mj.views.recording.orbit_loops import shown_loops
 from wirerope_mj.views.recording.paths import AXES, entity
 
