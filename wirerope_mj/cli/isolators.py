@@ -1,5 +1,6 @@
 """`wirerope isolators`: the catalogue as a table, and one isolator with its loops."""
 
+import math
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, shipped_file, vendor_parts
 from wirerope_mj.mounts.vendor_parts.comparison import compare
+from wirerope_mj.mounts.vendor_parts.left_out import Band, left_out
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
 _FRACTIONS = (0.25, 0.5, 1.0)
@@ -92,6 +95,9 @@ def print_isolator(name: str, out: Path | None) -> None:
         screen.print(f"  {escape(line)}")
     for text in isolator.provenance.assumed:
         screen.print(f"  assumed: {escape(text)}")
+    if isinstance(path, VendorPart) or path.parent == catalogue_folder():
+        for text in _band_lines(left_out(path.name if isinstance(path, VendorPart) else path.stem, isolator)):
+            screen.print(f"  {escape(text)}")
     print_table(_measures(isolator))
     if out is not None:
         from wirerope_mj.views.plots.loops import save_loops
@@ -113,6 +119,20 @@ def fit_isolator(datasheet: Path, out: Path) -> None:
     rows = [[row.axis, row.name, row.unit, row.vendor, row.fitted, row.error] for row in compared]
     print_table(Table(title="", columns=columns, rows=rows))
     print(plain(f"written: {out}"))
+
+
+def _band_lines(band: Band) -> list[str]:
+    """Return lines on the values that were left out, what the rest says of them, and the band of error that follows."""
+    if not band.values:
+        return []
+    lines = [
+        f"left out, {row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} ({100.0 * row.error:+.0f} %)"
+        for row in band.values
+        if row.vendor is not None and row.error is not None
+    ]
+    of_table = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
+    nine = f"; nine in ten parts of the vendor's table stay below {', '.join(of_table)}" if of_table else ""
+    return [*lines, f"band of error by leaving out: {100.0 * band.largest:.0f} %{nine}"]
 
 
 def _envelope_lines(isolator: Isolator) -> list[str]:
