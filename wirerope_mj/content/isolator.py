@@ -16,6 +16,7 @@ from wirerope_mj.mounts.laws import Law, Parallel, Stop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import VendorPart, shipped_file, vendor_parts
+from wirerope_mj.mounts.vendor_parts.left_out import Band
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
 FREQUENCY = 5.0
@@ -94,13 +95,14 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
     )
 
 
-def isolator_content(device: Isolator) -> Content:
-    """Describe an isolator: where its figures come from, its laws and geometry, and what its loops measure."""
+def isolator_content(device: Isolator, band: Band | None = None) -> Content:
+    """Describe an isolator: where its figures come from, its laws, geometry and band of error, and what its loops measure."""
     return Content(
         title=device.name,
         verdict=provenance_statement(device),
         sections=(
             Section(id="isolator", title="", build=partial(_isolator_blocks, device), depth="summary"),
+            Section(id="band", title="", build=lambda: [_band(band)] if band else [], depth="summary"),
             Section(id="measures", title="", build=lambda: [_measures(device)], depth="summary"),
         ),
     )
@@ -117,6 +119,21 @@ def provenance_statement(device: Isolator) -> Statement:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
     assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
     return Statement(id=f"source-{device.name}", text=text, items=assumed)
+
+
+def _band(band: Band) -> Statement | None:
+    """Say what the rest says of each value that is left out, and the band of error that follows."""
+    if not band.values:
+        return None
+    left = tuple(
+        f"{row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} ({100.0 * row.error:+.0f} %)"
+        for row in band.values
+        if row.vendor is not None and row.error is not None
+    )
+    of_table = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
+    nine = f"; nine in ten parts of the vendor's table stay below {', '.join(of_table)}" if of_table else ""
+    text = f"Band of error by leaving out: {100.0 * band.largest:.0f} %{nine}."
+    return Statement(id="band", text=text, items=left, values={"largest": band.largest})
 
 
 def _stop_words(axis: str, law: Law) -> str:
