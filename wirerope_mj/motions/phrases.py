@@ -33,6 +33,8 @@ _AXES = re.compile(r"[xyz]{1,3}")
 _SIGNED_AXIS = re.compile(r"([-+])([xyz])")
 _VECTOR = re.compile(r"[^,]+,[^,]+,[^,]+")
 
+START = {"at": "time"}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Phrase:
@@ -157,9 +159,6 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
         fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'
         raise ValueError(f"{fault}; known are {', '.join(known)}.")
     return _OF_UNIT[unit]
-
-
-START = {"at": "time"}
 
 
 @dataclass(frozen=True, kw_only=True)
