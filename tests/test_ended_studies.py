@@ -14,10 +14,10 @@ from wirerope_mj.assessment.criteria import judge
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.sentences import contact_lines
 from wirerope_mj.cli import main
+from wirerope_mj.content.study_statements import limit_statement, statements
 from wirerope_mj.mounts.isolator import Limits, Travel
 from wirerope_mj.studies.ended import ended_early
-from wirerope_mj.studies.results.stated_limits import limit_of_text, limit_statement
-from wirerope_mj.studies.results.statements import statements
+from wirerope_mj.studies.results.stated_limits import limit_of_text
 from wirerope_mj.studies.results.study_summary import summary_of
 
 PULSE = wr.HalfSine(peak=15.0 * G, duration=0.011, direction="z")
@@ -45,23 +45,27 @@ def test_variants_are_judged_by_the_rule_of_runs_each_by_its_own_period(tmp_path
     assert early.tolist() == [False, False, True]
     assert (np.asarray(result.table["travel"]) < 1.0).all()  # what was reached until the end
     beyond = result.exceedance("travel")
-    assert (beyond.count, beyond.n, beyond.early) == (0, 2, 1)
+    assert (beyond.count, beyond.n, beyond.early) == (0, 3, 1)
+    assert beyond.high > result.exceedance("travel", limit=2.0).high - 1e-12
+    assert beyond.at_most == pytest.approx(1.0 / 3.0)
     first, second, *_ = statements(result)
     assert first.startswith(
         "1 of 3 variants: not judged but for what is exceeded already, since the run ends at 260 ms"
     )
-    assert "beyond 100 % in 0 of 2 variants; 1 more ended too early and is not counted" in second
+    assert "beyond 100 % in 0 of 3 variants; 1 ended too early to be judged" in second
     stated = limit_of_text("deflection/m1/compression = 35 mm", result.table.column_names)
-    assert limit_statement(stated, result.table, sampled=False).endswith("1 more ended too early and is not counted.")
+    assert limit_statement(stated, result.table, sampled=False).endswith(
+        "0 of 3 variants; 1 ended too early to be judged."
+    )
     assert summary_of(result).judged[0][0].early == 1
 
 
 @pytest.mark.quick
 def test_a_study_that_ends_inside_its_pulse_says_so_and_keeps_what_is_exceeded(tmp_path):
     short = rated(duration=0.012).run(tmp_path / "short", workers=1)
-    assert short.exceedance("travel").n == 0
+    assert short.exceedance("travel").judged == 0
     assert statements(short)[0].startswith("Every variant: not judged but for what is exceeded already")
-    assert "not judged; 3 more ended too early" in statements(short)[1]
+    assert "not judged, since every run ends before its peaks are over" in statements(short)[1]
     hard = rated(duration=0.05, motion=wr.HalfSine(peak=60.0 * G, duration=0.011, direction="z"))
     beyond = hard.run(tmp_path / "hard", workers=1).exceedance("travel")
     assert (beyond.count, beyond.n, beyond.early) == (3, 3, 0)
@@ -108,7 +112,8 @@ def test_stops_of_a_run_that_ends_early_are_not_judged():
         response = wr.simulate(system, PULSE, duration=duration, timestep=1e-4)
         stops = [row for row in judge(response) if row.criterion == "stop"]
         assert [row.verdict for row in stops] == [verdict]
-        assert ("not judged" in contact_lines(response)[0]) == (duration == 0.02)
+        said = contact_lines(response, too_short(response))[0]
+        assert ("until the run ends" in said) == (duration == 0.02)
     assert stops[0].note == ""
 
 

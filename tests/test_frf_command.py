@@ -136,9 +136,9 @@ def test_a_result_is_replaced_only_by_force(written, both, capsys):
         (("--start", "-1"), "`start` must be > 0, got -1.0"),
         (("--stop", "0"), "`stop` must be > 0, got 0.0"),
         (("--payload", "deck"), "`payload` must be one of 'mass', got 'deck'"),
-        (("--direction", "up"), "`--direction` must be x, y, z or a vector such as 1,0,1; got 'up'"),
+        (("--direction", "up"), "`--direction` must be x, y, z, -x, -y, -z or a vector such as 1,1,0, got 'up'"),
         (("--direction", "x"), "x"),
-        (("--response-direction", "1,0"), "`--response-direction` must be x, y, z or a vector"),
+        (("--response-direction", "1,0"), "`--response-direction` must be x, y, z, -x, -y, -z or a vector"),
         (
             ("--largest-step", "1e-6"),
             "`smallest_step` must be below `largest_step`, and that below 1, got 1e-05 and 1e-06",

@@ -116,7 +116,7 @@ def test_what_is_nearest_to_its_limit_may_be_a_static_load():
     words = verdict_markdown(selection)
     assert "farthest beyond: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words
     lines = verdict_lines(response, selection.verdicts)
-    assert "m07 has most of its rated static load: 130.0 % (static load in compression, relaxed): exceeded." in lines
+    assert "Static load: exceeded; most used m07, 130.0 % of rated static load in compression, relaxed." in lines
 
 
 def test_nothing_is_judged_where_nothing_is_rated():

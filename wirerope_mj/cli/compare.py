@@ -36,7 +36,7 @@ def compare(
     from wirerope_mj.cli.compare_tables import print_comparison
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.runs.checksums import warn_of_alterations
-    from wirerope_mj.runs.inputs import run_inputs
+    from wirerope_mj.runs.sources import run_inputs
     from wirerope_mj.runs.summary import read_headline
     from wirerope_mj.views.recording.drawn_runs import overlay_of
     from wirerope_mj.views.recording.record import write_overlay

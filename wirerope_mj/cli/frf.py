@@ -14,7 +14,7 @@ from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_r
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries, order_bands
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.folder import check_target
@@ -82,9 +82,9 @@ def frf(
     bands = () if orders is None or speed_rpm is None else order_bands(orders, speed_rpm)
     options = ResponseOptions(
         accelerations=_levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
-        direction=_direction("--direction", direction), payload=payload, rate=rate,
+        direction=direction_in(direction, "--direction"), payload=payload, rate=rate,
         periods=int(periods) if float(periods).is_integer() else periods,  # type: ignore[arg-type]  # refused by name below
-        response_direction=None if response_direction is None else _direction("--response-direction", response_direction),
+        response_direction=None if response_direction is None else direction_in(response_direction, "--response-direction"),
         largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
     )  # fmt: skip
     system = load_system(model)
@@ -115,17 +115,6 @@ def _levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float
     if acceleration_g is not None:
         return tuple(level * STANDARD_GRAVITY for level in acceleration_g)
     return (DEFAULT,) if acceleration is None else tuple(acceleration)
-
-
-def _direction(option: str, text: str) -> Direction:
-    """Return the direction that an option says: an axis, or three numbers with commas between them."""
-    if text in ("x", "y", "z"):
-        return text
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise ValueError(f"`{option}` must be x, y, z or a vector such as 1,0,1; got {text!r}.") from None
-    return (x, y, z)
 
 
 def _report(text: str) -> None:

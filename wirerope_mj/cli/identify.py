@@ -9,21 +9,21 @@ from typing import Annotated, Literal
 from cyclopts import Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.integers import Integer
+from wirerope_mj.cli.options import Integer
 from wirerope_mj.content.identification import identification_content
 from wirerope_mj.content.numbers import several
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.isolator_file import assumptions, identified_isolator
+from wirerope_mj.mounts.identification.isolator_file import assumptions, falling_in_rating, identified_isolator
 from wirerope_mj.mounts.identification.records import contents, loop_warnings, read_tests
 from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.folder import atomic_run, check_target
-from wirerope_mj.runs.page import REPORT, write_page
+from wirerope_mj.runs.report import REPORT, write_page
 from wirerope_mj.views.report import check_pdf, report_html
 from wirerope_mj.views.terminal import console, print_headline, show
 
@@ -111,9 +111,15 @@ def identify_records(
     kinds = " and ".join(one.name for one in result.law.components)
     if result.scales:
         kinds = f"{result.law.components[0].name} on {len(result.scales)} scales"
+    warnings = loop_warnings(tests, result)
+    if falling := falling_in_rating(result, axis, whole or known):
+        warnings = [
+            *warnings,
+            f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that",
+        ]
     content = identification_content(
         result, fitted_loops(result), title=f"{name}, {axis}: {kinds}",
-        sources=[f"{path}: {contents(loops)}" for path, loops in tests.items()], warnings=loop_warnings(tests, result),
+        sources=[f"{path}: {contents(loops)}" for path, loops in tests.items()], warnings=warnings,
         given=assumptions(result, given),
     )  # fmt: skip
     wanted = result.converged or accept_unconverged

@@ -23,8 +23,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.errors import Absent, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings
 

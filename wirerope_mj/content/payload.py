@@ -16,7 +16,7 @@ from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, worst_names
 from wirerope_mj.content.spectra import spectra_blocks
 from wirerope_mj.content.verdicts import used_mark
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions import Sweep

@@ -12,8 +12,8 @@ from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, short
 from wirerope_mj.content.run_spectra import acceleration_along
 from wirerope_mj.content.selection import Selection, kind_of
-from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import ShockResponseSpectrum

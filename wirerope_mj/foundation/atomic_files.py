@@ -18,8 +18,8 @@ from wirerope_mj.foundation.half_written import (
     set_aside,
 )
 
+# A command that removes what was left of a folder is done with it in a few milliseconds; one that writes it is not [s].
 _PATIENCE = 1.0
-"""A command that removes what was left of a folder is done with it in a few milliseconds; one that writes it is not [s]."""
 
 
 @contextmanager

@@ -9,12 +9,11 @@ from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
 
+# Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
+# unit, and integrals of what is left are finite.
 LARGEST = 1e15
-"""Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
-unit, and integrals of what is left are finite."""
-
+# Characters that no text holds, but for tabs and what ends a line or a page.
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
-"""Characters that no text holds, but for tabs and what ends a line or a page."""
 
 _DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 

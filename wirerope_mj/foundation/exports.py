@@ -18,11 +18,10 @@ from wirerope_mj.foundation.errors import RecordError
 
 Column = npt.NDArray[Any]
 
+# Endings of files, and what is written into them.
 ENDINGS = {".csv": "csv", ".h5": "hdf5", ".hdf5": "hdf5", ".mat": "mat"}
-"""Endings of files, and what is written into them."""
-
+# Letters of a name that MATLAB reads.
 _LONGEST = 63
-"""Letters of a name that MATLAB reads."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,18 +23,17 @@ try:
 except ImportError:  # Windows has no such locks: there what a killed process leaves must be removed by hand
     fcntl = None  # type: ignore[assignment]
 
+# In every hidden name: nobody else's files have it, so that none of them is ever removed.
 _MARK = "wirerope"
-"""In every hidden name: nobody else's files have it, so that none of them is ever removed."""
 
 _FILE = re.compile(rf"\..*\.[a-z0-9_]{{8}}\.{_MARK}\.part(\.[^.]+)?")
 _FOLDER = re.compile(rf"\.(?P<name>.+)\.{_MARK}\.part")
 _ASIDE = re.compile(rf"\.(?P<name>.+)\.[0-9a-f]{{8}}\.{_MARK}\.old")
 
+# Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file."""
-
+# Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here.
 HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
-"""Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here."""
 
 
 @contextmanager

@@ -17,8 +17,8 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import regular
 
+# Key of the JSON text in a file's metadata.
 _KEY = b"wirerope_mj"
-"""Key of the JSON text in a file's metadata."""
 
 
 class TableWriter:

@@ -121,6 +121,11 @@ class BaseMotion(ABC):
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         """Return the constructor's arguments as plain values."""
 
+    def _set(self, **values: Any) -> None:
+        """Set attributes of a frozen motion while it is made."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
     def __add__(self, other: "BaseMotion") -> "SumOfMotions":
         """Return the motion that is the sum of the two."""
         if not isinstance(other, BaseMotion):
@@ -179,15 +184,11 @@ class StartedMotion(StraightMotion):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SumOfMotions(AsCall, BaseMotion):
-    """Several base motions at once; made by `a + b`.
-
-    Attributes:
-        terms: the motions that are added, none of them a sum itself.
-    """
+    """Several base motions at once; made by `a + b`."""
 
     kind: ClassVar[str] = "sum"
 
-    terms: "tuple[BaseMotion, ...]"
+    terms: "tuple[BaseMotion, ...]"  # the motions that are added, none of them a sum itself
     duration: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

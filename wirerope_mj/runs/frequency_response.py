@@ -12,12 +12,12 @@ from wirerope_mj.content.blocks import Content
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.result import save_tables
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, summary
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.directions import plain_direction
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.folder import atomic_run
-from wirerope_mj.runs.page import REPORT
+from wirerope_mj.runs.report import REPORT
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
@@ -57,9 +57,8 @@ def write_frequency_response(
         settings = _settings(result, model_table(result.system, model))
         (temporary / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
         tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
-        summary_content = {
-            "format": FORMAT, "headline": content.verdict.text, "levels": summary(findings), "tables": tables
-        }  # fmt: skip
+        levels = [plain_summary(one) for one in findings]
+        summary_content = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
         (temporary / SUMMARY).write_text(
             json.dumps(summary_content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
         )

@@ -3,7 +3,8 @@
 import json
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -24,14 +25,36 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
-from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.judging import judge_table, judged_by
-from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
+
+_REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured
+
+
+@contextmanager
+def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
+    """Show on standard error what is being written while the block runs, if that is a terminal; nothing of it stays there.
+
+    Yields:
+        What to call with the name of what comes next.
+    """
+    from rich.console import Console  # late: nothing of it is needed where nothing is shown
+    from rich.progress import Progress, SpinnerColumn, TextColumn
+
+    console = Console(stderr=True) if enabled else None
+    if console is None or not console.is_terminal:
+        yield lambda name: None
+        return
+    columns = SpinnerColumn(), TextColumn("writing {task.description}")
+    with Progress(*columns, console=console, transient=True, refresh_per_second=_REFRESH) as progress:
+        task = progress.add_task("")
+        yield lambda name: progress.update(task, description=name, refresh=True)
+
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -190,7 +213,7 @@ def _write_views(
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.content.over_frequency import panel_over_frequency
     from wirerope_mj.content.run import run_content
-    from wirerope_mj.runs.page import REPORT
+    from wirerope_mj.runs.report import REPORT
     from wirerope_mj.views.plots.png_chart import save_charts
     from wirerope_mj.views.recording.drawn_runs import run_alone
     from wirerope_mj.views.recording.record import write_alone

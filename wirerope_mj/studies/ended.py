@@ -43,9 +43,13 @@ class Lengths:
         return ends_early(motion.to_dict(), (0.0, self._work.duration), over, slowest)
 
 
-def ended_early(table: pa.Table) -> npt.NDArray[np.bool_]:
-    """Return the mask of the variants whose runs end before their peaks are over, (n,)."""
-    if "message" not in table.column_names:
+_AT_REST = ("static_load", "mounts")
+"""Measures that no run has to go on for."""
+
+
+def ended_early(table: pa.Table, measure: str = "") -> npt.NDArray[np.bool_]:
+    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure of the rest."""
+    if "message" not in table.column_names or measure.partition("/")[0] in _AT_REST:
         return np.zeros(table.num_rows, dtype=bool)
     return np.asarray(pc.starts_with(table["message"], TOO_EARLY))
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
 from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
-from wirerope_mj.assessment.criteria.verdict import CLEAR, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.verdict import CLEAR, NOT_JUDGED, WITHIN, Verdict
 from wirerope_mj.engine.response import Response
 
 TOO_EARLY = "the run ends at"
@@ -85,7 +85,7 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
     """
     early = too_short(response)
     return tuple(
-        replace(row, contact="", note=early)
+        replace(row, contact=NOT_JUDGED, note=early)
         if early and row.contact == CLEAR
         else replace(row, limit=None, note="; ".join(part for part in (early or growth, row.note) if part))
         if row.verdict == WITHIN and (early or (growth := _growing(response, row)))

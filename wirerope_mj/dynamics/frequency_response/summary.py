@@ -14,7 +14,7 @@ from wirerope_mj.dynamics.periodic import Branch, harmonic_content, resonances
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.summary import json_values
 
 # Highest harmonic that is looked for in a motion.
 HARMONICS = 9
@@ -68,15 +68,11 @@ def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edg
     others = [i for i, order in enumerate(content.order) if order not in (0, 1)]
     largest = others[int(np.argmax(content.amplitude[others]))]
     return ResonancePeak(
-        frequency=frequency,
-        amplitude=amplitude,
+        frequency=frequency, amplitude=amplitude, point=point, at_edge=at_edge,
         transmissibility=amplitude / abs(float(branch.acceleration[point])),
-        point=point,
-        at_edge=at_edge,
-        order=float(content.order[largest]),
-        harmonic=content.names[largest],
+        order=float(content.order[largest]), harmonic=content.names[largest],
         share=float(content.amplitude[largest]) / max(content.of(1), 1e-300),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -183,25 +179,18 @@ class LevelSummary:
 
 
 def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
-    """Return the summaries of all levels."""
+    """Summarise all levels."""
     return [LevelSummary(level=level) for level in result.levels]
 
 
-def summary(findings: list[LevelSummary]) -> list[dict[str, Any]]:
-    """Return the summaries as plain values, SI units, None where there is no number."""
-    return [_level(one) for one in findings]
-
-
-def _level(summary: LevelSummary) -> dict[str, Any]:
+def plain_summary(summary: LevelSummary) -> dict[str, Any]:
+    """Write a summary as plain values, SI units, None where there is no number."""
     level, branch = summary.level, summary.level.branch
     content: dict[str, Any] = {"acceleration": level.acceleration}
     if branch is not None:
         content["continuation"] = {
-            "points": int(branch.frequency.size),
-            "complete": branch.complete,
-            "message": branch.message,
-            "model_steps": branch.model_steps,
-            "seconds": round(level.branch_seconds, 3),
+            "points": int(branch.frequency.size), "complete": branch.complete, "message": branch.message,
+            "model_steps": branch.model_steps, "seconds": round(level.branch_seconds, 3),
             "peaks": [asdict(peak) for peak in summary.peaks],
             "bifurcations": [
                 {

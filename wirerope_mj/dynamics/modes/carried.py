@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
+from wirerope_mj.dynamics.modes.axis import closed_cycle, cycle_samples
 from wirerope_mj.dynamics.modes.mount import SMALL
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.single_mass.cycle import is_neutral
@@ -94,7 +94,7 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
     """Return the deflection about which the mean force of a cycle is `force` [m]; NaN if none is found."""
 
     def excess(deflection: float) -> float:
-        return mean_force(law, deflection, amplitude, frequency=frequency) - force
+        return float(cycle_samples(law, deflection, amplitude, frequency)[1].mean()) - force
 
     here = excess(rest)
     if abs(here) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle

@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.motion import Track, mount_deflections
 from wirerope_mj.engine.control import layout as at
@@ -82,11 +81,6 @@ def widths_of(laws: npt.NDArray[Any], parameters: Array) -> Integers:
         for part in parameters[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
             found += [first + part[1]] if part[0] == SMOOTHED else []
     return np.array(found, dtype=np.int64)
-
-
-def set_width(batch: Batch, indices: Integers, width: float) -> None:
-    """Give every simulation of a batch laws that are smoothed over `width` [m/s]."""
-    batch.expand("numeric_data")[:, indices] = width
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -203,11 +203,8 @@ def ranges(system: System, track: Track) -> Ranges:
     internal[activation : activation + states.shape[1]] = np.ptp(states, axis=0) / 2.0
     step = track.drive.duration / track.drive.steps
     rate = np.diff(deflection, axis=0, append=deflection[:1]) / step
-    return Ranges(
-        deflection=float(np.ptp(deflection, axis=0).max()) / 2.0,
-        rate=float(np.ptp(rate[:-1], axis=0).max()) / 2.0,
-        internal=internal,
-    )
+    half_range, speed = (float(np.ptp(values, axis=0).max()) / 2.0 for values in (deflection, rate[:-1]))
+    return Ranges(deflection=half_range, rate=speed, internal=internal)
 
 
 def largest(values: Array) -> float:

@@ -23,7 +23,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, MujocoFlow
-from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes, set_width
+from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
 from wirerope_mj.dynamics.periodic.stepping import go_along
 from wirerope_mj.engine.control import layout as at
@@ -126,7 +126,7 @@ class MujocoVariational(Variational):
         if self.model.na != self.system.assembly.tables.user.n_states:
             return False
         if self.flow.width:
-            set_width(self._batch, self.flow.width_indices, self.flow.width)
+            self._batch.expand("numeric_data")[:, self.flow.width_indices] = self.flow.width
         drive = at_shot.track.drive
         instants = drive.duration * np.arange(drive.steps) / drive.steps
         base = drive.sine(self.flow.coordinates.direction).acceleration(instants)

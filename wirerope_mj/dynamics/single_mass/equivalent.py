@@ -93,23 +93,18 @@ def oscillator_at(law: Law, amplitude: float, *, frequency: float, weight: float
         return cycle_force(law, offset + shape, rate, period=1.0 / frequency)[:-1]
 
     def mean_force(offset: float) -> float:
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # laws with exponentials, at amplitudes far beyond their travel
+        with np.errstate(over="ignore", invalid="ignore"):  # exponentials, at amplitudes far beyond the laws' travel
             return float(force(offset).mean()) + weight
 
     offset = 0.0 if is_neutral(law) else _offset(mean_force, law, amplitude, weight)
     f = force(offset)
     energy = -2.0 * np.pi * amplitude * float(f @ np.sin(angle[:-1])) / SAMPLES
     return EquivalentOscillator(
-        amplitude=amplitude,
-        offset=offset,
-        frequency=frequency,
+        amplitude=amplitude, offset=offset, frequency=frequency, energy=energy,
         stiffness=2.0 * float(f @ np.cos(angle[:-1])) / (SAMPLES * amplitude),
         secant_stiffness=float(f[0] - f[SAMPLES // 2]) / (2.0 * amplitude),
-        energy=energy,
         largest_force=largest(np.abs(f + weight), smooth=not law.rate_independent),
-    )
+    )  # fmt: skip
 
 
 def _offset(excess: Callable[[float], float], law: Law, amplitude: float, weight: float) -> float:
@@ -183,13 +178,9 @@ def simplified_peak(
         wanted = _spectral(spectrum, period, loop.damping_ratio)
         if abs(wanted - deflection) <= tolerance * deflection:
             return SimplifiedPeak(
-                deflection=deflection,
-                acceleration=loop.secant_stiffness * deflection / mass,
-                stiffness=loop.secant_stiffness,
-                damping_ratio=loop.damping_ratio,
-                period=period,
-                iterations=iteration,
-            )
+                deflection=deflection, acceleration=loop.secant_stiffness * deflection / mass,
+                stiffness=loop.secant_stiffness, damping_ratio=loop.damping_ratio, period=period, iterations=iteration,
+            )  # fmt: skip
         deflection = float(np.sqrt(deflection * wanted))
     raise ConvergenceError(
         f"the peak deflection does not converge: {deflection:.6g} m after {_ITERATIONS} iterations, and the spectrum gives "

@@ -151,11 +151,7 @@ def _orbit(law: Law, oscillator: EquivalentOscillator, phasor: complex) -> Linea
     deflection, rate = oscillator.offset + turning.real, (1j * omega * turning).real
     cycle = steady_cycle(law, deflection, rate, period=1.0 / oscillator.frequency)
     return LinearisedOrbit(
-        oscillator=oscillator,
-        phasor=phasor,
-        deflection=float(deflection[0]),
-        rate=float(rate[0]),
-        states=cycle.states,
+        oscillator=oscillator, phasor=phasor, deflection=float(deflection[0]), rate=float(rate[0]), states=cycle.states
     )
 
 

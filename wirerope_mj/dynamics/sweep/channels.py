@@ -60,10 +60,7 @@ class Lawful:
     def require(self, frequency: Array, minimum: Array, maximum: Array) -> None:
         """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
 
-        Args:
-            frequency: of the cycles [Hz], (n,).
-            minimum: deflections in them [m], (n, n_mounts, 3).
-            maximum: the same.
+        The cycles are given by frequencies [Hz], (n,), and extreme deflections [m], (n, n_mounts, 3).
         """
         reached = np.stack([-minimum, maximum], axis=-1)
         beyond = reached > self._ends + ROUNDING

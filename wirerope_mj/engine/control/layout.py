@@ -79,19 +79,7 @@ MOST_GEOMS = 1 << 24  # by which the number of a pair is that of its first geom 
 
 @dataclass(frozen=True, kw_only=True)
 class UserData:
-    """Addresses inside the system's part of userdata, relative to its first entry; the layout's header holds them, too.
-
-    Attributes:
-        mounts: deflection and force of every mount, (n_mounts, 6).
-        rates: rates of the internal states, (n_states,).
-        accelerations: spatial accelerations of the bodies about their tree's centre of mass, (n_tree, 6).
-        channels: memory of the peak tracker, (n_channels, CHANNEL_MEMORY).
-        contacts: memory of contacts, (n_contacts, CONTACT_MEMORY).
-        stops: memory of the stops among the mounts' laws, (n_stops, CONTACT_MEMORY).
-        forces: forces and moments on the payload at the half steps of a segment, (2 MAX_STEPS + 1, n_forces, 6).
-        travels: memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY).
-        size: number of entries.
-    """
+    """Addresses inside the system's part of userdata, relative to its first entry; the layout's header holds them, too."""
 
     n_mounts: int
     n_states: int
@@ -100,15 +88,17 @@ class UserData:
     n_contacts: int
     n_stops: int = 0
     n_forces: int = 0
-    mounts: int = field(init=False)
-    rates: int = field(init=False)
+    mounts: int = field(init=False)  # deflection and force of every mount, (n_mounts, 6)
+    rates: int = field(init=False)  # rates of the internal states, (n_states,)
+    # spatial accelerations of the bodies about their tree's centre of mass, (n_tree, 6)
     accelerations: int = field(init=False)
-    channels: int = field(init=False)
-    contacts: int = field(init=False)
-    stops: int = field(init=False)
+    channels: int = field(init=False)  # memory of the peak tracker, (n_channels, CHANNEL_MEMORY)
+    contacts: int = field(init=False)  # memory of contacts, (n_contacts, CONTACT_MEMORY)
+    stops: int = field(init=False)  # memory of the stops among the mounts' laws, (n_stops, CONTACT_MEMORY)
+    # forces and moments on the payload at the half steps of a segment, (2 MAX_STEPS + 1, n_forces, 6)
     forces: int = field(init=False)
-    travels: int = field(init=False)
-    size: int = field(init=False)
+    travels: int = field(init=False)  # memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY)
+    size: int = field(init=False)  # number of entries
 
     def __post_init__(self) -> None:
         half_steps, address = 2 * MAX_STEPS + 1, 0

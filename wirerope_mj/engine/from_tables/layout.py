@@ -69,20 +69,15 @@ class StopLaw:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mount or a stop: name, position of its mid-height (3,) [m], axes, and the isolator's name.
-
-    Attributes:
-        axes: roll, shear and axial as rows (3, 3), unit vectors; axial points from the base's side to the payload's.
-        location: file and row that say so, for messages.
-        law: of a stop with figures of its own; else the isolator's file says it.
-    """
+    """A mount or a stop: name, position of its mid-height (3,) [m], axes, and the isolator's name."""
 
     name: str
     position: Array
+    # roll, shear and axial as rows (3, 3), unit vectors; axial points from the base's side to the payload's
     axes: Array
     isolator: str
-    location: str
-    law: StopLaw | None = None
+    location: str  # file and row that say so, for messages
+    law: StopLaw | None = None  # of a stop with figures of its own; else the isolator's file says it
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,20 +90,15 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layout:
-    """A payload on mounts as tables say it.
+    """A payload on mounts as tables say it."""
 
-    Attributes:
-        name: of the model and of the payload.
-        forces: points at which forces may act on the payload.
-        isolators: files, or parts of the vendors' tables, that mounts and stops name, by name.
-    """
-
-    name: str
+    name: str  # of the model and of the payload
     masses: tuple[Mass, ...]
     mounts: tuple[Placed, ...]
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
-    forces: tuple[Point, ...] = ()
+    forces: tuple[Point, ...] = ()  # points at which forces may act on the payload
+    # files, or parts of the vendors' tables, that mounts and stops name, by name
     isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
 
     @property

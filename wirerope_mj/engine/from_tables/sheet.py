@@ -49,19 +49,12 @@ PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a table: its cells as texts, by the names of the columns.
+    """A row of a table: its cells as texts, by the names of the columns."""
 
-    Attributes:
-        location: file and line or row, as messages begin.
-        cells: texts; a column that is not in the table is not here.
-        kinds: of quantity, by column.
-        factors: of the columns' units, in SI.
-    """
-
-    location: str
-    cells: Mapping[str, str]
-    kinds: Mapping[str, str]
-    factors: Mapping[str, float]
+    location: str  # file and line or row, as messages begin
+    cells: Mapping[str, str]  # texts; a column that is not in the table is not here
+    kinds: Mapping[str, str]  # of quantity, by column
+    factors: Mapping[str, float]  # of the columns' units, in SI
 
     def has(self, column: str) -> bool:
         """Return whether the cell is there and not empty."""

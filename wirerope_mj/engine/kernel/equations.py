@@ -28,20 +28,14 @@ _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
 
 @dataclass(frozen=True, kw_only=True)
 class Equations:
-    """Equations of one system, as `wirerope_mj.engine.kernel.layout` describes them.
+    """Equations of one system, as `wirerope_mj.engine.kernel.layout` describes them."""
 
-    Attributes:
-        lay: structure, (n_lay,).
-        fix: numbers that systems of one structure must share to be computed side by side, (n_fix,).
-        num: numbers of the system, (n_num,).
-        counts: integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel.
-        rest: the links' rows of working memory that no step changes: axes of what never turns, (n_rows,) from KIN on.
-    """
-
-    lay: Integers
-    fix: Array
-    num: Array
+    lay: Integers  # structure, (n_lay,)
+    fix: Array  # numbers that systems of one structure must share to be computed side by side, (n_fix,)
+    num: Array  # numbers of the system, (n_num,)
+    # the links' rows of working memory that no step changes: axes of what never turns, (n_rows,) from KIN on
     rest: Array
+    # integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel
     counts: tuple[int, ...] = ()
 
     @property

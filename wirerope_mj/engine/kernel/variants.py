@@ -71,13 +71,8 @@ class Numbers:
         # What moves these would change what the variants share, or is refused by `varied`.
         self._shared_sites = {site for site in sites if sites.count(site) > 1} | set(system.assembly.subjects.points)
         base = system.assembly.subjects.base
-        self._of_base = {body for body in range(model.nbody) if base and self._under(body, base)}
+        self._of_base = set(np.flatnonzero(model.body_rootid == base).tolist()) if base else set()
         self._moving = set(moving_bodies(model))
-
-    def _under(self, body: int, base: int) -> bool:
-        while body not in (0, base):
-            body = int(self._system.model.body_parentid[body])
-        return body == base
 
     def of(self, changes: Changes) -> Array | None:
         """Return the numbers of the variant that changes make, (n_num,); None if it may be of another structure.
@@ -192,23 +187,15 @@ NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 @dataclass(frozen=True, kw_only=True)
 class Group:
-    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant.
+    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant."""
 
-    Attributes:
-        equations: of the first variant.
-        numbers, states, memory: of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`.
-        clock: see `wirerope_mj.engine.kernel.observe`.
-        which: number of the motion that each lane's base follows, (WIDTH,).
-        size: number of variants.
-    """
-
-    equations: Equations
-    numbers: Array
+    equations: Equations  # of the first variant
+    numbers: Array  # of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`
     states: Array
     memory: Array
-    clock: Array
-    which: Integers
-    size: int
+    clock: Array  # see `wirerope_mj.engine.kernel.observe`
+    which: Integers  # number of the motion that each lane's base follows, (WIDTH,)
+    size: int  # number of variants
 
     @property
     def failed(self) -> Array:

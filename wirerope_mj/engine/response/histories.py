@@ -157,33 +157,21 @@ class BaseResponse(Brief):
 
 @dataclass(frozen=True, kw_only=True)
 class Numerics:
-    """Numerical settings of a response, and their estimated error.
+    """Numerical settings of a response, and their estimated error."""
 
-    Attributes:
-        timestep: largest step [s].
-        accuracy: error allowed, relative to the peaks; NaN where the step was given.
-        error_estimate: error of samples and peaks estimated by step halving before the run; NaN where the step was given.
-        steps: number of steps.
-        callback: "native" or "python".
-        versions: of the packages that computed it.
-        limited_by: what keeps the step from being longer; "" for older responses, which do not say it.
-        engine: "kernel" or "mujoco".
-        why: why it was not the kernel; "" for older responses, which knew none.
-        motion_end: instant at which the motion is over [s]; NaN if it has no end, and for older responses.
-        slowest_period: of the slowest mode for small amplitudes [s]; NaN for older responses.
-    """
-
-    timestep: float
-    accuracy: float
+    timestep: float  # largest step [s]
+    accuracy: float  # error allowed, relative to the peaks; NaN where the step was given
+    # error of samples and peaks estimated by step halving before the run; NaN where the step was given
     error_estimate: float
-    steps: int
-    callback: str
-    versions: dict[str, str]
-    limited_by: str = ""
-    engine: str = "mujoco"
-    why: str = ""
+    steps: int  # number of steps
+    callback: str  # "native" or "python"
+    versions: dict[str, str]  # of the packages that computed it
+    limited_by: str = ""  # what keeps the step from being longer; "" for older responses, which do not say it
+    engine: str = "mujoco"  # "kernel" or "mujoco"
+    why: str = ""  # why it was not the kernel; "" for older responses, which knew none
+    # instant at which the motion is over [s]; NaN if it has no end, and for older responses
     motion_end: float = math.nan
-    slowest_period: float = math.nan
+    slowest_period: float = math.nan  # of the slowest mode for small amplitudes [s]; NaN for older responses
 
     @property
     def error_text(self) -> str:
@@ -218,18 +206,12 @@ CONTACT = ("force", "gap")
 
 @dataclass(frozen=True, kw_only=True)
 class ColumnPlan:
-    """Meaning of the columns of a response, in the order of the system's sensor values.
+    """Meaning of the columns of a response, in the order of the system's sensor values."""
 
-    Attributes:
-        bodies, points: names.
-        mounts: per mount its name and the names of its internal states ("axial.z").
-        contacts: names of the pairs of geoms that the model declares.
-    """
-
-    bodies: Sequence[str]
+    bodies: Sequence[str]  # names
     points: Sequence[str]
-    mounts: Sequence[tuple[str, tuple[str, ...]]]
-    contacts: Sequence[str] = ()
+    mounts: Sequence[tuple[str, tuple[str, ...]]]  # per mount its name and the names of its internal states ("axial.z")
+    contacts: Sequence[str] = ()  # names of the pairs of geoms that the model declares
 
     @classmethod
     def of(cls, content: Mapping[str, Any]) -> "ColumnPlan":

@@ -155,9 +155,11 @@ def simulate_batch(
         first, last = min(v.start.time for v in variants), max(v.start.time for v in variants)
         if first != last:
             raise ValueError(f"`initial` states must be of one instant, got {first:.6g} s and {last:.6g} s.")
+        # Motions that are variants of one share their corners.
+        own = {motion.corners.tobytes(): motion.corners for motion in {id(one): one for one in motions}.values()}
         grid = time_grid(
             start=first, duration=duration, sample_rate=sample_rate, timestep=timestep,
-            motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
+            motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
     if responses:
@@ -182,13 +184,6 @@ def _variants(
     size = min(several.values(), default=1)
     systems, motions, initial = (values if len(values) == size else values * size for values in given.values())
     return systems, motions, initial
-
-
-def _all_corners(motions: Sequence[BaseMotion], more: Array) -> Array:
-    """Return the corners of all motions and `more` instants [s]; motions that are variants of one share theirs."""
-    distinct = {id(motion): motion for motion in motions}
-    arrays = {motion.corners.tobytes(): motion.corners for motion in distinct.values()}
-    return joined(more, *arrays.values())
 
 
 def _together(

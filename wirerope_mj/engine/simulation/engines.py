@@ -175,16 +175,9 @@ WHY = {
 
 
 def compute(
-    system: System,
-    motion: BaseMotion,
-    grid: TimeGrid,
-    start: State,
-    *,
-    engine: Engine,
-    callback: Kind,
-    sink: Callable[[int, Array], None],
-    progress: Callable[[float], None] | None = None,
-) -> RunResult:
+    system: System, motion: BaseMotion, grid: TimeGrid, start: State, *, engine: Engine, callback: Kind,
+    sink: Callable[[int, Array], None], progress: Callable[[float], None] | None = None,
+) -> RunResult:  # fmt: skip
     """Step a system as `wirerope_mj.engine.simulation.run.run` does, by the kernel where it can.
 
     `sink` may be given samples again from the first on.

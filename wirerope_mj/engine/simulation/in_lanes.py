@@ -28,21 +28,13 @@ Sink = Callable[[int, int, Array], None]
 
 @dataclass(frozen=True, kw_only=True)
 class InLanes:
-    """Variants at the end of a grid.
+    """Variants at the end of a grid."""
 
-    Attributes:
-        groups: the variants side by side, and those of each group by their numbers.
-        base_peaks: peak of the base's acceleration of every distinct motion.
-        which: number of each variant's motion among these, (n,).
-        steps: number of steps.
-        largest_step: largest of them [s].
-    """
-
-    groups: list[tuple[Group, list[int]]]
-    base_peaks: list[Peak]
-    which: list[int]
-    steps: int
-    largest_step: float
+    groups: list[tuple[Group, list[int]]]  # the variants side by side, and those of each group by their numbers
+    base_peaks: list[Peak]  # peak of the base's acceleration of every distinct motion
+    which: list[int]  # number of each variant's motion among these, (n,)
+    steps: int  # number of steps
+    largest_step: float  # largest of them [s]
 
 
 def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> npt.NDArray[np.int64]:
@@ -135,13 +127,10 @@ def _piece(own: Sequence[Grid], stages: Sequence[Stages]) -> _Piece:
         np.array([grid.start[cut], grid.stop[cut], grid.steps[cut], grid.sampled[cut], grid.event[cut]]) for grid in own
     ]
     return _Piece(
-        grids=grids,
-        positions=np.array([one.positions for one in stages]),
-        rates=np.array([one.rates for one in stages]),
-        accelerations=np.array([one.accelerations for one in stages]),
-        ends=stages[0].ends,
-        samples=int(own[0].sampled[cut].sum()),
-    )
+        grids=grids, positions=np.array([one.positions for one in stages]),
+        rates=np.array([one.rates for one in stages]), accelerations=np.array([one.accelerations for one in stages]),
+        ends=stages[0].ends, samples=int(own[0].sampled[cut].sum()),
+    )  # fmt: skip
 
 
 def _groups(

@@ -16,8 +16,8 @@ from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.system import Mount, System, once_per_system
 from wirerope_mj.engine.system.tables import declared_pairs
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.parquet_files import TableWriter
-from wirerope_mj.foundation.rotation import rotation_matrices
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
@@ -41,14 +41,9 @@ def scene_of(system: System) -> Scene:
         bodies = _bodies(system, data)
         mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
     return Scene(
-        name=system.name,
-        base=system.base,
-        bodies=bodies,
-        mounts=mounts,
-        limits=system.limits,
-        combined_travel=system.combined_travel,
-        areas=system.areas,
-    )
+        name=system.name, base=system.base, bodies=bodies, mounts=mounts, limits=system.limits,
+        combined_travel=system.combined_travel, areas=system.areas,
+    )  # fmt: skip
 
 
 def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
@@ -104,21 +99,12 @@ def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMou
     sizes = ("height", "width", "bar", "bolts", "bolts_along_roll", "bolts_along_shear")
     height, width, bar, *bolts = (_number(getattr(isolator.geometry, size, None)) for size in sizes)
     return SceneMount(
-        name=mount.name,
-        isolator=isolator.name,
-        payload_body=model.body(on[0]).name,
-        base_body=model.body(on[1]).name,
+        name=mount.name, isolator=isolator.name, payload_body=model.body(on[0]).name, base_body=model.body(on[1]).name,
         payload_point=model.site_pos[sites[0]] - model.body_ipos[on[0]],
-        base_point=model.site_pos[sites[1]] - model.body_ipos[on[1]],
-        axes=rotation.T @ mount.axes,
-        height=height,
-        width=width,
-        bar=bar,
-        static_load=_number(isolator.limits.static_load),
-        travel=isolator.limits.travel.stated,
-        stop=isolator.is_stop,
-        bolts=np.array(bolts),
-    )
+        base_point=model.site_pos[sites[1]] - model.body_ipos[on[1]], axes=rotation.T @ mount.axes, height=height,
+        width=width, bar=bar, static_load=_number(isolator.limits.static_load), travel=isolator.limits.travel.stated,
+        stop=isolator.is_stop, bolts=np.array(bolts),
+    )  # fmt: skip
 
 
 def _number(value: float | None) -> float:
@@ -146,9 +132,11 @@ class Gaps:
         """Return the gaps [m], < 0 where pressed, (n_t, n_pairs), at samples with these sensor values, (n_t, n_values)."""
         model, data = self._model, self._data
         turns = {first: rotation_matrices(values[:, first + 3 : first + 7]) for first in set(self._moving.values())}
-        places = {
-            geom: self._places(geom, values[:, first : first + 3], turns[first]) for geom, first in self._moving.items()
-        }
+        places = {}  # positions (n_t, 3) and axes (n_t, 9) of every geom
+        for geom, first in self._moving.items():
+            from_centre = model.geom_pos[geom] - model.body_ipos[model.geom_bodyid[geom]]
+            positions = values[:, first : first + 3] + turns[first] @ from_centre
+            places[geom] = positions, (turns[first] @ self._turns[geom]).reshape(-1, 9)
         gaps, line = np.empty((len(values), len(self._pairs))), np.empty(6)
         for row in range(len(values)):
             for geom, (positions, axes) in places.items():
@@ -156,11 +144,6 @@ class Gaps:
             for number, (one, other) in enumerate(self._pairs):
                 gaps[row, number] = mujoco.mj_geomDistance(model, data, one, other, FARTHEST, line)
         return gaps
-
-    def _places(self, geom: int, centres: Array, turns: Array) -> tuple[Array, Array]:
-        """Return positions (n_t, 3) and axes (n_t, 9) of a geom; of its body: centres of mass (n_t, 3), axes (n_t, 3, 3)."""
-        from_centre = self._model.geom_pos[geom] - self._model.body_ipos[self._model.geom_bodyid[geom]]
-        return centres + turns @ from_centre, (turns @ self._turns[geom]).reshape(-1, 9)
 
 
 STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
@@ -238,11 +221,12 @@ def column_plan(system: System) -> ColumnPlan:
     return ColumnPlan(
         bodies=subjects.body_names,
         points=subjects.point_names,
-        mounts=[(name, _state_names(system, name)) for name in system.mounts],
+        mounts=[
+            (
+                name,
+                tuple(f"{c}.{z}" for c, law in one.isolator.axes.items() if law is not None for z in law.state_names),
+            )
+            for name, one in system.mounts.items()
+        ],
         contacts=list(system.assembly.contacts),
     )
-
-
-def _state_names(system: System, mount: str) -> tuple[str, ...]:
-    axes = system.mounts[mount].isolator.axes
-    return tuple(f"{axis}.{state}" for axis, law in axes.items() if law is not None for state in law.state_names)

@@ -76,17 +76,11 @@ def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
 def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
     force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
     return replace(
-        contact,
-        touches=int(row[at.TOUCHES]),
-        from_start=bool(row[at.FROM_START]),
-        first_touch=float(row[at.FIRST_TOUCH]),
-        duration=float(row[at.TOUCHED_FOR]),
-        force=force,
-        force_time=float(row[at.FORCE_TIME]) if force else None,
-        penetration=depth,
-        penetration_time=float(row[at.DEPTH_TIME]) if depth else None,
-        energy=float(row[at.WORK]),
-    )
+        contact, touches=int(row[at.TOUCHES]), from_start=bool(row[at.FROM_START]),
+        first_touch=float(row[at.FIRST_TOUCH]), duration=float(row[at.TOUCHED_FOR]), force=force,
+        force_time=float(row[at.FORCE_TIME]) if force else None, penetration=depth,
+        penetration_time=float(row[at.DEPTH_TIME]) if depth else None, energy=float(row[at.WORK]),
+    )  # fmt: skip
 
 
 CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
@@ -109,15 +103,9 @@ class RunResult:
 
 
 def run(
-    system: System,
-    motion: BaseMotion,
-    grid: TimeGrid,
-    initial: State,
-    *,
-    callback: Kind,
-    sink: Callable[[int, Array], None],
-    progress: Callable[[float], None] | None = None,
-) -> RunResult:
+    system: System, motion: BaseMotion, grid: TimeGrid, initial: State, *, callback: Kind,
+    sink: Callable[[int, Array], None], progress: Callable[[float], None] | None = None,
+) -> RunResult:  # fmt: skip
     """Step `system` through `grid` from `initial` by MuJoCo and hand every sample to `sink`.
 
     The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some

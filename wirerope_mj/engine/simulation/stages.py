@@ -92,21 +92,16 @@ class Stages:
     """The base in segments that follow each other.
 
     At a corner, velocity and accelerations are those inside the segment.
-
-    Attributes:
-        first: number of the first segment.
-        positions, rates: of the driven slides at the start of every segment, as the motion has them, (n, n_driven).
-        accelerations: of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3).
-        forces: forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any.
-        ends: where a segment's accelerations end among them, (n,).
     """
 
-    first: int
-    positions: Array
+    first: int  # number of the first segment
+    positions: Array  # of the driven slides at the start of every segment, as the motion has them, (n, n_driven)
     rates: Array
+    # of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3)
     accelerations: Array
+    # forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any
     forces: Array
-    ends: npt.NDArray[np.int64]
+    ends: npt.NDArray[np.int64]  # where a segment's accelerations end among them, (n,)
 
     def segments(self, begin: int = 0, end: int | None = None) -> Iterator[Segment]:
         """Yield the segments from `begin` to `end`, counted from the first."""
@@ -160,13 +155,10 @@ class StageTables:
             accelerations = self._motion.acceleration(times)
             self._running.add(times, accelerations)
             yield Stages(
-                first=first,
-                positions=positions[first - begin : last - begin],
-                rates=rates[first - begin : last - begin],
-                accelerations=accelerations,
-                forces=loads_at(self._motion, self._sites, times),
-                ends=total[block] - before,
-            )
+                first=first, positions=positions[first - begin : last - begin],
+                rates=rates[first - begin : last - begin], accelerations=accelerations,
+                forces=loads_at(self._motion, self._sites, times), ends=total[block] - before,
+            )  # fmt: skip
             first = last
 
     def segments(self, grid: Grid) -> Iterator[Segment]:

@@ -14,13 +14,12 @@ from wirerope_mj.engine.control.layout import TRAVEL_MEMORY
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
 from wirerope_mj.engine.statics import History, equilibrium
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.falling import falling_text
-from wirerope_mj.mounts.isolator.travel import beyond_law
 
 _NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
 
@@ -109,7 +108,9 @@ class Stepper:
                     if warning.number:
                         falling = self._falling(deflections)
                         message = self._message(mujoco.mjtWarning(kind).name, grew=_GREW_FALLING if falling else _GREW)
-                        raise SimulationError(message + (falling or self._beyond(deflections)))
+                        found = beyond_laws(self.system, deflections, fraction=_NEAR)
+                        beyond = f" Mount {found[0]!r} stood {found[1]}." if found else ""
+                        raise SimulationError(message + (falling or beyond))
         raise SimulationError("MuJoCo reported a warning in the last forward pass; use a smaller `timestep`.")
 
     def _message(self, warning: str, *, grew: str) -> str:
@@ -121,13 +122,6 @@ class Stepper:
     def _deflections(self) -> Array:
         """Return the deflections of the last forward pass, (n_mounts, 3)."""
         return self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()
-
-    def _beyond(self, deflections: Array) -> str:
-        """Return a note on a mount near or beyond the end of its law, "" if there is none."""
-        for (name, mount), row in zip(self.system.mounts.items(), deflections, strict=True):
-            if beyond := beyond_law(mount.isolator.axes, row, row, fraction=_NEAR):
-                return f" Mount {name!r} stood {beyond}."
-        return ""
 
     def _falling(self, deflections: Array) -> str:
         """Return a note on the first mount that stood where its force falls as the deflection grows, "" if there is none."""

@@ -14,12 +14,11 @@ from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import checked_step
 from wirerope_mj.engine.simulation.stages import Segment, along_slides
 from wirerope_mj.engine.simulation.stepper import Stepper, initial_state
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.motions import HarmonicForce
-from wirerope_mj.mounts.isolator.travel import beyond_law
 
 # what a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system.
 _STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
@@ -72,7 +71,12 @@ class Stepwise:
                 self._take(part, some, held, wrench)
                 length, steps = length - part, steps - some
         self._look(held, wrench)
-        self._require_lawful()
+        rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
+        if found := beyond_laws(self.system, rows):
+            raise SimulationError(
+                f"mount {found[0]!r} was {found[1]}, at {self.time:.6g} s: shake it more gently, or take an isolator with "
+                "more travel."
+            )
 
     def _take(self, length: float, steps: int, held: Array, wrench: Array) -> None:
         """Take equal steps that one stage table serves."""
@@ -108,13 +112,3 @@ class Stepwise:
             self._begin(self.timestep, 1, held, wrench)
             mujoco.mj_forward(stepper.model, stepper.data)
         self.values: Array = stepper.data.sensordata[self.system.assembly.sensor :].copy()
-
-    def _require_lawful(self) -> None:
-        """Raise SimulationError if a mount stands where the law of an axis does not hold."""
-        rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
-        for (name, mount), row in zip(self.system.mounts.items(), rows, strict=True):
-            if beyond := beyond_law(mount.isolator.axes, row, row):
-                raise SimulationError(
-                    f"mount {name!r} was {beyond}, at {self.time:.6g} s: shake it more gently, or take an isolator with more "
-                    "travel."
-                )

@@ -163,13 +163,9 @@ def _same_steps(coarse: "list[_Pilot] | None", fine: "list[_Pilot] | None") -> b
 
 
 def _longer(
-    pilots: Callable[[float], "list[_Pilot] | None"],
-    fine: "list[_Pilot] | None",
-    step: float,
-    error: float,
-    wanted: float,
-    finer: float = 1.0,
-) -> ChosenStep | None:
+    pilots: Callable[[float], "list[_Pilot] | None"], fine: "list[_Pilot] | None", step: float, error: float,
+    wanted: float, finer: float = 1.0,
+) -> ChosenStep | None:  # fmt: skip
     """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look.
 
     `fine` are pilots with `finer` times the step.
@@ -295,13 +291,9 @@ def _start(system: System, motion: BaseMotion, start: State, begin: float) -> St
 
 
 def _side_by_side(
-    system: System,
-    motion: BaseMotion,
-    starts: list[State],
-    windows: list[tuple[float, float]],
-    sample_rate: float,
+    system: System, motion: BaseMotion, starts: list[State], windows: list[tuple[float, float]], sample_rate: float,
     step: float,
-) -> list[_Pilot] | None:
+) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
     motions = [Later(motion, begin) for begin, _ in windows]
     grid = time_grid(

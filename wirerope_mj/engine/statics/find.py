@@ -27,12 +27,11 @@ from wirerope_mj.engine.statics.loading import (
     Loading,
 )
 from wirerope_mj.engine.statics.payloads import unresisted
-from wirerope_mj.engine.system import System, once_per_system
+from wirerope_mj.engine.system import System, beyond_laws, once_per_system
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelWarning
 from wirerope_mj.foundation.lanes import WIDTH
-from wirerope_mj.mounts.isolator.travel import beyond_law
 
 # ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain
 HELD = 1e-12
@@ -40,21 +39,14 @@ HELD = 1e-12
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibria:
-    """Equilibria of variants.
+    """Equilibria of variants."""
 
-    Attributes:
-        found: whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none.
-        held: whether the mounts certainly resist every motion, (n,).
-        states: qpos, qvel and act, (n, n_state).
-        mounts: deflection and force of every mount, (n, n_mounts, 2, 3).
-        residual: largest acceleration left [m/s^2 or rad/s^2], (n,).
-    """
-
+    # whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none
     found: npt.NDArray[np.bool_]
-    held: npt.NDArray[np.bool_]
-    states: Array
-    mounts: Array
-    residual: Array
+    held: npt.NDArray[np.bool_]  # whether the mounts certainly resist every motion, (n,)
+    states: Array  # qpos, qvel and act, (n, n_state)
+    mounts: Array  # deflection and force of every mount, (n, n_mounts, 2, 3)
+    residual: Array  # largest acceleration left [m/s^2 or rad/s^2], (n,)
 
 
 class EquilibriumSolver:
@@ -64,22 +56,28 @@ class EquilibriumSolver:
         """Prepare what all variants share."""
         tables, model = system.assembly.tables, system.model
         isolators = [mount.isolator for mount in system.mounts.values()]
-        self._equations, self._gravity = equations, model.opt.gravity.copy()
+        self._equations = equations
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs).astype(np.int64)
         laws = [law for isolator in isolators for law in isolator.axes.values()]
         coupled = [axis in isolator.coupled_axes for isolator in isolators for axis in range(3)]
         # What depends on the rate has no memory of a slow path: its states stay zero.
-        self._follows = np.array(
-            [
-                law is not None and law.remembers_slow_paths and law.n_states > 0 and not with_another
-                for law, with_another in zip(laws, coupled, strict=True)
-            ],
-            dtype=np.bool_,
-        )
-        axes = int(tables.layout[control.AXES])
-        firsts = tables.layout[axes : axes + control.AXIS_COLUMNS * len(laws)].reshape(-1, control.AXIS_COLUMNS)[:, 1]
+        follows = [
+            law is not None and law.remembers_slow_paths and law.n_states > 0 and not with_another
+            for law, with_another in zip(laws, coupled, strict=True)
+        ]
+        self._follows = np.array(follows, dtype=np.bool_)
+        firsts = tables.rows(control.AXES, control.AXIS_COLUMNS, len(laws))[:, 1]
         self._sizes = np.diff(np.append(firsts, tables.parameters.size)).astype(np.int64)
         self._start = np.concatenate([model.qpos0, np.zeros(model.nv + tables.user.n_states)])
+        gravity = float(np.linalg.norm(model.opt.gravity))
+        scale = max(gravity, 1.0)
+        self._settings = np.array([
+            TOLERANCE * scale, ACCEPTED * scale, roots.DIFFERENCE, roots.LONGEST, roots.SLOW, roots.ITERATIONS,
+            roots.HALVINGS, MOST,
+        ])  # fmt: skip
+        assert self._settings.size == SETTINGS
+        # Without gravity all steps are one.
+        self._loads = np.minimum(np.cumsum(np.full(LOAD_STEPS, 1.0 / LOAD_STEPS)), 1.0) if gravity else np.ones(1)
 
     def solve(self, numbers: Array, history: History) -> Equilibria:
         """Return the equilibria of variants with these numbers, (n, n_num)."""
@@ -113,21 +111,6 @@ class EquilibriumSolver:
         )  # fmt: skip
         record = int(lay[at.RECORD])
         return states.T, memory[record : record + int(lay[at.N_MOUNTS]) * at.RECORD_SIZE].T, residual, grams
-
-    @property
-    def _loads(self) -> Array:
-        # Without gravity all steps are one.
-        return np.minimum(np.cumsum(np.full(LOAD_STEPS, 1.0 / LOAD_STEPS)), 1.0) if self._gravity.any() else np.ones(1)
-
-    @property
-    def _settings(self) -> Array:
-        scale = max(float(np.linalg.norm(self._gravity)), 1.0)
-        settings = np.array([
-            TOLERANCE * scale, ACCEPTED * scale, roots.DIFFERENCE, roots.LONGEST, roots.SLOW, roots.ITERATIONS,
-            roots.HALVINGS, MOST,
-        ])  # fmt: skip
-        assert settings.size == SETTINGS
-        return settings
 
 
 @once_per_system
@@ -164,10 +147,7 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
     # A study's variants have these forces too, whose rounding is another one than that of the callback's.
     rows = rests.mounts[0]
     system.assembly.tables.user.mount_rows(system.assembly.user(data.userdata))[:] = rows
-    lawful = not any(
-        beyond_law(mount.isolator.axes, deflection, deflection)
-        for mount, deflection in zip(system.mounts.values(), rows[:, 0], strict=True)
-    )
+    lawful = beyond_laws(system, rows[:, 0]) is None
     if not (lawful and residual <= ACCEPTED * max(float(np.linalg.norm(model.opt.gravity)), 1.0)):
         return None
     return Equilibrium.of(system, state_of(model, data), rows, history, residual, unheld)

@@ -10,12 +10,11 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE, state_of
 from wirerope_mj.engine.statics.payloads import payloads_of, unresisted
 from wirerope_mj.engine.statics.roots import Roots, SlowPath
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import ByName, Summarised, quantity
-from wirerope_mj.mounts.isolator.travel import beyond_law
 
 History = Literal["virgin", "relaxed"]
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
@@ -161,7 +160,10 @@ class Loading:
         self._accelerations(qpos)
         mujoco.mj_forward(model, data)  # sensors too
         rows = self._mounts().copy()
-        self._check_laws(rows[:, 0])
+        if found := beyond_laws(self.system, rows[:, 0]):
+            raise ConvergenceError(
+                f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}"
+            )
         state = state_of(model, data)
         return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
@@ -177,12 +179,6 @@ class Loading:
                 f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount {name!r} by "
                 f"{deflections.max():.3g} m. {self._loads()}"
             )
-
-    def _check_laws(self, deflections: Array) -> None:
-        """Raise ConvergenceError if a mount stands where its law does not hold; deflections (n_mounts, 3) [m]."""
-        for (name, mount), deflection in zip(self.system.mounts.items(), deflections, strict=True):
-            if beyond := beyond_law(mount.isolator.axes, deflection, deflection):
-                raise ConvergenceError(f"there is no equilibrium: mount {name!r} would stand {beyond}. {self._loads()}")
 
     def _loads(self) -> str:
         """Return a message about where the weight comes from, and what to check."""

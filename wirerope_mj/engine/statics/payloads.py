@@ -19,19 +19,12 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 @dataclass(frozen=True, kw_only=True)
 class Payload:
-    """A payload.
+    """A payload."""
 
-    Attributes:
-        name: of its lowest body, the first that moves on its own.
-        root: id of that body.
-        bodies: ids of all that stand on it, itself included.
-        mass: of all of them [kg].
-    """
-
-    name: str
-    root: int
-    bodies: tuple[int, ...]
-    mass: float
+    name: str  # of its lowest body, the first that moves on its own
+    root: int  # id of that body
+    bodies: tuple[int, ...]  # ids of all that stand on it, itself included
+    mass: float  # of all of them [kg]
 
 
 def movers_of(system: System) -> tuple[Payload, ...]:

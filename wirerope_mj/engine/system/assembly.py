@@ -52,25 +52,16 @@ POINT, FORCE = "point/", "force/"
 
 @dataclass(frozen=True, kw_only=True)
 class Assembly:
-    """The compiled model and where its parts stand.
-
-    Attributes:
-        tables: what the callback reads.
-        subjects: what takes part.
-        userdata: first entry of the system's userdata.
-        activation: first internal state in act.
-        sensor: first of the system's sensor values.
-        contacts: the model's declared pairs of geoms by name, as contacts that have not touched.
-        scratch: data to compute with, shared by all variants of a system.
-    """
+    """The compiled model and where its parts stand."""
 
     model: mujoco.MjModel
-    tables: Tables
-    subjects: Subjects
-    userdata: int
-    activation: int
-    sensor: int
-    contacts: dict[str, ContactPeak]
+    tables: Tables  # what the callback reads
+    subjects: Subjects  # what takes part
+    userdata: int  # first entry of the system's userdata
+    activation: int  # first internal state in act
+    sensor: int  # first of the system's sensor values
+    contacts: dict[str, ContactPeak]  # the model's declared pairs of geoms by name, as contacts that have not touched
+    # data to compute with, shared by all variants of a system
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
     def user(self, userdata: Array) -> Array:
@@ -121,14 +112,9 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     _add_sensors(spec, plain, declared, subjects)
     model = spec.compile()
     return Assembly(
-        model=model,
-        tables=tables,
-        subjects=subjects,
-        userdata=userdata,
-        activation=int(plain.na),
-        sensor=int(plain.nsensordata),
-        contacts=declared_contacts(model, base),
-    )
+        model=model, tables=tables, subjects=subjects, userdata=userdata, activation=int(plain.na),
+        sensor=int(plain.nsensordata), contacts=declared_contacts(model, base),
+    )  # fmt: skip
 
 
 def _drive(spec: mujoco.MjSpec, model: mujoco.MjModel, base: int) -> tuple[int, ...]:

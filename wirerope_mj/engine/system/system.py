@@ -33,6 +33,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.travel import beyond_law
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -166,18 +167,12 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     model = assembly.model
     roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
     return System(
-        model=model,
-        mounts=ByName(_mounts(assembly, declared)),
-        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
-        base=model.body(base).name if base else "",
-        mjcf=text,
-        path=path,
-        isolators={d.isolator_name: d.isolator for d in declared},
-        limits=declared_limits(model, base),
-        assembly=assembly,
-        combined_travel=judges_combined_travel(model),
+        model=model, mounts=ByName(_mounts(assembly, declared)),
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)], base=model.body(base).name if base else "",
+        mjcf=text, path=path, isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model, base), assembly=assembly, combined_travel=judges_combined_travel(model),
         areas=declared_areas(spec, [d.name for d in declared]),
-    )
+    )  # fmt: skip
 
 
 def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Mount]:
@@ -241,6 +236,14 @@ def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: 
 
 
 Value = TypeVar("Value")
+
+
+def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) -> tuple[str, str] | None:
+    """Find the first mount that stands beyond a fraction of its law's travel, and where; deflections (n_mounts, 3) [m]."""
+    for (name, mount), row in zip(system.mounts.items(), deflections, strict=True):
+        if beyond := beyond_law(mount.isolator.axes, row, row, fraction=fraction):
+            return name, beyond
+    return None
 
 
 def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Array]]:

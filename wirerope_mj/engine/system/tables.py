@@ -104,26 +104,16 @@ class Subjects:
 
 @dataclass(frozen=True, kw_only=True)
 class Tables:
-    """The callback's tables as numbers, and what the rest of the library needs to know of them.
+    """The callback's tables as numbers, and what the rest of the library needs to know of them."""
 
-    Attributes:
-        layout: header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,).
-        parameters: parameters of all laws, (n_p,).
-        user: addresses in userdata.
-        drive: slide accelerations from base acceleration, (n_driven, 3).
-        channels: indices of the tracked 3-vectors among the system's sensor values, (n_channels,).
-        base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
-        tracked: numbers of the others, (n_channels - n_base_channels,).
-        states: per mount where the states of roll, shear and axial stand among the internal states.
-    """
-
-    layout: Array
-    parameters: Array
-    user: at.UserData
-    drive: Array
-    channels: npt.NDArray[np.int64]
-    base_channels: tuple[int, ...]
-    tracked: npt.NDArray[np.int64]
+    layout: Array  # header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,)
+    parameters: Array  # parameters of all laws, (n_p,)
+    user: at.UserData  # addresses in userdata
+    drive: Array  # slide accelerations from base acceleration, (n_driven, 3)
+    channels: npt.NDArray[np.int64]  # indices of the tracked 3-vectors among the system's sensor values, (n_channels,)
+    base_channels: tuple[int, ...]  # numbers of the channels with the acceleration of what is fixed to the driven base
+    tracked: npt.NDArray[np.int64]  # numbers of the others, (n_channels - n_base_channels,)
+    # per mount where the states of roll, shear and axial stand among the internal states
     states: dict[str, tuple[slice, slice, slice]]
 
     def rows(self, table: int, columns: int, count: int) -> Array:
@@ -138,14 +128,9 @@ class Tables:
 
 
 def make_tables(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    declared: list[DeclaredMount],
-    on: Subjects,
-    *,
-    sensor: int,
+    model: mujoco.MjModel, data: mujoco.MjData, declared: list[DeclaredMount], on: Subjects, *, sensor: int,
     drive: Array | None = None,
-) -> Tables:
+) -> Tables:  # fmt: skip
     """Return the tables of a model, whose modelled geometry is computed in `data`.
 
     `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
@@ -204,15 +189,10 @@ def make_tables(
     header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
     header[at.USER_TRAVELS] = user.travels
     return Tables(
-        layout=np.concatenate([header, *flat]),
-        parameters=np.concatenate([*parameters, []]),
-        user=user,
-        drive=drive,
-        channels=np.array(channels, dtype=np.int64),
-        base_channels=(base_channels := _base_channels(model, on)),
-        tracked=np.setdiff1d(np.arange(len(channels)), base_channels),
-        states=states,
-    )
+        layout=np.concatenate([header, *flat]), parameters=np.concatenate([*parameters, []]), user=user, drive=drive,
+        channels=np.array(channels, dtype=np.int64), base_channels=(base_channels := _base_channels(model, on)),
+        tracked=np.setdiff1d(np.arange(len(channels)), base_channels), states=states,
+    )  # fmt: skip
 
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:

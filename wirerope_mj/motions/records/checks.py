@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.records.reading import Reading
+from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
 from wirerope_mj.motions.records.resolution import resolution_warnings
-from wirerope_mj.motions.records.rest import is_pulse, offset_of, peak_from, quiet_level
 
 _FEWEST = 16  # samples below which nothing is judged: a record so short was written by hand
 

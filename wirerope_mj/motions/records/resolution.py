@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.motions.records.rest import is_pulse, peak_from
+from wirerope_mj.motions.records.reading import is_pulse, peak_from
 
 # a sample stands alone if it leaves both neighbours to one side by a tenth of the record's range and by ten times what all
 # but three others do, and its neighbours agree with theirs to a tenth of that. A step leaves one neighbour alone, and of a

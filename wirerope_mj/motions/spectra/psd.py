@@ -10,7 +10,7 @@ import scipy
 from wirerope_mj.foundation.arguments import not_negative, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised, quantity
-from wirerope_mj.motions.spectra.arguments import check_samples
+from wirerope_mj.motions.spectra.ramp import check_samples
 
 # half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)
 SEGMENTS = 15
@@ -147,13 +147,9 @@ def power_spectral_density(
         kept, fs=1.0 / step, window=window, noverlap=size // 2, detrend="constant", scaling="density", axis=0
     )
     return PowerSpectralDensity(
-        frequency=frequency,
-        density=density,
-        resolution=1.0 / (size * step),
-        duration=left,
-        segments=segments,
+        frequency=frequency, density=density, resolution=1.0 / (size * step), duration=left, segments=segments,
         degrees_of_freedom=_degrees(window, hop, segments),
-    )
+    )  # fmt: skip
 
 
 def _segment(samples: int, step: float, resolution: float | None) -> int:

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
@@ -75,9 +74,6 @@ class Identification(Summarised):
     loops: tuple[MeasuredLoop, ...]
     scales: tuple[str, ...] = ()
     scale_rows: tuple[ScaleRow, ...] = ()
-
-    certainty, open_combinations = Renamed("uncertainty"), Renamed("non_identifiable")
-    not_told_from_zero = Renamed("insignificant")
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         ended = "converged" if self.converged else "NOT CONVERGED"

@@ -10,7 +10,6 @@ import pyarrow as pa
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of
@@ -26,11 +25,11 @@ class Exceedance:
     """Exceedance of a limit.
 
     Attributes:
-        count, n: variants that exceed it, of how many that could be simulated and are judged.
+        count, n: variants that exceed it, of how many that could be simulated and have a value.
         low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling is
-            rather better than that. They know nothing of variants that failed.
+            rather better than that. They know nothing of variants that failed. The upper one takes those of `early` as beyond.
         failed: variants that could not be simulated, and are counted nowhere.
-        early: variants whose runs end before their peaks are over and do not exceed it until then, counted nowhere.
+        early: variants among the n whose runs end before their peaks are over, and that keep the limit until then: not judged.
     """
 
     count: int
@@ -40,8 +39,6 @@ class Exceedance:
     failed: int = 0
     early: int = 0
 
-    share = Renamed("ratio")
-
     @property
     def ratio(self) -> float:
         """Ratio to the variants that were counted, 0 to 1; NaN if there are none."""
@@ -50,8 +47,13 @@ class Exceedance:
     @property
     def at_most(self) -> float:
         """Ratio to all variants, if every one that is not counted were beyond the limit."""
-        left = self.failed + self.early
-        return (self.count + left) / (self.n + left) if self.n + left else math.nan
+        total = self.n + self.failed
+        return (self.count + self.early + self.failed) / total if total else math.nan
+
+    @property
+    def judged(self) -> int:
+        """How many variants are judged."""
+        return self.n - self.early
 
 
 def finite(values: Array) -> Array:
@@ -71,31 +73,26 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
 
 
 def exceedance(values: Array, limit: float, *, failed: int = 0, early: int = 0) -> Exceedance:
-    """Return the exceedance of a limit by values; `failed` more variants have none, and `early` ones are not judged."""
+    """Return the exceedance of a limit by values; `failed` more variants have none, and `early` of them are not judged."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0
-    high = float(scipy.stats.beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
+    most = k + early
+    high = float(scipy.stats.beta.ppf(1.0 - tail, most + 1, n - most)) if most < n else 1.0
     return Exceedance(count=k, n=n, low=low, high=high, failed=failed, early=early)
 
 
 def exceedance_of(table: pa.Table, measure: str, limit: float) -> Exceedance:
     """Return the exceedance of a limit by a measure, with the number of variants that failed."""
-    return exceedance_in(table, values_of(table, measure), limit)
+    return exceedance_in(table, measure, values_of(table, measure), limit)
 
 
-def exceedance_in(table: pa.Table, values: Array, limit: float) -> Exceedance:
-    """Return the exceedance of a limit by a value of each variant of a table, with how many failed or ended too early."""
-    judged = judged_values(table, values, limit)
+def exceedance_in(table: pa.Table, measure: str, values: Array, limit: float) -> Exceedance:
+    """Return the exceedance of a limit by values of a measure of a table, with how many failed or ended too early."""
     return exceedance(
-        judged, limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)),
-        early=int(np.count_nonzero(np.isfinite(values) & np.isnan(judged))),
+        values, limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)),
+        early=int(np.count_nonzero(ended_early(table, measure) & (values <= limit))),
     )  # fmt: skip
-
-
-def judged_values(table: pa.Table, values: Array, limit: float) -> Array:
-    """Return the values of variants, NaN where one keeps a limit only because its run ends before its peaks are over, (n,)."""
-    return np.where(ended_early(table) & (values <= limit), math.nan, values)
 
 
 def worst(table: pa.Table, measure: str, count: int) -> list[int]:

@@ -21,14 +21,11 @@ from wirerope_mj.studies.results.measure import (
     measure_of,
     values_of,
 )
-from wirerope_mj.studies.results.stated_file import read_stated
-from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statements import exceedance_text
+from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
 from wirerope_mj.studies.results.statistics import (
     Exceedance,
-    exceedance_in,
+    exceedance,
     exceedance_of,
-    judged_values,
     quantiles,
     row_of,
     worst,
@@ -62,11 +59,6 @@ class Statistics:
     variant: int
     beyond: Exceedance | None
     ratio: float | None
-
-    @property
-    def beyond_text(self) -> str:
-        """Count of variants beyond the limit: "88 of 325 (34 %)"; "" without a limit."""
-        return "" if self.beyond is None else exceedance_text(self.beyond, self.ratio)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -184,10 +176,9 @@ class StudySummary:
 
     def _ratio(self, values: Array, limit: float) -> float | None:
         """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""
-        table = self.result.independent
         if self.result.is_sampled:
-            return exceedance_in(table, values, limit).ratio
-        values = judged_values(table, values, limit)
+            return exceedance(values, limit).ratio
+        table = self.result.independent
         return fraction_of_directions(table, input_names(table), values, limit)
 
 

@@ -73,8 +73,9 @@ def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
     content |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
     if limit is not None:
         beyond = exceedance_of(table, name, limit)
-        content |= {"limit": limit, "beyond": beyond.count, "of": beyond.n, "ended_early": beyond.early}
-        if sampled and beyond.n:
+        content |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
+        content |= {"ended_early": beyond.early} if beyond.early else {}
+        if sampled:
             content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
     return content
 

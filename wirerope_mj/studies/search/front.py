@@ -20,10 +20,10 @@ def objectives(table: pa.Table, names: Sequence[str]) -> Array:
     Neither is a design whose run ends before its peaks are over: softer ones would win for having been stopped.
     """
     values = np.full((table.num_rows, len(names)), np.inf)
-    done = (np.asarray(table["status"]) == DONE) & ~ended_early(table)
+    done = np.asarray(table["status"]) == DONE
     for index, name in enumerate(names):
         column = np.asarray(table[name], dtype=np.float64)
-        values[:, index] = np.where(done & ~np.isnan(column), column, np.inf)
+        values[:, index] = np.where(done & ~ended_early(table, name) & ~np.isnan(column), column, np.inf)
     return values
 
 

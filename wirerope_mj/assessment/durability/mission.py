@@ -197,8 +197,8 @@ def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
         return start, end, end - start
     if shocks := sorted({str(part.get("kind")) for part in elements(response.motion)} - _LASTING):
         raise RecordError(
-            f"{stage.run}: `hours` are of what goes on, and a {shocks[0]} is over once it has happened: an hour of the run "
-            "would be shocks as close as the run happens to be long. Say how often it happens, as `repetitions`."
+            f"{stage.run}: `hours` are of what goes on, and a {shocks[0]} is over once it has happened: an hour of it would "
+            "be shocks as close as the run is long. Say how often it happens, as `repetitions`."
         )
     times = [time for time, _ in response.events if first <= time <= last] or [first]
     over = response.numerics.motion_end

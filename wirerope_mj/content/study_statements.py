@@ -18,11 +18,11 @@ from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
     Exceedance,
     exceedance_of,
-    judged_values,
     row_of,
     struck_variants,
     worst,
@@ -108,6 +108,21 @@ def travel_statements(system: System) -> list[str]:
     return []
 
 
+def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> str:
+    """Return in one sentence how often a limit is exceeded; bounds of the probability where variants are a sample."""
+    beyond = stated.exceedance(table)
+    several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
+    failed = not_counted(beyond)
+    if not beyond.judged:
+        why = "every run ends before its peaks are over" if beyond.n else "nothing has a value"
+        return f"Beyond {stated.text}: not judged, since {why}{failed}."
+    start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
+    if not sampled:
+        return f"{start}{failed}."
+    bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+    return f"{start}, {percent(beyond.ratio)} ({bounds}){failed}."
+
+
 def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
     """Return an exceedance for a cell: "88 of 325 (27 %), 17 failed"; without the ratio if it is None."""
     of = "" if ratio is None or math.isnan(ratio) else f" ({percent(ratio)})"
@@ -122,10 +137,9 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
     beyond, top = exceedance_of(independent, measure.name, limit), worst(independent, measure.name, 1)[0]
     values = values_of(independent, measure.name)
     largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
-    start = f"{_capital(measure.name)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
-    if not beyond.n:
-        return f"{_capital(measure.name)} ({measure.text}): not judged{not_counted(beyond)}; {largest}."
-    values = judged_values(independent, values, limit)
+    start = f"{capital(measure.name)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
+    if not beyond.judged:
+        return f"{capital(measure.name)} ({measure.text}): not judged, since every run ends before its peaks are over."
     if not result.is_sampled:
         fraction = fraction_of_directions(table, inputs, values, limit)
         which = exceeding_inputs(table, inputs, values, limit)
@@ -138,11 +152,10 @@ def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
 
 
 def not_counted(beyond: Exceedance) -> str:
-    """Return how many variants are not counted, and why; "" if all are."""
-    causes = ((beyond.failed, "failed"), (beyond.early, "ended too early"))
-    parts = [f"{count} more {cause}" for count, cause in causes if count]
-    are = "is" if beyond.failed + beyond.early == 1 else "are"
-    return f"; {' and '.join(parts)} and {are} not counted" if parts else ""
+    """Return how many variants are not judged, and how many not counted; "" if all are."""
+    early = f"; {beyond.early} ended too early to be judged" if beyond.early else ""
+    are = "is" if beyond.failed == 1 else "are"
+    return early + (f"; {beyond.failed} more failed and {are} not counted" if beyond.failed else "")
 
 
 def early_statements(table: pa.Table) -> list[str]:
@@ -157,7 +170,7 @@ def early_statements(table: pa.Table) -> list[str]:
 def of_indices(indices: SobolIndices) -> str:
     """Return what the factors explain of a measure."""
     measure = measure_of(indices.measure)
-    begin = _capital(measure.text if measure.limit is None else measure.name)
+    begin = capital(measure.text if measure.limit is None else measure.name)
     dropped = f" {indices.dropped} of {indices.rows + indices.dropped} base rows were dropped: variants of them failed."
     end = dropped if indices.dropped else ""
     if indices.too_few:
@@ -183,7 +196,8 @@ def _index(index: float) -> str:
     return f"{100.0 * min(max(index, 0.0), 1.0):.0f} %"
 
 
-def _capital(text: str) -> str:
+def capital(text: str) -> str:
+    """Return a text or the name of a measure as it begins a sentence."""
     return f"{text[0].upper()}{text[1:].replace('_', ' ')}"
 
 
