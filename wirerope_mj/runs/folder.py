@@ -6,10 +6,10 @@ from pathlib import Path
 
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 
-SCENARIO, SUMMARY = "scenario.toml", "summary.json"
+SCENARIO, SUMMARY, REPORT = "scenario.toml", "summary.json", "report.html"
 
 FORMAT = 1
-"""Of these two files."""
+"""Of the first two."""
 
 
 def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:

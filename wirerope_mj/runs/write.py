@@ -213,7 +213,7 @@ def _write_views(
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.content.over_frequency import panel_over_frequency
     from wirerope_mj.content.run import run_content
-    from wirerope_mj.runs.report import REPORT
+    from wirerope_mj.runs.folder import REPORT
     from wirerope_mj.views.plots.png_chart import save_charts
     from wirerope_mj.views.recording.drawn_runs import run_alone
     from wirerope_mj.views.recording.record import write_alone
