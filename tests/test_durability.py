@@ -10,7 +10,6 @@ from scipy.signal import lfilter
 import wirerope_mj as wr
 from wirerope_mj.assessment.durability.mission import mission_damage, read_mission
 from wirerope_mj.cli import main
-from wirerope_mj.foundation.units import significant
 
 
 @pytest.mark.quick
@@ -189,7 +188,7 @@ def test_a_service_life_is_the_sum_of_its_stages(tmp_path, capsys):
     printed = " ".join(capsys.readouterr().out.split())
     worst = max(damages.values(), key=lambda one: one.total)
     assert f"{worst.mount} {worst.axis}" in printed
-    most = f"Most damaged: {worst.mount} {worst.axis}: damage {significant(worst.total)} in one such life"
+    most = f"Most damaged: {worst.mount} {worst.axis}: damage {worst.total:.3g} in one such life"
     assert f"{most}; it lasts {1.0 / worst.total:.3g} such lives." in printed
     assert "20 x hard + 2 h of soft" in printed
 

@@ -99,7 +99,7 @@ COMMANDS = {
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     ),
     "select": (
-        "select_options:select",
+        "select:select",
         "Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.",
     ),
     "modes": (

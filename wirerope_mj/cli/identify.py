@@ -22,8 +22,8 @@ from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
-from wirerope_mj.runs.folder import REPORT, atomic_run, check_target
-from wirerope_mj.runs.report import write_page
+from wirerope_mj.runs.folder import atomic_run, check_target
+from wirerope_mj.runs.page import REPORT, write_page
 from wirerope_mj.views.report import check_pdf, report_html
 from wirerope_mj.views.terminal import console, print_headline, show
 

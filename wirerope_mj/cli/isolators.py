@@ -34,6 +34,8 @@ def isolators(
     from wirerope_mj.content.isolator import catalogue_table, isolator_content, parts_table
     from wirerope_mj.foundation.resources import catalogue_folder
     from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, vendor_parts
+    from wirerope_mj.mounts.vendor_parts.left_out import left_out
+    from wirerope_mj.mounts.vendor_parts.parts import VendorPart
     from wirerope_mj.views.terminal import print_table, show
 
     if name is None:
@@ -46,8 +48,11 @@ def isolators(
     if out is not None:
         check_picture(out)
     given = Path(name)
-    device = load_isolator(given if given.is_file() else find_isolator(name, beside=catalogue_folder()))
-    show(isolator_content(device))
+    path = given if given.is_file() else find_isolator(name, beside=catalogue_folder())
+    device = load_isolator(path)
+    known = isinstance(path, VendorPart) or path.parent == catalogue_folder()
+    part = path.name if isinstance(path, VendorPart) else path.stem
+    show(isolator_content(device, left_out(part, device) if known else None))
     if out is not None:
         from wirerope_mj.content.cyclic_tests import isolator_chart
         from wirerope_mj.views.plots.png_chart import save_charts

@@ -4,7 +4,6 @@ from collections.abc import Sequence
 
 from wirerope_mj.assessment.durability.mission import Mission, MountDamage, Stage
 from wirerope_mj.content.blocks import Content, Section, Statement
-from wirerope_mj.content.numbers import number
 from wirerope_mj.foundation.tables import Column, Row, Table
 
 
@@ -37,7 +36,7 @@ def _worst(mission: Mission, damages: Sequence[MountDamage]) -> Statement:
         text += ". Its life is not known: damage is relative, because no constant of the fatigue curve was given."
         return Statement(id="most-damaged", text=text, tone="unjudged", values={"where": _called(worst)})
     life = 1.0 / worst.total
-    text += f": damage {number(worst.total)} in one such life; it lasts {life:.3g} such lives."
+    text += f": damage {worst.total:.3g} in one such life; it lasts {life:.3g} such lives."
     values: dict[str, float | str | None] = {"where": _called(worst), "damage": worst.total, "lives": life}
     return Statement(id="most-damaged", text=text, tone="exceeded" if worst.total > 1.0 else "within", values=values)
 

@@ -16,6 +16,7 @@ from wirerope_mj.mounts.laws import Law, Parallel, Stop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import VendorPart, shipped_file, vendor_parts
+from wirerope_mj.mounts.vendor_parts.left_out import Band
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
 FREQUENCY = 5.0
@@ -40,12 +41,11 @@ def ratings_table(devices: Sequence[Isolator]) -> Table:
 
 def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
     """Tabulate sizes and ratings of the isolators of the catalogue by the names of their files."""
-    rows = [(name, one.name, *_ratings(one), one.provenance.kind) for name, one in devices.items()]
-    names = Column("isolator", align="left"), Column("name", align="text")
+    rows = [(name, *_ratings(one), one.provenance.kind) for name, one in devices.items()]
     return Table(
         id="catalogue",
         title="",
-        columns=(*names, *_RATING_COLUMNS, Column("figures are", align="left")),
+        columns=(Column("isolator", align="left"), *_RATING_COLUMNS, Column("figures are", align="left")),
         rows=rows,
         note=f"-: not stated, and so not judged. `wirerope isolators NAME` shows one, `--all` the {len(vendor_parts())} parts "
         "of the vendors' tables, which every command takes by name as well.",
@@ -74,7 +74,7 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
     for part in parts:
         along, across = part.modes["compression"], part.modes["shear"]
         whole = None not in (part.height, part.width, part.rope, along.travel, along.vibration, along.shock)
-        made = shipped_file(part) or ("fitted from this row" if whole else "too little stated")
+        made = "shipped" if shipped_file(part) else "fitted" if whole else None
         sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
         rows.append((part.name, *sizes, along.vibration, along.shock, made))
     return Table(
@@ -83,24 +83,26 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         columns=(
             Column("part", align="left"),
             *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
-            Column("load", "kN", 4),
+            Column("load", "N", ".0f"),
             *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
             *(Column(f"{name}\nstiffness", "N/mm", ".4g") for name in ("vibration", "shock")),
-            Column("isolator", align="text"),
+            Column("isolator", align="left"),
         ),
         rows=rows,
-        note="-: not stated. Load and stiffnesses are those in compression. `wirerope isolators PART` says what is fitted and "
-        "what assumed.",
+        note="-: not stated. Load and stiffnesses are those in compression. Isolator: shipped as a file, fitted from the row "
+        "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is "
+        "fitted and what assumed.",
     )
 
 
-def isolator_content(device: Isolator) -> Content:
-    """Describe an isolator: where its figures come from, its laws and geometry, and what its loops measure."""
+def isolator_content(device: Isolator, band: Band | None = None) -> Content:
+    """Describe an isolator: where its figures come from, its laws, geometry and band of error, and what its loops measure."""
     return Content(
         title=device.name,
         verdict=provenance_statement(device),
         sections=(
             Section(id="isolator", title="", build=partial(_isolator_blocks, device), depth="summary"),
+            Section(id="band", title="", build=lambda: [_band(band)] if band else [], depth="summary"),
             Section(id="measures", title="", build=lambda: [_measures(device)], depth="summary"),
         ),
     )
@@ -117,6 +119,21 @@ def provenance_statement(device: Isolator) -> Statement:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
     assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
     return Statement(id=f"source-{device.name}", text=text, items=assumed)
+
+
+def _band(band: Band) -> Statement | None:
+    """Say what the rest says of each value that is left out, and the band of error that follows."""
+    if not band.values:
+        return None
+    left = tuple(
+        f"{row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} ({100.0 * row.error:+.0f} %)"
+        for row in band.values
+        if row.vendor is not None and row.error is not None
+    )
+    of_table = [f"{axis} {100.0 * error:.0f} %" for axis, error in band.others.items() if math.isfinite(error)]
+    nine = f"; nine in ten parts of the vendor's table stay below {', '.join(of_table)}" if of_table else ""
+    text = f"Band of error by leaving out: {100.0 * band.largest:.0f} %{nine}."
+    return Statement(id="band", text=text, items=left, values={"largest": band.largest})
 
 
 def _stop_words(axis: str, law: Law) -> str:

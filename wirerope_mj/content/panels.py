@@ -1,7 +1,7 @@
 """Curves between two axes, in charts: what pages, pictures, recordings and explore draw of a result."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -25,6 +25,7 @@ class Curve:
         dash: "dashed" or "dotted".
         weight: width of the line, size of the dots, times the usual.
         opacity: from 0 to 1, by which curves of a family are told apart.
+        peak: largest value and where it is, of every step and not of the positions alone; None where nobody asks.
     """
 
     x: Array
@@ -37,6 +38,7 @@ class Curve:
     dash: str = ""
     weight: float = 1.0
     opacity: float = 1.0
+    peak: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -140,18 +142,8 @@ def crest(x: Array, values: Array) -> tuple[Array, Array]:
     return x[rows], values[rows]
 
 
-def histories(
-    lines: Sequence[tuple[Sequence[Curve], str, Sequence[tuple[str, float]]]], window: tuple[float, float], unit: str
-) -> Chart:
-    """Stack a panel for each list of curves, with its label and limits, that are not all zero, at least one, over a window."""
-    kept = [one for one in lines if any(np.abs(curve.y).max() > _NOTHING for curve in one[0])] or lines[2:]
-    rows = [
-        [
-            Panel(
-                curves=curves, ylabel=label, xlabel="time [s]" if label == kept[-1][1] else "", limits=limits,
-                xlim=window, unit=unit,
-            )
-        ]
-        for curves, label, limits in kept
-    ]  # fmt: skip
+def stacked(panels: Sequence[Panel]) -> Chart:
+    """Stack panels over time that are not all zero, at least the last; what their titles say stands in the caption."""
+    kept = [one for one in panels if any(np.abs(curve.y).max() > _NOTHING for curve in one.curves)] or panels[-1:]
+    rows = [[replace(one, title="", xlabel="time [s]" if one is kept[-1] else "")] for one in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)

@@ -28,12 +28,9 @@ _UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 
 
 def require_memory(what: str, size: float, remedy: str) -> None:
-    """Raise BudgetError if numbers take more memory than there is for them.
+    """Raise BudgetError if numbers of a size [B] at the least take more memory than there is for them.
 
-    Args:
-        what: what takes it, as the beginning of the message: "the samples of this run".
-        size: how much at the least [B].
-        remedy: what to do instead, as a sentence.
+    The message begins with `what` takes it, as "the samples of this run", and ends with the `remedy`, a sentence.
     """
     if size < 1e6:
         return  # nobody need look

@@ -20,21 +20,13 @@ _DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 
 @dataclass(frozen=True)
 class Header:
-    """The line of a CSV file that names its columns.
+    """The line of a CSV file that names its columns."""
 
-    Attributes:
-        path: of the file.
-        line: number of the header's line, counted from 1.
-        delimiter: between the cells.
-        names: of the columns, units taken off.
-        units: of the columns; None where the header has none.
-    """
-
-    path: Path
-    line: int
-    delimiter: str
-    names: tuple[str, ...]
-    units: tuple[str | None, ...]
+    path: Path  # of the file
+    line: int  # number of the header's line, counted from 1
+    delimiter: str  # between the cells
+    names: tuple[str, ...]  # of the columns, units taken off
+    units: tuple[str | None, ...]  # of the columns; None where the header has none
 
     @property
     def location(self) -> str:
@@ -62,12 +54,9 @@ class Header:
 
 
 def read_header(path: Path, *, kind: str, example: str) -> Header:
-    """Return the header of a CSV file, the first line that is neither empty nor begins with #.
+    """Read the header of a CSV file, the first line that is neither empty nor begins with #.
 
-    Args:
-        path: of the file.
-        kind: what the file should be, for messages: "cyclic test".
-        example: a header as such a file has it.
+    Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
 
     Raises:
         RecordError: the file cannot be read, is empty or no text.

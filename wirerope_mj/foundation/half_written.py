@@ -80,11 +80,7 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
     """Yield the hidden folder in which `folder` is written, empty and locked, or None if another process writes `folder`.
 
     There is one for each folder, so that two processes never write the same one. Where there are no locks nobody is kept out.
-    It is removed if it is still there.
-
-    Args:
-        folder: that is written.
-        patience: time for which another process may hold the hidden folder [s], perhaps only to remove what was left in it.
+    It is removed if it is still there. For `patience` [s] another process may hold it, perhaps only to remove what was left.
 
     Raises:
         RecordError: no folder can be made there.

@@ -197,12 +197,7 @@ def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:
 
 
 def _read(path: Path, *, own: bool) -> bytes | None:
-    """Return the content of a file, or None: it is not there, cannot be read, or is not whole.
-
-    Args:
-        path: of the file.
-        own: whether it and its folder must be the user's, and nobody else's to write.
-    """
+    """Read a file; None if it is not there, cannot be read or is not whole, or, with `own`, if others may write it."""
     try:
         with open(path, "rb", opener=_opened if own else None) as file:
             state = os.fstat(file.fileno())

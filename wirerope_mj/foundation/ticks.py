@@ -8,6 +8,8 @@ from wirerope_mj.foundation.arrays import Array
 
 # First digits of the numbers on a logarithmic axis; 10, 100, .. are always among them.
 _DIGITS = ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 2.0, 4.0), (1.0, 3.0), (1.0,))
+"""First digits of the numbers on a logarithmic axis; 10, 100, .. are always among them."""
+
 _CLOSER = 0.9  # of what each of the numbers would have: by so much two of them may stand closer
 
 
@@ -17,7 +19,9 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     Of an axis on which `most` numbers fit, none stand closer than that. Where not even the powers of ten fit, every second,
     third .. of them stands there; where there are none, numbers are in equal steps.
     """
-    powers = np.logspace(first := math.floor(math.log10(low)), last := math.ceil(math.log10(high)), last - first + 1)
+    powers = np.asarray(
+        10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64
+    )
     equal = [linear_ticks(low, high, most=count) for count in range(min(most, 6), 1, -1)]
     whole = _inside(powers, low, high)
     chosen = [(powers[:, None] * np.array(digits)).ravel() for digits in _DIGITS]

@@ -51,7 +51,7 @@ class Phrase:
 
 
 def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
-    """Return what a phrase says.
+    """Parse a phrase into quantities, words with values, and directions.
 
     Args:
         text: numbers with units, a direction and words, in any order, separated by spaces: "15 g 11 ms z at 50 ms". A range is
@@ -159,7 +159,7 @@ class SpokenMotion:
 
 
 def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, str]]:
-    """Return what reads the file that a phrase begins with, whose name may hold spaces."""
+    """Make the reader of the file that a phrase begins with, whose name may hold spaces."""
 
     def begins(text: str, folder: Path) -> tuple[Any, str]:
         words = text.split(" ")

@@ -6,10 +6,10 @@ from pathlib import Path
 
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 
-SCENARIO, SUMMARY, REPORT = "scenario.toml", "summary.json", "report.html"
+SCENARIO, SUMMARY = "scenario.toml", "summary.json"
 
 FORMAT = 1
-"""Of the first two."""
+"""Of these two files."""
 
 
 def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:

@@ -16,7 +16,8 @@ from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.directions import plain_direction
 from wirerope_mj.foundation.tables import Table
-from wirerope_mj.runs.folder import REPORT, atomic_run
+from wirerope_mj.runs.folder import atomic_run
+from wirerope_mj.runs.page import REPORT
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"

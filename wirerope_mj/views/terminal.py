@@ -98,11 +98,14 @@ def print_table(table: Table) -> None:
             no_wrap=column.align == "left" or (column.align == "right" and len(column.heading) <= _LONG),
             overflow="fold",
         )
-    for row in table.marks()[: table.shown]:
+    rows = table.marks()[: table.shown]
+    for row in rows:
         shown.add_row(*(_text(text, tone) for text, tone in row))
     screen.print(shown)
-    left = len(table.rows) - (len(table.rows) if table.shown is None else table.shown)
-    print_lines([*([f"{left} more stand in the report."] if left > 0 else []), *([table.note] if table.note else [])])
+    if len(rows) < len(table.rows):
+        print_lines([f"{len(rows)} of {len(table.rows)} rows"])
+    if table.note:
+        print_lines([table.note])
 
 
 def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:

@@ -27,18 +27,12 @@ _FLAT = 0.05
 
 @dataclass(frozen=True, kw_only=True)
 class ModeAnimation:
-    """Modes in motion.
-
-    Attributes:
-        starts: instant at which each begins [s], (n_modes,).
-        amplitude: of the mount that moves most, as drawn [m].
-        response: the motions, each from its largest displacement on; time is the picture's, not the mode's.
-    """
+    """Modes in motion."""
 
     modes: Modes
-    starts: Array
-    amplitude: float
-    response: Response
+    starts: Array  # instant at which each begins [s], (n_modes,)
+    amplitude: float  # of the mount that moves most, as drawn [m]
+    response: Response  # the motions, each from its largest displacement on; time is the picture's, not the mode's
 
 
 def animated_modes(system: System, modes: Modes) -> ModeAnimation:

@@ -27,19 +27,12 @@ APART = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest.
+    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest."""
 
-    Attributes:
-        frequencies: [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found.
-        shift: largest distance of such a deflection from rest [m], (n_modes,).
-        mounts: name of the mount that moves by it, (n_modes).
-        apart: indices of the modes whose frequency is not that about rest.
-    """
-
-    frequencies: Array
-    shift: Array
-    mounts: tuple[str, ...]
-    apart: Integers
+    frequencies: Array  # [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found
+    shift: Array  # largest distance of such a deflection from rest [m], (n_modes,)
+    mounts: tuple[str, ...]  # name of the mount that moves by it, (n_modes)
+    apart: Integers  # indices of the modes whose frequency is not that about rest
 
 
 def carried(system: System, modes: Modes) -> Carried:

@@ -133,18 +133,12 @@ def _elastic_harmonic(law: Law, x: float, amplitude: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class MountAtRest:
-    """A mount where it rests.
-
-    Attributes:
-        deflection: roll, shear, axial [m], (3,).
-        states: internal states of each axis.
-        jacobian: deflection by free velocity coordinates, (3, n).
-    """
+    """A mount where it rests."""
 
     isolator: Isolator
-    deflection: Array
-    states: tuple[Array, Array, Array]
-    jacobian: Array
+    deflection: Array  # roll, shear, axial [m], (3,)
+    states: tuple[Array, Array, Array]  # internal states of each axis
+    jacobian: Array  # deflection by free velocity coordinates, (3, n)
 
     def tangents(self) -> tuple[Array, Array]:
         """Return the stiffness on further loading and on unloading of every axis [N/m], (3, 3) each."""

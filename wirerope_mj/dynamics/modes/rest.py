@@ -27,25 +27,17 @@ _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
 
 @dataclass(frozen=True, kw_only=True)
 class AtRest:
-    """A system at rest in its free velocity coordinates; the base does not move.
+    """A system at rest in its free velocity coordinates; the base does not move."""
 
-    Attributes:
-        free: which of MuJoCo's velocity coordinates these are, (n,).
-        mass: mass matrix, (n, n).
-        other: stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n).
-        weight: stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n).
-        damping: of joints, (n, n).
-        mounts: mounts by name.
-        data: MuJoCo's data in that state.
-    """
-
-    free: Integers
-    mass: Array
+    free: Integers  # which of MuJoCo's velocity coordinates these are, (n,)
+    mass: Array  # mass matrix, (n, n)
+    # stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n)
     other: Array
+    # stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n)
     weight: Array
-    damping: Array
-    mounts: dict[str, MountAtRest]
-    data: mujoco.MjData
+    damping: Array  # of joints, (n, n)
+    mounts: dict[str, MountAtRest]  # mounts by name
+    data: mujoco.MjData  # MuJoCo's data in that state
 
 
 def linearise(system: System, equilibrium: Equilibrium) -> AtRest:

@@ -139,7 +139,7 @@ class GrowingBranch:
         )  # fmt: skip
         if passed is None:
             return None
-        self._add(fold, len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1)
+        self._add(fold)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
         return passed.point
 
@@ -179,11 +179,9 @@ class GrowingBranch:
     def _first(self, guess: State | None) -> Point:
         options = self.options
         drive = self.path.drive(options.start)
-        orbit = self.search.find(
-            drive.frequency, drive.acceleration, options.periods, guess=guess, tolerance=options.tolerance
-        )
-        carried = self.search.coordinates.carried(drive.frequency, drive.acceleration)
-        x = self.search.coordinates.from_state(orbit.state.values, carried)
+        f, a = drive.frequency, drive.acceleration
+        orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
+        x = self.search.coordinates.from_state(orbit.state.values, self.search.coordinates.carried(f, a))
         point = self._at(x, options.start)
         self._add(point)
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
@@ -228,14 +226,14 @@ class GrowingBranch:
         event = self.path.event(a, b, length)
         if event is None:
             return
-        index = len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1
-        self._add(event.point, index)
-        row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
+        self._add(event.point)
+        row = self.rows[-1]
         self.events.append(
             Bifurcation(
-                kind=event.kind, **row, index=index, multiplier=event.multiplier, before=a.unstable, after=b.unstable
+                kind=event.kind, frequency=row.frequency, acceleration=row.acceleration, amplitude=row.amplitude,
+                index=len(self.rows) - 1, multiplier=event.multiplier, before=a.unstable, after=b.unstable,
             )
-        )
+        )  # fmt: skip
         self._forget_ripple()
 
     def _forget_ripple(self) -> None:
@@ -250,8 +248,8 @@ class GrowingBranch:
         if abs(math.log(second / first)) < RIPPLE * self.options.accuracy:
             del self.events[-2:]
 
-    def _add(self, point: Point, index: int | None = None) -> None:
-        self.rows.insert(len(self.rows) if index is None else index, self._row(point))
+    def _add(self, point: Point) -> None:
+        self.rows.append(self._row(point))
 
     def _row(self, point: Point) -> Row:
         return row_of(self.system, point, self.options.payload, self.options.response_direction)

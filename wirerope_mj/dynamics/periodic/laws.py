@@ -85,21 +85,13 @@ def widths_of(laws: npt.NDArray[Any], parameters: Array) -> Integers:
 
 @dataclass(frozen=True, kw_only=True)
 class Slopes:
-    """What scales the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its whole path.
+    """What scales the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its whole path."""
 
-    Attributes:
-        scale: phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n).
-        gain: factor of the rate's change, (n_pairs, 3, n).
-        decay: factor of w itself [1/s], (n_pairs, 3, n).
-        turns: by what w is multiplied before a pair, (n_pairs + 1, n); the last one is behind the last pair.
-        waits: time from the pair's start to the reversal, which lies between steps [s], (n_pairs + 1, n).
-    """
-
-    scale: Array
-    gain: Array
-    decay: Array
-    turns: Array
-    waits: Array
+    scale: Array  # phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n)
+    gain: Array  # factor of the rate's change, (n_pairs, 3, n)
+    decay: Array  # factor of w itself [1/s], (n_pairs, 3, n)
+    turns: Array  # by what w is multiplied before a pair, (n_pairs + 1, n); the last one is behind the last pair
+    waits: Array  # time from the pair's start to the reversal, which lies between steps [s], (n_pairs + 1, n)
 
     @property
     def begin(self) -> Array:

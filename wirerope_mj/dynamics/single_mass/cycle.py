@@ -163,15 +163,10 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedCycle:
-    """A law along one closed cycle.
+    """A law along one closed cycle."""
 
-    Attributes:
-        loop: the whole path; with a rate-independent law the turning points between the samples are on it.
-        samples: their indices on that path, (n_t,).
-    """
-
-    loop: Loop
-    samples: Integers
+    loop: Loop  # the whole path; with a rate-independent law the turning points between the samples are on it
+    samples: Integers  # their indices on that path, (n_t,)
 
     @property
     def force(self) -> Array:

@@ -30,25 +30,15 @@ _ITERATIONS = 200
 
 @dataclass(frozen=True, kw_only=True)
 class EquivalentOscillator:
-    """Spring and damper of a law's loop at one amplitude and frequency.
+    """Spring and damper of a law's loop at one amplitude and frequency."""
 
-    Attributes:
-        amplitude: of the deflection about its offset, D [m].
-        offset: mean deflection [m], where the mean force carries the weight.
-        frequency: [Hz].
-        stiffness: of the first harmonic of the mid-line, K [N/m].
-        secant_stiffness: [F(d_max) - F(d_min)] / (2 D) [N/m].
-        energy: dissipated in one cycle, W [J].
-        largest_force: largest |force + weight| on the loop [N].
-    """
-
-    amplitude: float
-    offset: float
-    frequency: float
-    stiffness: float
-    secant_stiffness: float
-    energy: float
-    largest_force: float
+    amplitude: float  # of the deflection about its offset, D [m]
+    offset: float  # mean deflection [m], where the mean force carries the weight
+    frequency: float  # [Hz]
+    stiffness: float  # of the first harmonic of the mid-line, K [N/m]
+    secant_stiffness: float  # [F(d_max) - F(d_min)] / (2 D) [N/m]
+    energy: float  # dissipated in one cycle, W [J]
+    largest_force: float  # largest |force + weight| on the loop [N]
 
     @property
     def damping(self) -> float:

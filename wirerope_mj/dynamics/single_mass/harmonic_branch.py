@@ -175,30 +175,16 @@ class _Tried:
     y: Array
     gap: Array
 
-    @property
-    def residual(self) -> float:
-        """Largest component; infinite where the force leaves the finite numbers."""
-        size = float(np.abs(self.gap).max())
-        return size if np.isfinite(size) else np.inf
-
 
 @dataclass(frozen=True)
 class _Point:
-    """A point of the branch in its own units: the size of its deflection, and 1 for the logarithm of omega.
+    """A point of the branch in its own units: the size of its deflection, and 1 for the logarithm of omega."""
 
-    Attributes:
-        y: unknowns and the logarithm of omega, (n + 1,).
-        scale: units, (n + 1,).
-        matrix: derivative of the residual in these units, (n, n + 1).
-        tangent: unit tangent, (n + 1,).
-        corrections: that it took.
-    """
-
-    y: Array
-    scale: Array
-    matrix: Array
-    tangent: Array
-    corrections: int = 0
+    y: Array  # unknowns and the logarithm of omega, (n + 1,)
+    scale: Array  # units, (n + 1,)
+    matrix: Array  # derivative of the residual in these units, (n, n + 1)
+    tangent: Array  # unit tangent, (n + 1,)
+    corrections: int = 0  # that it took
 
 
 class _Path:
@@ -260,7 +246,7 @@ class _Path:
                 return
             if point.tangent[-1] * last.tangent[-1] < 0.0:
                 step = partial(self.step, last)
-                yield crossing(step, (last, point), length, lambda p: float(p.tangent[-1]), _CLOSE)[0].y, True
+                yield crossing(step, (last, point), length, lambda p: float(p.tangent[-1]), _CLOSE).y, True
             yield point.y, False
             length = min(length * float(np.clip(_AIM / max(point.corrections, 1), 0.7, 1.4)), largest_step)
             last = point

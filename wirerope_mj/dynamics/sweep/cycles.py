@@ -146,22 +146,16 @@ def frequencies_at(motion: Sine | Sweep, times: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Steady:
-    """Motion of a system after many cycles of a sine.
+    """Motion of a system after many cycles of a sine."""
 
-    Attributes:
-        minimum, maximum: extremes of every channel in the last cycle, or in the last quarter of them if it has not settled,
-            (n_channels, 3).
-        state: at the end of the last cycle.
-        largest_step: of all steps [s].
-        remaining: estimated distance of the amplitudes from their limits, relative to them; `settled` if that is small enough.
-    """
-
+    # extremes of every channel in the last cycle, or in the last quarter of them if it has not settled, (n_channels, 3)
     minimum: Array
     maximum: Array
-    state: State
+    state: State  # at the end of the last cycle
     cycles: int
     steps: int
-    largest_step: float
+    largest_step: float  # of all steps [s]
+    # estimated distance of the amplitudes from their limits, relative to them; `settled` if that is small enough
     remaining: float
     settled: bool
 

@@ -24,13 +24,13 @@ from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.engine.response import Response
+from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.along import POINT, along_branch, at_points
 from wirerope_mj.views.recording.animation import Animation, animation_of, strips_of
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, fitting_width
 from wirerope_mj.views.recording.letters import known_letters
-from wirerope_mj.views.recording.markdown_tables import markdown_blocks
 from wirerope_mj.views.recording.orbit_loops import (
     MULTIPLIERS,
     SHAPE,

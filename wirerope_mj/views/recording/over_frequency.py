@@ -4,45 +4,38 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.panels import BASE, Curve, Panel
-from wirerope_mj.content.selection import Selection
-from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
-from wirerope_mj.motions import Sweep, motion_from_dict
 from wirerope_mj.views.colours import DARK, Color
-from wirerope_mj.views.recording.cursor import cursor_rows
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, Plot, log_frame
 from wirerope_mj.views.recording.letters import known_letters
+from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.paths import at, child, entity
 
 ROOT = "frequencies"
 
-WIDTH = 150.0
+WIDTH = 320.0
 """Width of the frame, so that it fills its pane."""
 
 _CURSOR: Color = (255, 255, 255)
-_LIFT = 2.4  # as `frame.LARGE`, for a view of three quarters of the screen's height
+_LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
-_LEGEND, _LINE = (32.0, 2.0), 5.0  # where the first text stands and how far the next is below it, in units of the view
+_LEGEND, _LINE = (
+    (WIDTH + 46.0, 8.0),
+    9.0,
+)  # where the first text stands, how far the next is below it, in units of the view
+_ASIDE = 92.0  # width of the legend
 
 
-def sweep_of(response: Response) -> Sweep | None:
-    """Return the sweep that the base does, None if it does something else."""
-    if response.motion.get("kind") != Sweep.kind:
-        return None
-    motion = motion_from_dict({name: value for name, value in response.motion.items() if name != "description"})
-    assert isinstance(motion, Sweep)
-    return motion
-
-
-def log_over_frequency(rec: Any, response: Response, selection: Selection, panel: Panel) -> None:
+def log_over_frequency(rec: Any, run: RunResult, panel: Panel) -> None:
     """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides."""
     path = entity(ROOT)
     plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
     _log_peaks(rec, child(path, "data"), panel, plot)
-    _log_now(rec, child(path, "data"), response, selection, plot)
+    _log_now(rec, child(path, "data"), run, plot)
 
 
 def log_frequency_panel(rec: Any, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
@@ -108,22 +101,22 @@ def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
     rec.log(entity(ROOT, "legend"), legend, static=True)
 
 
-def _log_now(rec: Any, data: str, response: Response, selection: Selection, plot: Plot) -> None:
+def _log_now(rec: Any, data: str, run: RunResult, plot: Plot) -> None:
     """Log the frequency of a sweep at the time cursor as an upright line."""
     import rerun as rr
 
-    sweep = sweep_of(response)
-    if sweep is None:
+    if run.sweep is None:
         return
-    rows = cursor_rows(response.time, selection)
-    frequency = sweep.frequency(response.time[rows])
+    time = run.response.time
+    time = time[cursor_rows(time, run.selection)]
+    frequency = run.sweep.frequency(time)
     here = np.clip(np.log10(frequency), *plot.across)
     low, high = plot.upward
-    spots = np.column_stack([here, np.full(rows.size, high)])
+    spots = np.column_stack([here, np.full(time.size, high)])
     dot = {"colors": _CURSOR, "radii": rr.Radius.ui_points(4.0), "draw_order": 50.0, "show_labels": True}
     rec.log(child(data, "now"), rr.Points2D.from_fields(**dot), static=True)
     labels = [f"{value:.4g} Hz" for value in frequency]
-    times = at(response.time[rows])
+    times = at(time)
     rec.send_columns(child(data, "now"), times, rr.Points2D.columns(positions=spots, labels=labels))
     look = {"colors": _CURSOR, "radii": rr.Radius.ui_points(0.7), "draw_order": 40.0}
     rec.log(child(data, "cursor"), rr.LineStrips2D.from_fields(**look), static=True)
@@ -135,7 +128,7 @@ def over_frequency_view(panel: Panel) -> Any:
     """Return the view of a panel over frequency."""
     import rerun.blueprint as rrb
 
-    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + 6.0], y_range=[-8.0, HEIGHT + 15.0])
+    bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _ASIDE], y_range=[-6.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 

@@ -1,14 +1,26 @@
-"""Differences between runs in sentences, the same on the screen and in the recording."""
+"""What differs between runs, in sentences: which is better, where and when they differ, which limits which one exceeds."""
 
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.comparison.compared import BASE, Component, Subject
-from wirerope_mj.assessment.comparison.histories import HistoryDifference, identical
-from wirerope_mj.assessment.comparison.peaks import PeakRow
-from wirerope_mj.assessment.comparison.runs import Comparison
-from wirerope_mj.assessment.criteria import mount_peaks
+from wirerope_mj.assessment.comparison import (
+    BASE,
+    ComparedRun,
+    Comparison,
+    Component,
+    HistoryDifference,
+    PeakRow,
+    acceleration_rows,
+    identical,
+)
+from wirerope_mj.assessment.comparison.compared import Subject
+from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED
+from wirerope_mj.assessment.criteria.criterion import TRAVEL
+from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.content.blocks import Statement
+from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 Inputs = Mapping[str, Mapping[str, str]]
@@ -32,6 +44,45 @@ def different_inputs(comparison: Comparison, inputs: Inputs) -> list[tuple[str, 
     return [(key, values) for key, values in rows if len(set(values)) > 1]
 
 
+def better_run(comparison: Comparison) -> Statement:
+    """Say which run is better: the one that exceeds fewer checks, then the one that uses less of what is most critical.
+
+    Where nothing is judged it is the one with the smaller peak acceleration of the payload.
+    """
+    first, *others = comparison.runs
+    if others and all(identical(first.response, run.response) for run in others):
+        return Statement(id="better", text="The runs are identical: none is better.", values={"better": None})
+    used = {run.name: most_used(run.verdicts) for run in comparison.runs}
+    if not all(used.values()):
+        return _smaller_acceleration(comparison)
+    ranks = {run.name: (_exceeded(run), used[run.name].utilisation or 0.0) for run in comparison.runs}  # type: ignore[union-attr]
+    best = min(ranks, key=lambda name: ranks[name])
+    parts = []
+    for run in comparison.runs:
+        over, row = ranks[run.name][0], used[run.name]
+        assert row is not None
+        checks = f"{several(over, 'check')} exceeded, " if over else ""
+        parts.append(f"{run.name}: {checks}most critical {against_limit(row)}")
+    tie = sum(rank == ranks[best] for rank in ranks.values()) > 1
+    text = "None is better" if tie else f"{best} is better"
+    return Statement(id="better", text=f"{text}. {'; '.join(parts)}.", values={"better": None if tie else best})
+
+
+def _exceeded(run: ComparedRun) -> int:
+    return sum(row.verdict == EXCEEDED for row in run.verdicts)
+
+
+def _smaller_acceleration(comparison: Comparison) -> Statement:
+    rows = [row for row in acceleration_rows(comparison) if row.label != BASE.label and None not in row.values]
+    if not rows:
+        return Statement(id="better", text="No limit is stated: none is better.", values={"better": None})
+    row, names = rows[0], [run.name for run in comparison.runs]
+    best = names[int(np.argmin(np.array(row.values, dtype=np.float64)))]
+    sizes = "; ".join(f"{name}: {with_unit(value, 'g')}" for name, value in zip(names, row.values, strict=True))
+    text = f"Limits are not stated in every run; {best} has the smallest peak acceleration of {row.label}. {sizes}."
+    return Statement(id="better", text=text, values={"better": best})
+
+
 def comparison_lines(comparison: Comparison) -> list[str]:
     """Return in sentences what differs, where and when, or that nothing does; what cannot be compared comes last."""
     first, *others = comparison.runs
@@ -49,7 +100,10 @@ def comparison_lines(comparison: Comparison) -> list[str]:
             largest = next((entry for entry in riding if isinstance(entry.subject, kind)), None)
             if largest is not None:
                 lines.append(_sentence(largest, first.name))
-    lines += _exceeded(comparison)
+    lines += [
+        *_over(comparison, TRAVEL, "Travel along single axes"),
+        *_over(comparison, COMBINED.kind, "Combined travel"),
+    ]
     for name, subjects in comparison.alone.items():
         if subjects:
             lines.append(f"Only in {name}: {_listed(subjects)}.")
@@ -96,13 +150,18 @@ def _instant(entry: HistoryDifference) -> str:
     return f"{1e3 * entry.time:.1f} ms" if entry.time < _LATE else f"{entry.time:.2f} s"
 
 
-def _exceeded(comparison: Comparison) -> list[str]:
-    """Return which mounts exceed their rated travel in which runs, where that is not the same for all."""
-    over = {run.name: [peak.name for peak in mount_peaks(run.response) if peak.exceeded] for run in comparison.runs}
+def _over(comparison: Comparison, kind: str, what: str) -> list[str]:
+    """Say which mounts exceed 100 % by one ruler in which runs, where that is not the same for all."""
+    over = {
+        run.name: list(
+            dict.fromkeys(row.subject for row in run.verdicts if row.criterion.kind == kind and row.verdict == EXCEEDED)
+        )
+        for run in comparison.runs
+    }
     if len({frozenset(names) for names in over.values()}) == 1:
         return []
-    by_run = [f"in {name} by {', '.join(names) or 'none'}" for name, names in over.items()]
-    return [f"Rated travel is exceeded {', '.join(by_run)}."]
+    by_run = "; ".join(f"{name}: {listed(names) or 'none'}" for name, names in over.items())
+    return [f"{what} exceeds 100 %: {by_run}."]
 
 
 def _listed(subjects: Sequence[Subject]) -> str:

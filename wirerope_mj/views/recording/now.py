@@ -1,18 +1,23 @@
-"""The mounts from above, coloured by what they use of their limits now: where on the floor it is that they come near."""
+"""What holds at the time cursor: a table of mounts and accelerations, and the mounts from above in the colours of their use."""
 
 from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.now import at_cursor
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, Color
-from wirerope_mj.views.recording.cursor import cursor_rows
-from wirerope_mj.views.recording.paths import at, child, entity
+from wirerope_mj.views.markdown import markdown_blocks
+from wirerope_mj.views.recording.paths import Rows, at, child, entity
 
-ROOT = "plan"
+CURSOR, PLAN = "cursor", "plan"
+
+_ROWS, _PLAN_ROWS = 1000, 200
+"""Instants at which the table, and the plan, are made anew."""
 
 _SCALE: tuple[tuple[float, Color], ...] = (
     (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
@@ -21,6 +26,28 @@ _SCALE: tuple[tuple[float, Color], ...] = (
 
 _STEP = 0.1
 """Of utilisations that are told apart by colour."""
+
+
+def log_cursor(rec: Any, run: RunResult) -> None:
+    """Log a table for every sample of what follows from the event, of a long run for intervals that have no gaps."""
+    import rerun as rr
+
+    time = run.response.time
+    rows = cursor_rows(time, run.selection, _ROWS)
+    texts = [
+        markdown_blocks(at_cursor(run, int(row), int(stop)))
+        for row, stop in zip(rows, np.append(rows[1:], time.size), strict=True)
+    ]
+    rec.log(entity(CURSOR), rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN), static=True)
+    rec.send_columns(entity(CURSOR), at(time[rows]), rr.TextDocument.columns(text=texts))
+
+
+def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Rows:
+    """Return the samples at which values change: most of them from where the event begins to where it is over."""
+    within = np.linspace(*selection.window, most)
+    outside = np.linspace(time[0], time[-1], most // 4)
+    rows = np.searchsorted(time, np.concatenate([within, outside])).clip(0, time.size - 1)
+    return np.unique(rows)
 
 
 def heat(used: Array) -> Array:
@@ -49,13 +76,13 @@ def log_plan(rec: Any, response: Response, selection: Selection) -> None:
     places = np.array([mount.base_point[:2] for mount in mounts]) * [1.0, -1.0]  # the view's y points down
     low, high = places.min(axis=0), places.max(axis=0)
     size = max(float(np.max(high - low)), 1e-3)
-    rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    rec.log(entity(PLAN), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]], [low[0], low[1]]]
     outline = rr.LineStrips2D([corners], colors=[DARK.others], radii=rr.Radius.ui_points(0.5), draw_order=-1.0)
-    rec.log(entity(ROOT, "outline"), outline, static=True)
+    rec.log(entity(PLAN, "outline"), outline, static=True)
     rows = cursor_rows(response.time, selection)
     used = used_by(selection, [mount.name for mount in mounts])[rows]
-    path = child(entity(ROOT), "mounts")
+    path = child(entity(PLAN), "mounts")
     rec.log(path, rr.Points2D.from_fields(positions=places, radii=0.022 * size, show_labels=True), static=True)
     labels = [
         mount.name if np.isnan(value) else f"{mount.name} {in_unit(float(value), '%'):.0f}"

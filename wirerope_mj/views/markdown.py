@@ -1,4 +1,4 @@
-"""Blocks as Markdown, as the viewer and files of text show them."""
+"""Content as Markdown, as the viewer of recordings and files of text show it."""
 
 from collections.abc import Iterable
 
@@ -8,6 +8,7 @@ from wirerope_mj.foundation.tables import Table
 
 _SIGNS = ("-", "=")
 """Cells that would begin a list or a heading elsewhere, and nothing here."""
+_BOLD = ("exceeded", "strong")
 
 
 def markdown_blocks(blocks: Iterable[Block | None]) -> str:
@@ -22,26 +23,24 @@ def markdown_blocks(blocks: Iterable[Block | None]) -> str:
 
 
 def markdown_statement(statement: Statement) -> str:
-    """Return a sentence, bold where it is strong, and the list below it."""
-    text, items = markdown(statement.text), "\n".join(f"- {markdown(item)}" for item in statement.items)
-    strong = f"**{text}**" if text and statement.tone in ("exceeded", "strong") else text
-    return "\n\n".join(filter(None, (strong, items)))
+    """Write a sentence and the list below it."""
+    items = "\n".join(f"- {markdown(item)}" for item in statement.items)
+    return "\n\n".join(filter(None, (_toned(markdown(statement.text), statement.tone), items)))
 
 
 def markdown_table(table: Table) -> str:
-    """Return a table below its title; "" without rows."""
+    """Write a table below its title; "" without rows."""
     if not table.rows:
         return ""
     lines = [
         [markdown(column.title().replace("\n", " ")) for column in table.columns],
         ["--:" if column.align == "right" else ":--" for column in table.columns],
-        *([_cell(*mark) for mark in row] for row in table.marks()),
+        *([_toned(text if text in _SIGNS else markdown(text), tone) for text, tone in row] for row in table.marks()),
     ]
     parts = [f"### {markdown(table.title)}"] if table.title else []
     parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
     return "\n".join(parts) + (f"\n\n{markdown(table.note)}" if table.note else "")
 
 
-def _cell(text: str, tone: str) -> str:
-    escaped = text if text in _SIGNS else markdown(text)
-    return f"**{escaped}**" if tone in ("exceeded", "strong") and text else escaped
+def _toned(text: str, tone: str) -> str:
+    return f"**{text}**" if text and tone in _BOLD else text
