@@ -294,7 +294,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
 
 def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
     """Print a study or a search, write its pictures and worst variants, and open these."""
-    from wirerope_mj.runs.study import result_content, write_pictures, write_worst
+    from wirerope_mj.runs.study import result_content, write_content, write_worst
 
     content = result_content(result, by)
     out = console()
@@ -302,7 +302,7 @@ def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
     show(content, "results", "inputs", "worst")
     print_headline(content.verdict)
     show(content, "answer")
-    write_pictures(content, result.folder)
+    write_content(content, result.folder)
     worst = write_worst(result, by, open_worst) if open_worst else []
     # What begins with a dot another process is writing just now.
     files = sorted(path.name for path in result.folder.glob("[!.]*") if path.is_file())

@@ -9,7 +9,7 @@ import pyarrow as pa
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import measures_of, values_of
+from wirerope_mj.studies.results.measure import ALL, measures_of, values_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE
 from wirerope_mj.studies.unknown_measure import unknown_measure
 
@@ -80,7 +80,7 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
             f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.'
         )
     names = measures_of(result.table)
-    if measure not in names:
+    if measure not in (*names, ALL):
         raise ValueError(unknown_measure(measure, names))
     return indices_of(result.table, list(factors(result.study.quantities)), measure)
 

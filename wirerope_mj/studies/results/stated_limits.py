@@ -24,7 +24,7 @@ from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
-    "travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
+    "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
     "clearance": {"%": 0.01},
 }  # fmt: skip
 KEY = "stated_limits"
