@@ -8,8 +8,8 @@ import scipy
 from scipy.signal import lfilter
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.durability.mission import mission_damage, read_mission
 from wirerope_mj.cli import main
-from wirerope_mj.runs.mission import mission_damage, read_mission
 
 
 @pytest.mark.quick
@@ -119,6 +119,7 @@ def test_the_command_counts_every_mount_and_axis_of_a_run(tmp_path, capsys):
     assert f"{worst.mount} " in printed
     assert f"{1e3 * worst.cycles.ranges.max():.3g}" in printed
     assert "30 counted" in printed
+    assert f"Most damaged: {worst.mount} {worst.axis}. Its life is not known" in printed
     assert main(["durability", str(tmp_path / "run"), "--exponent", "0"]) == 2
     assert main(["durability", str(tmp_path / "nothing"), "--exponent", "5"]) == 2
 
@@ -187,7 +188,8 @@ def test_a_service_life_is_the_sum_of_its_stages(tmp_path, capsys):
     printed = " ".join(capsys.readouterr().out.split())
     worst = max(damages.values(), key=lambda one: one.total)
     assert f"{worst.mount} {worst.axis}" in printed
-    assert f"The worst lasts {1.0 / worst.total:.3g} such lives." in printed
+    most = f"Most damaged: {worst.mount} {worst.axis}: damage {worst.total:.3g} in one such life"
+    assert f"{most}; it lasts {1.0 / worst.total:.3g} such lives." in printed
     assert "20 x hard + 2 h of soft" in printed
 
 

@@ -11,10 +11,10 @@ from rig_records import rig_record, write_record
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as command
 from wirerope_mj.cli import main
+from wirerope_mj.content.fitted_loops import fit_chart, measures_chart, residual_chart
 from wirerope_mj.mounts.identification.result import fitted_loops, neighbours_correlation
 from wirerope_mj.mounts.isolator import Limits, Travel
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles
-from wirerope_mj.views.plots.identification import fit_chart, measures_chart, residual_chart
 
 TRUTH = wr.AsymmetricBoucWen.from_normalised(
     z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
@@ -134,7 +134,10 @@ def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
     assert re.search(r"what is left is no white noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
     # A verdict on green ground would say that all is well.
     page = (folder / "a-report" / "report.html").read_text(encoding="utf-8")
-    assert '<p class="verdict unjudged">Converged; the law does not follow the loops everywhere' in page
+    assert (
+        '<p id="headline" class="verdict unjudged">Converged, but the law does not follow the loops everywhere' in page
+    )
+    assert " Converged, but the law does not follow the loops everywhere." in out
 
 
 def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
@@ -146,6 +149,7 @@ def test_a_loop_that_still_changes_is_named(folder, simple, capsys):
     out = run(capsys, simple, "t.csv", "--law", "bouc-wen", "--out", "a.toml")
     named = r"t\.csv: ±0\.2 mm about -3 mm is not steady, its last cycle ends [\d.]+ % of its force range"
     assert re.search(named, out), out
+    assert re.search(r"Converged, but the records give \d warnings?[.;]", out)
     assert out.count("is not steady") == 1
     assert re.search(named, (folder / "a-report" / "report.html").read_text(encoding="utf-8"))
 
@@ -181,6 +185,18 @@ def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, mon
     assert "the data identify every free parameter" not in out
     assumed = tomllib.loads((folder / "a.toml").read_text(encoding="utf-8"))["provenance"]["assumed"]
     assert f"the data do not identify: {text}" in assumed
+
+
+def test_a_parameter_that_is_not_significant_stands_in_the_headline_and_beside_its_value(folder, capsys):
+    write_record(folder / "t.csv", *rig_record(SIMPLE, [0.5e-3, 2e-3, 5e-3, 8e-3], seed=4, points=100.0))
+    out = run(capsys, "t.csv", "--law", "symmetric-bouc-wen", "--out", "a.toml")
+    (names,) = re.findall(
+        r"Converged, but (k2, k3|k2|k3) (?:is|are) not significant; consider dropping (?:it|them)\.", out
+    )
+    for name in names.split(", "):
+        assert re.search(rf" {name} \S+ N/m\^[23] \S+ [\d.e+]+ not significant ", out), out
+    page = (folder / "a-report" / "report.html").read_text(encoding="utf-8")
+    assert f'<p id="headline" class="verdict unjudged">Converged, but {names} ' in page
 
 
 def test_friction_on_two_scales_becomes_laws_in_parallel(folder, capsys):

@@ -27,10 +27,11 @@ from markdown_it import MarkdownIt
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
-from wirerope_mj.cli import main, screen
+from wirerope_mj.cli import main
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines, plain, plain_lines
+from wirerope_mj.views import terminal as screen
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import short
 
@@ -258,10 +259,12 @@ def test_the_texts_of_recordings_show_names_as_text(place, run, study):
 
 
 def test_a_block_of_toml_ends_where_its_text_does(run):
-    from wirerope_mj.views.recording.documents import scenario_markdown
+    from wirerope_mj.content.judged_run import RunResult
+    from wirerope_mj.views.recording.texts import run_texts
 
     text = f'a = """\n```\n![x](http://a.b/c.png){ESCAPE}\n"""'.replace("\x1b", "")
-    shown = MarkdownIt("commonmark").render(scenario_markdown(wr.load_response(run[0]), NAME, text))
+    texts = run_texts(RunResult(response=wr.load_response(run[0]), verdicts=()), title=NAME, scenario_text=text)
+    shown = MarkdownIt("commonmark").render(next(one.text for one in texts if one.name == "Scenario"))
     assert "<img" not in shown
     assert "![x](http://a.b/c.png)" in shown
 

@@ -11,23 +11,24 @@ from wirerope_mj.assessment.comparison import (
     BASE,
     Component,
     acceleration_rows,
-    comparison_lines,
+    combined_rows,
+    compare_runs,
     difference,
-    difference_text,
-    different_inputs,
     identical,
-    largest_travel_row,
+    largest_of,
     travel_rows,
 )
 from wirerope_mj.cli import main
+from wirerope_mj.content.comparison import comparison_content
+from wirerope_mj.content.comparison_findings import better_run, comparison_lines, difference_text, different_inputs
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording import read_state, record_overlay, record_rerun
 from wirerope_mj.views.recording.animation import with_values
-from wirerope_mj.views.recording.comparison_text import mount_tables, summary_markdown
-from wirerope_mj.views.recording.drawn_runs import COLORS, overlay_of
+from wirerope_mj.views.recording.drawn_runs import COLORS, several_runs
 from wirerope_mj.views.recording.ghosts import ghost_factor
 from wirerope_mj.views.recording.viewer import viewer_binary
 
@@ -146,7 +147,7 @@ def test_shared_histories_stand_in_the_same_axes_in_their_units(runs, entities):
         ("/histories/deflection/axial/m02", lambda r: r.mounts["m02"].deflection[:, 2] * 1e3),
         ("/histories/force/shear/m01", lambda r: r.mounts["m01"].force[:, 1] * 1e-3),
     ):  # fmt: skip
-        for name, escaped in (("A", "1/A"), ("run B/2", "0/run\\ B\\/2")):  # the larger swing behind
+        for name, escaped in (("A", "2/A"), ("run B/2", "1/run\\ B\\/2")):  # the first in front
             time, values = drawn(entities[f"{path}/{escaped}"])
             exact = history(runs[name])
             whole = np.interp(runs[name].time, time, values)
@@ -155,7 +156,7 @@ def test_shared_histories_stand_in_the_same_axes_in_their_units(runs, entities):
 
 def test_colours_and_peaks_of_a_run_are_the_same_in_every_view(runs, entities):
     blue, orange = COLORS[:2]
-    for rank, name, color in ((1, "A", blue), (0, "run\\ B\\/2", orange)):
+    for rank, name, color in ((2, "A", blue), (1, "run\\ B\\/2", orange)):
         packed = (color[0] << 24) + (color[1] << 16) + (color[2] << 8) + 255
         for path, component in (
             (f"/histories/deflection/axial/m01/{rank}/{name}", "SeriesLines:colors"),
@@ -167,12 +168,12 @@ def test_colours_and_peaks_of_a_run_are_the_same_in_every_view(runs, entities):
             assert set(column(entities[path], component)[0].as_py()) == {packed}, path
     value = runs["run B/2"].peaks.mounts["m01"].deflection
     farther = value.maximum[2] if value.maximum[2] >= -value.minimum[2] else value.minimum[2]
-    marker = drawn(entities["/histories/deflection/axial/m01/0/run\\ B\\/2/peak"])[1][0]
+    marker = drawn(entities["/histories/deflection/axial/m01/1/run\\ B\\/2/peak"])[1][0]
     assert marker == farther / 1e-3
 
 
 def test_differences_over_time_are_the_norm_of_what_lies_between_the_histories(runs):
-    overlay = overlay_of(runs, "start")
+    overlay = compare_runs(runs, "start")
     first, other = overlay.runs
     floor = Component(kind="body", name="floor")
     time, distance = difference(floor, first, other)
@@ -187,28 +188,31 @@ def test_differences_over_time_are_the_norm_of_what_lies_between_the_histories(r
 
 
 def test_peaks_side_by_side_give_the_change_to_the_first(runs):
-    overlay = overlay_of(runs, "start")
+    overlay = compare_runs(runs, "start")
     rows = {row.label: row for row in acceleration_rows(overlay)}
     assert list(rows)[0] == "base"
     row = rows["point rack_top"]
-    assert row.values[0] == runs["A"].peaks.points["rack_top"].acceleration.value / G
+    assert row.values[0] == runs["A"].peaks.points["rack_top"].acceleration.value
     assert row.difference(1) == pytest.approx(0.5, rel=1e-12)
     assert difference_text(row, 1) == "+50.0 %"
     along = {row.label: row for row in acceleration_rows(overlay, 0)}["floor"]
     extremes = runs["A"].peaks.bodies["floor"].acceleration
-    assert along.values[0] == max(extremes.maximum[0], -extremes.minimum[0]) / G
+    assert along.values[0] == max(extremes.maximum[0], -extremes.minimum[0])
     shares = {row.label: row for row in travel_rows(overlay)}
     deflection = runs["A"].peaks.mounts["m01"].deflection
     ratios = {"compression": -deflection.minimum[2] / 0.04, "tension": deflection.maximum[2] / 0.02}
     assert shares["m01"].values[0] == pytest.approx(max(ratios.values()), rel=1e-12)
     assert shares["m01"].notes[0] == max(ratios, key=ratios.get)
-    assert largest_travel_row(overlay).values[1] == pytest.approx(
-        1.5 * largest_travel_row(overlay).values[0], rel=1e-12
-    )
+    most = largest_of(travel_rows(overlay))
+    assert most.values[1] == pytest.approx(1.5 * most.values[0], rel=1e-12)
+    assert most.notes[0].startswith(travel_rows(overlay)[0].label)
+    together = {row.label: row for row in combined_rows(overlay)}
+    assert together["m01"].values[1] == pytest.approx(1.5 * together["m01"].values[0], rel=1e-12)
+    assert together["m01"].values[0] > shares["m01"].values[0]  # all axes at once use more than any one
 
 
 def test_words_say_where_and_when_runs_differ(runs):
-    lines = comparison_lines(overlay_of(runs, "start"))
+    lines = comparison_lines(compare_runs(runs, "start"))
     norm = np.linalg.norm(runs["A"].points["rack_top"].acceleration, axis=1)
     when = 1e3 * runs["A"].time[norm.argmax()]
     bodies = np.linalg.norm(runs["A"].bodies["floor"].acceleration, axis=1)
@@ -217,19 +221,32 @@ def test_words_say_where_and_when_runs_differ(runs):
     assert any(
         "accelerations differ most from those of A" in line and f"{when:.1f} ms, 50 % of A's" in line for line in lines
     )
-    assert not any("Rated travel" in line for line in lines)  # every mount of both exceeds its tension
+    assert not any("exceeds 100 %" in line for line in lines)  # every mount of both exceeds its tension
 
 
 def test_words_say_which_run_exceeds_its_rated_travel():
     lowest = [-entry.deflection.minimum[2] for entry in floor_response(mounts=1).peaks.mounts.values()]
     response = floor_response(mounts=1, travel={"compression": 1.1 * max(lowest)})
-    lines = comparison_lines(overlay_of({"A": response, "B": louder(response, 1.5)}, "start"))
-    assert "Rated travel is exceeded in A by none, in B by m01." in lines
+    lines = comparison_lines(compare_runs({"A": response, "B": louder(response, 1.5)}, "start"))
+    assert "Travel along single axes exceeds 100 %: A: none; B: m01." in lines
+
+
+def test_the_better_run_exceeds_less_and_is_named_with_its_grounds(runs):
+    comparison = compare_runs(dict(reversed(runs.items())))
+    said = better_run(comparison)
+    assert said.values == {"better": "A"}
+    assert said.text.startswith("A is better. run B/2: ")
+    assert "most critical travel combined of" in said.text
+    unrated = {name: floor_response(mounts=1, travel={}) for name in ("A", "B")}
+    unrated["B"] = louder(unrated["B"], 1.5)
+    assert better_run(compare_runs(unrated)).text.startswith(
+        "Limits are not stated in every run; A has the smallest peak"
+    )
 
 
 def test_the_same_run_twice_is_said_to_be_identical(floor):
     again = floor_response(mounts=3, equipment=1)
-    overlay = overlay_of({"A": floor, "B": again}, "start")
+    overlay = compare_runs({"A": floor, "B": again}, "start")
     assert comparison_lines(overlay) == ["B and A are identical: every sample and every peak has the same bits."]
     assert all(difference_text(row, 1) == "=" for row in acceleration_rows(overlay))
     values = again.samples.columns(0, len(again.samples.names)).copy()
@@ -239,7 +256,7 @@ def test_the_same_run_twice_is_said_to_be_identical(floor):
 
 def test_a_shock_that_comes_later_is_moved_to_the_first_and_its_samples_stay(floor, tmp_path):
     pair = {"A": floor, "B": later(floor, 0.02)}
-    overlay = overlay_of(pair, "shock")
+    overlay = compare_runs(pair, "shock")
     moved = overlay.runs[1]
     assert moved.moved == pytest.approx(-0.02, abs=1e-15)
     np.testing.assert_allclose(moved.response.time, floor.time - 0.02, atol=1e-15)
@@ -251,22 +268,24 @@ def test_a_shock_that_comes_later_is_moved_to_the_first_and_its_samples_stay(flo
     np.testing.assert_array_equal(read_state(path, run="B")["time"], floor.time)
     quiet = floor_response(mounts=1, equipment=0, events=False)
     with pytest.raises(RecordError, match="quiet: nothing begins in this run"):
-        overlay_of({"A": floor, "quiet": quiet}, "shock")
+        compare_runs({"A": floor, "quiet": quiet}, "shock")
 
 
 def test_different_models_share_what_is_called_alike_and_the_rest_is_listed(floor, tmp_path):
     other = floor_response(mounts=4, equipment=2, travel={})
-    overlay = overlay_of({"A": floor, "B": other, "C": floor}, "start")
+    overlay = compare_runs({"A": floor, "B": other, "C": floor}, "start")
     assert overlay.alone == {"A": (), "B": (Component(kind="body", name="rack_1"), "m04"), "C": ()}
     assert overlay.components[0] == BASE
     assert "Only in B: body rack_1; mount m04." in comparison_lines(overlay)
-    assert "| m04 | - | " in mount_tables(overlay)
+    content = comparison_content(overlay, {})
+    text = markdown_blocks(block for section in content.sections if section.id == "mounts" for block in section.blocks)
+    assert "| m04 | **-** | " in text
     path = record_overlay({"A": floor, "B": other, "C": floor}, tmp_path / "three.rrd", inputs={})
     assert subprocess.run([viewer_binary(), "rrd", "verify", path], capture_output=True).returncode == 0
 
 
 def test_ghosts_ride_in_the_frame_of_the_base_and_move_larger_by_a_round_factor(runs, entities):
-    overlay = overlay_of(runs, "start")
+    overlay = several_runs(runs, "start")
     factor = ghost_factor(overlay)
     assert factor in {1.0, 2.0, 5.0, 10.0}
     assert "Transform3D:translation" not in {
@@ -284,15 +303,18 @@ def test_ghosts_ride_in_the_frame_of_the_base_and_move_larger_by_a_round_factor(
 
 
 def test_inputs_that_are_alike_are_not_shown(floor):
-    overlay = overlay_of({"A": floor, "B": floor}, "start")
+    overlay = compare_runs({"A": floor, "B": floor}, "start")
     given = {"A": {"level_g": "15", "direction": "z"}, "B": {"level_g": "20", "direction": "z", "pulse_ms": "5"}}
     assert different_inputs(overlay, given) == [("level_g", ("15", "20")), ("pulse_ms", ("-", "5"))]
 
 
 def test_long_inputs_stand_below_the_table_which_breaks_no_line(floor):
-    overlay = overlay_of({"A": floor, "B": floor}, "start")
+    overlay = compare_runs({"A": floor, "B": floor}, "start")
     motions = {"A": {"motion": "half-sine 15 g 11 ms along z", "n": "1"}, "B": {"motion": "half-sine 20 g", "n": "2"}}
-    text = summary_markdown(overlay, motions)
+    (differences,) = [
+        section for section in comparison_content(overlay, motions).sections if section.id == "differences"
+    ]
+    text = markdown_blocks(differences.blocks)
     assert "| n | 1 | 2 |" in text
     assert "- motion: A: half-sine 15 g 11 ms along z; B: half-sine 20 g" in text
     assert "| motion" not in text
@@ -304,8 +326,8 @@ def test_long_inputs_stand_below_the_table_which_breaks_no_line(floor):
         ({"responses": ["A"]}, "`responses` must be two to 8, got 1"),
         ({"responses": list("ABCDEFGHI")}, "`responses` must be two to 8, got 9"),
         ({"align": "end"}, "`align` must be one of 'start', 'shock', got 'end'"),
-        ({"tab": "Loops"}, "`tab` must be one of Overview, Accelerations, Mounts, .*Peaks, got 'Loops'"),
-        ({"scene": "Top"}, "`scene` must be one of Side by side, Ghosts, Worst mount, got 'Top'"),
+        ({"tab": "Loops"}, "`tab` must be one of Overview, Accelerations, Deflections, .*Peaks, got 'Loops'"),
+        ({"scene": "Top"}, "`scene` must be one of Worst mount, Side by side, Ghosts, got 'Top'"),
     ],
 )
 def test_a_bad_argument_is_named_and_leaves_nothing(floor, tmp_path, arguments, message):
@@ -321,7 +343,7 @@ def test_runs_that_share_nothing_are_refused():
     peaks = Peaks(bodies={"block": one.peaks.bodies["floor"]}, points={}, mounts={})
     other = replace(one, scene=scene, peaks=peaks, mounts={}, points={}, bodies={})
     with pytest.raises(RecordError, match="A, B: these runs share no base, body, point or mount"):
-        overlay_of({"A": one, "B": other}, "start")
+        compare_runs({"A": one, "B": other}, "start")
 
 
 @pytest.fixture(scope="module")

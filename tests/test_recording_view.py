@@ -13,15 +13,19 @@ from made_up_floor import floor_response
 from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.over_time import used_limits
 from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.content.events import events_of, first_above, main_instants
+from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.now import at_cursor
+from wirerope_mj.content.panels import Curve, Panel
 from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording import loops, record_rerun, show
-from wirerope_mj.views.recording.documents import peaks_markdown, verdict_markdown
-from wirerope_mj.views.recording.events import events_of, first_above, main_instants
-from wirerope_mj.views.recording.graphs import drawn
 from wirerope_mj.views.recording.letters import known_letters
+from wirerope_mj.views.recording.now import cursor_rows
+from wirerope_mj.views.recording.panels import log_panel
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
+from wirerope_mj.views.recording.texts import run_texts
 from wirerope_mj.views.recording.viewer import free_port, web_address
 from wirerope_mj.views.thin import rows_of_extremes, rows_of_line, rows_of_steps
 
@@ -57,6 +61,12 @@ def test_long_series_keep_their_extremes():
 @pytest.fixture(scope="module")
 def floor():
     return floor_response()
+
+
+def texts(response, verdicts=None):
+    """Return the texts of a run alone by their entities."""
+    run = RunResult(response=response, verdicts=tuple(judge(response) if verdicts is None else verdicts))
+    return {"/".join(text.path): text.text for text in run_texts(run, title="", scenario_text="")}
 
 
 @pytest.fixture(scope="module")
@@ -99,7 +109,7 @@ def test_exceeded_travel_is_an_error_and_says_which_mount_and_by_how_much():
         (peak,) = [event for event in events if event.text == f"largest {against_limit(row)}"]
         assert passed.level == peak.level == "ERROR"
         assert passed.time <= peak.time == row.time
-    assert "exceeded" in peaks_markdown(response, selection)
+    assert "exceeded" in texts(response)["peaks"]
 
 
 def test_what_is_nearest_to_its_limit_may_be_a_static_load():
@@ -112,10 +122,10 @@ def test_what_is_nearest_to_its_limit_may_be_a_static_load():
         limit=2e3,
         unit="N",
     )
-    selection = select(response, (*judge(response), load))
-    words = verdict_markdown(selection)
-    assert "farthest beyond: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words
-    lines = verdict_lines(response, selection.verdicts)
+    verdicts = (*judge(response), load)
+    words = texts(response, verdicts)["verdict"]
+    assert "Most critical: static load in compression, relaxed of m07, 2.6 of 2 kN (130 %)" in words
+    lines = verdict_lines(response, verdicts)
     assert "Static load: exceeded; most used m07, 130.0 % of rated static load in compression, relaxed." in lines
 
 
@@ -125,7 +135,7 @@ def test_nothing_is_judged_where_nothing_is_rated():
     assert {event.level for event in events_of(response, selection)} == {"INFO"}
     assert np.isnan(selection.utilisations).all()
     assert not selection.used  # its isolators do not state their bars either
-    assert "not rated" in peaks_markdown(response, selection)
+    assert "not judged" in texts(response)["peaks"]
 
 
 def test_the_instant_at_which_a_limit_is_passed_lies_between_samples():
@@ -150,14 +160,50 @@ def test_forces_are_ranked_by_force_over_all_mounts(floor):
     assert peaks == sorted(peaks, reverse=True)
 
 
-def test_what_oscillates_too_often_for_a_line_is_drawn_as_its_envelope():
+class Kept:
+    """A stream that keeps what is sent by entity: instants [s] and values."""
+
+    def __init__(self):
+        self.rows, self.names = {}, {}
+
+    def log(self, path, look, *, static):
+        names = next((b for b in look.as_component_batches() if "names" in str(b.component_descriptor())), None)
+        self.names[path] = names.as_arrow_array().to_pylist() if names is not None else []
+
+    def send_columns(self, path, index, columns):
+        time = index[0].as_arrow_array().cast("int64").to_numpy() * 1e-9
+        self.rows[path] = time, next(iter(columns)).as_arrow_array().flatten().to_numpy()
+
+
+def test_what_oscillates_too_often_for_a_line_fills_a_band_between_its_extremes():
     time = np.linspace(0.0, 100.0, 100_001)
     size = 1.0 + 0.5 * np.sin(2.0 * np.pi * 0.02 * time)
-    low, high = drawn(time, size * np.sin(2.0 * np.pi * 20.0 * time), 0.005, names=["one"], colors=[(1, 2, 3)])
-    # Three intervals last 0.75 s, in which the size changes by up to 2.4 % of its mean to either side.
-    np.testing.assert_allclose(high.values[:, 0], np.interp(high.time, time, size), atol=0.025)
-    np.testing.assert_allclose(low.values, -high.values, rtol=0.02)
-    assert low.names == high.names  # one entry in the legend
+    curve = Curve(x=time, y=size * np.sin(2.0 * np.pi * 20.0 * time), name="one", kind=0, peak=(12.5, 1.5))
+    stream = Kept()
+    log_panel(stream, "/p", Panel(curves=[curve], ylabel="", unit="g"), (0.0, 100.0), every=False)
+    at, values = stream.rows["/p/1/one"]
+    assert at.size < 2000
+    assert stream.names["/p/1/one"] == stream.names["/p/1/one/peak"]  # one entry in the legend
+    assert stream.names["/p/1/one"][0].endswith("(band)")
+    for sign in (1.0, -1.0):
+        outer = sign * values > 0.4  # the first and the last sample are kept, too
+        # An interval lasts 0.14 s, in which the size changes by at most 0.14 * 0.5 * 2 pi 0.02 = 0.009; 1 kHz misses 0.2 %.
+        np.testing.assert_allclose(sign * values[outer], np.interp(at[outer], time, size), atol=0.012)
+        assert np.diff(at[outer]).max() < 0.35
+
+
+def test_the_table_at_the_cursor_holds_the_sample_or_the_largest_of_an_interval_without_gaps(floor):
+    run = RunResult(response=floor, verdicts=tuple(judge(floor)))
+    rows = cursor_rows(floor.time, run.selection, 1000)
+    first, last = np.searchsorted(floor.time, run.selection.window)
+    assert set(range(first, min(last, floor.time.size - 1))) <= set(rows.tolist())  # every sample of the event
+    now, table = at_cursor(run, 90, 91)
+    assert now.text.startswith(f"{floor.time[90]:.4f} s: base ")
+    worst = table.rows[0][0]
+    assert table.rows[0][1] == floor.mounts[worst].deflection[90, 2]
+    among, table = at_cursor(run, 80, 120)
+    assert "largest sizes" in among.text
+    assert table.rows[0][1] == np.abs(floor.mounts[worst].deflection[80:120, 2]).max()
 
 
 def test_the_timeline_of_events_has_a_row_at_each_of_the_few_that_matter(floor, tmp_path):

@@ -28,8 +28,7 @@ from wirerope_mj.content.scene_outline import crowded_label
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.content.verdicts import unjudged
 from wirerope_mj.engine.response import Peak
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.errors import Absent, RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.report import write_report

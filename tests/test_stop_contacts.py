@@ -5,20 +5,20 @@ import dataclasses
 import numpy as np
 import pytest
 from house import deck, mjcf, quiet
+from one_scale import one_scale
 from test_recording import entities
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import contact_verdicts, headline, judge, mount_peaks, verdict_lines
+from wirerope_mj.content.events import events_of
 from wirerope_mj.content.model import _provenance
 from wirerope_mj.content.selection import select
 from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.laws.kernels import evaluate
-from wirerope_mj.mounts.vendor_parts import find_isolator
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
-from wirerope_mj.views.recording.events import events_of
 from wirerope_mj.views.recording.stops import CLOSED, OPEN
 
 pytestmark = pytest.mark.quick
@@ -37,7 +37,7 @@ def mass_on_stop(inside=None, beside=None):
         '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom type="box" size=".1 .1 .1" mass="50"/>'
         '<site name="p1" pos="0 0 -.1"/><site name="p3" pos=".05 0 -.1"/></body>'
     )
-    rope = wr.load_isolator(find_isolator("enidine_wr12_400"))
+    rope = one_scale("wr12_400")["wr12_400"]
     if inside is not None:
         rope = dataclasses.replace(rope, coupling=None, loop=None, axial=wr.Parallel(laws=[rope.axial, inside]))
     stop = wr.Isolator(name="bumper", axial=wr.Stop(**LOSSY) if beside is None else beside)
@@ -220,7 +220,7 @@ def test_the_report_states_where_a_stop_closes_and_how_stiff_it_is():
         axial=wr.Stop(gap_below=0.0432, k=24e6),
         roll=wr.Stop(gap_above=0.01, depths=[0.01], forces=[3e3]),
     )
-    words = _provenance(device)[0].text
+    words = _provenance(device).text
     assert "Stop, axial: gap 43.2 mm below, 24000 kN/m beyond it." in words
     assert "Stop, roll: gap 10.0 mm above, points up to 3.00 kN at 10.0 mm beyond it." in words
 

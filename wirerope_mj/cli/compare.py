@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from cyclopts import Parameter
+from rich.markup import escape
 
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
@@ -33,13 +34,13 @@ def compare(
         align: start: runs begin together; shock: their base motions do.
         force: replace a recording that is there.
     """
-    from wirerope_mj.cli.compare_tables import print_comparison
+    from wirerope_mj.content.comparison import comparison_content
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.runs.checksums import warn_of_alterations
-    from wirerope_mj.runs.sources import run_inputs
-    from wirerope_mj.runs.summary import read_headline
-    from wirerope_mj.views.recording.drawn_runs import overlay_of
-    from wirerope_mj.views.recording.record import write_overlay
+    from wirerope_mj.runs.sources import run_inputs, run_verdicts
+    from wirerope_mj.views.recording.drawn_runs import several_runs
+    from wirerope_mj.views.recording.record import record_runs
+    from wirerope_mj.views.terminal import console, print_headline, show
 
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
@@ -49,10 +50,17 @@ def compare(
         warn_of_alterations(folder)
     responses = {name: load_response(folder) for name, folder in zip(called, runs, strict=True)}
     inputs = {name: run_inputs(folder) for name, folder in zip(called, runs, strict=True)}
-    overlay = overlay_of(responses, align)
-    write_overlay(overlay, target, inputs=inputs)
-    headlines = {name: read_headline(folder) for name, folder in zip(called, runs, strict=True)}
-    print_comparison(overlay, inputs, headlines, target)
+    verdicts = {name: run_verdicts(folder, responses[name]) for name, folder in zip(called, runs, strict=True)}
+    drawn = several_runs(responses, align, verdicts)
+    record_runs(drawn, target, inputs=inputs)
+    content, screen = comparison_content(drawn.comparison, inputs), console()
+    screen.print(f"\n[bold]{escape(content.title)}[/]")
+    show(content, "headlines", "differences", "accelerations", "travel")
+    print_headline(content.verdict)
+    show(content, "findings")
+    written = escape(str(target))
+    screen.print(f"\n  written to {written}, {target.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+    screen.print(f"  [bold]wirerope show {written}[/] opens the view", soft_wrap=True)
     return 0
 
 

@@ -27,7 +27,8 @@ def report(
         force: replace files that `--out` names.
     """
     from wirerope_mj.foundation.atomic_files import check_writable
-    from wirerope_mj.runs.report import REPORT, write_report
+    from wirerope_mj.runs.page import REPORT
+    from wirerope_mj.runs.report import write_report
 
     if out is not None:
         check_writable(out)

@@ -11,8 +11,7 @@ from typing import Annotated, Any, Literal
 from cyclopts import App, Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.exit_codes import BAD_INPUT
-from wirerope_mj.cli.function_options import listing_options, own_option, run_with_options
+from wirerope_mj.cli.options import BAD_INPUT, listing_options, own_option, run_with_options
 from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.engine.statics import model_warnings

@@ -1,15 +1,15 @@
 """Stops and other contacts: what was struck when, how often and how hard, and its histories."""
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wirerope_mj.assessment.criteria import contact_verdicts
 from wirerope_mj.content.blocks import Block, Statement
-from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.panels import Chart, Curve, Panel, short
-from wirerope_mj.content.selection import MOST
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
+from wirerope_mj.content.panels import Curve, Panel, short, stacked
+from wirerope_mj.content.selection import or_other
 from wirerope_mj.content.verdicts import TONE
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.peaks import ContactPeak
@@ -24,7 +24,7 @@ _COLUMNS = (
 )  # fmt: skip
 
 
-def contact_blocks(run: JudgedRun) -> Iterator[Block]:
+def contact_blocks(run: RunResult) -> Iterator[Block]:
     """Yield what touched of the pairs of geoms that may touch and of the stops."""
     contacts = run.response.peaks.contacts
     if contacts is None:
@@ -36,12 +36,18 @@ def contact_blocks(run: JudgedRun) -> Iterator[Block]:
 
 def contact_history_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield forces and gaps over time of what pressed hardest."""
-    found = touching(run.response)
-    if found:
-        yield _chart(found, run.response.time, run.selection.window)
+    panels = contact_panels(run.response, run.selection.window)
+    if panels:
+        below = " Below them the gaps: below zero the two overlap." if len(panels) > 1 else ""
+        yield replace(
+            stacked(panels),
+            id="contact-forces",
+            caption=f"Forces of what presses hardest, at the samples.{below}",
+            alt="Forces of stops and contacts over time, and their gaps.",
+        )
 
 
-def _table(run: JudgedRun, contacts: Mapping[str, ContactPeak]) -> Table:
+def _table(run: RunResult, contacts: Mapping[str, ContactPeak]) -> Table:
     rows = []
     for verdict in contact_verdicts(run.response):
         contact = contacts[verdict.subject]
@@ -91,25 +97,23 @@ def touching(response: Response) -> list[Touching]:
     return sorted(found, key=lambda one: one.contact.force, reverse=True)
 
 
-def _chart(struck: Sequence[Touching], time: Array, window: tuple[float, float]) -> Chart:
-    """Return forces of some contacts over time, at most `MOST`, and below them the gaps that are known."""
-    few = struck[:MOST]
-    forces = [
-        Curve(x=time, y=in_unit(one.force, "kN"), name=short(one.name), kind=kind) for kind, one in enumerate(few)
-    ]
-    gaps = [
-        Curve(x=time, y=in_unit(one.gap, "mm"), name=short(one.name), kind=kind)
-        for kind, one in enumerate(few)
-        if one.gap is not None
-    ]
-    panels = [Panel(curves=forces, ylabel="force [kN]", xlabel="" if gaps else "time [s]", xlim=window, unit="kN")]
-    if gaps:
-        panels.append(Panel(curves=gaps, ylabel="gap [mm]", xlabel="time [s]", xlim=window, unit="mm"))
-    below = " Below them the gaps: below zero the two overlap." if gaps else ""
-    return Chart(
-        id="contact-forces",
-        rows=[[panel] for panel in panels],
-        height=140.0 if gaps else 190.0,
-        caption=f"Forces of what presses hardest, at the samples.{below}",
-        alt="Forces of stops and contacts over time, and their gaps.",
+def contact_panels(response: Response, window: tuple[float, float]) -> list[Panel]:
+    """Draw the forces of what touched over time, the largest first, and the gaps of what declares them."""
+    struck = touching(response)
+    forces, gaps = [], []
+    for rank, one in enumerate(struck):
+        name, kind = or_other(short(one.name), rank, rank, len(struck))
+        time, peak = one.contact.force_time, in_unit(one.contact.force, "kN")
+        marked = None if time is None else (time, peak)
+        forces.append(Curve(x=response.time, y=in_unit(one.force, "kN"), name=name, kind=kind, peak=marked))
+        if one.gap is not None:
+            gaps.append(Curve(x=response.time, y=in_unit(one.gap, "mm"), name=name, kind=kind))
+    parts = (
+        (forces, "force", "Force of stops and contacts [kN]", "kN"),
+        (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm"),
     )
+    return [
+        Panel(curves=curves, ylabel=f"{what} [{unit}]", title=title, xlim=window, unit=unit)
+        for curves, what, title, unit in parts
+        if curves
+    ]

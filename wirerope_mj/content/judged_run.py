@@ -23,45 +23,79 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.motions import BaseMotion
+from wirerope_mj.foundation.errors import Absent, WireRopeError
+from wirerope_mj.motions import BaseMotion, Sweep, motion_from_dict
 from wirerope_mj.motions.records.record import record_warnings
+from wirerope_mj.mounts.isolator import Validity
 
 Result = TypeVar("Result")
 
 
 @dataclass(frozen=True, kw_only=True)
-class JudgedRun:
+class RunResult:
+    """A response with the verdicts on it: all that peaks, histories and the answer need.
+
+    Attributes:
+        response: what came out.
+        verdicts: on everything; static loads on the first loading and relaxed, not those at the start of the run.
+        random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
+            else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
+        untested: a sentence on the mounts that leave what their laws were identified from; "" where none does.
+    """
+
+    response: Response
+    verdicts: tuple[Verdict, ...]
+    random: tuple[Verdict, ...] | Absent = ()
+    untested: str = ""
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence, as every output says it."""
+        return headline(self.verdicts)
+
+    @cached_property
+    def selection(self) -> Selection:
+        """What is shown of it."""
+        return select(self.response, self.verdicts)
+
+    @cached_property
+    def sweep(self) -> Sweep | None:
+        """The sweep that the base does, None if it does something else."""
+        told = self.response.motion
+        if told.get("kind") != Sweep.kind:
+            return None
+        motion = motion_from_dict({name: value for name, value in told.items() if name != "description"})
+        assert isinstance(motion, Sweep)
+        return motion
+
+    @property
+    def validity(self) -> Mapping[str, Validity]:
+        """Cycles that the isolators were identified from, by mount, as far as they are known."""
+        return {}
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedRun(RunResult):
     """A run with the verdicts on it.
 
     Attributes:
         system: that was simulated.
         motion: of its base.
-        response: what came out.
         statics: where the system rests, on the first loading and relaxed.
-        verdicts: on everything; static loads on the first loading and relaxed, not those at the start of the run.
-        random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
-            else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
-        untested: a sentence on the mounts that leave what their laws were identified from; "" where none does.
         model_warnings: what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`.
         inputs: resolved inputs, the content of the run's scenario.toml.
     """
 
     system: System
     motion: BaseMotion
-    response: Response
     statics: StaticTable | Absent
-    verdicts: tuple[Verdict, ...]
-    random: tuple[Verdict, ...] | Absent = ()
-    untested: str = ""
     model_warnings: tuple[str, ...] = ()
     inputs: Mapping[str, Any] = field(default_factory=dict)
 
     @property
-    def headline(self) -> str:
-        """The answer in one sentence, as every output says it."""
-        return headline(self.verdicts)
+    def validity(self) -> Mapping[str, Validity]:
+        """Cycles that the isolators were identified from, by mount."""
+        return {name: mount.isolator.validity for name, mount in self.system.mounts.items()}
 
     @property
     def title(self) -> str:
@@ -94,11 +128,6 @@ class JudgedRun:
     def record_warnings(self) -> tuple[str, ...]:
         """Warnings of the measured records in the base's motion."""
         return record_warnings(self.motion)
-
-    @cached_property
-    def selection(self) -> Selection:
-        """What is shown of it."""
-        return select(self.response, self.verdicts)
 
     @cached_property
     def spectra(self) -> RunSpectra:

@@ -8,16 +8,15 @@ import numpy as np
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED, NOT_JUDGED, WITHIN, MountPeak, Verdict, mount_peaks
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.events import events_of
-from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.histories import Line, history_panel, used_panel
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, histories, short
-from wirerope_mj.content.selection import MOST, NAMED, Selection, kind_of
+from wirerope_mj.content.panels import Chart, Curve, Panel, short, stacked
+from wirerope_mj.content.selection import MOST, Selection, kind_of
 from wirerope_mj.content.verdicts import TONE, used_mark
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
-from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.mounts.isolator.travel import SIDES
 
 _LONG = 10_000  # samples from which loops are drawn around the largest deflection only
 _AROUND = 300  # samples before and after it
@@ -25,7 +24,7 @@ _ROUNDING = 1e-9  # of the largest force, below which an axis carries none
 _ACROSS = (("shear", 1), ("roll", 0))
 
 
-def mount_blocks(run: JudgedRun) -> Iterator[Block | None]:
+def mount_blocks(run: RunResult) -> Iterator[Block | None]:
     """Yield the peaks of the mounts, travel and force by sense, and what they use of their ratings."""
     rows = mount_peaks(run.response)
     if rows:
@@ -41,23 +40,30 @@ def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
     order = "that use most of their limits" if names else "in the order of the model"
     names = names or [row.name for row in rows[:MOST]]
     if selection.used:
-        yield _used_chart(run.response, selection)
-    yield _deflections_chart(run.response, names, selection, order)
+        yield Chart(
+            id="used",
+            rows=[[replace(used_panel(run.response, selection), title="", xlabel="time [s]")]],
+            height=190.0,
+            caption="What is used of the limits over time, the largest of all criteria of each mount, body or point.",
+            alt="Utilisation of limits over time.",
+        )
+    yield _histories_chart("deflection", run.response, names, selection, order)
+    yield _histories_chart("force", run.response, names, selection, order)
     yield _loops_chart(run.response, names[0], selection)
     yield _course(run)
 
 
-def _peaks(run: JudgedRun, peaks: Sequence[MountPeak]) -> Table:
+def _peaks(run: RunResult, peaks: Sequence[MountPeak]) -> Table:
     """Tabulate the extremes of every mount by sense, and what it uses of its rated travel."""
     combined = {row.subject: row for row in run.verdicts if row.criterion == COMBINED}
     rated = any(row.utilisation is not None for row in peaks)
-    carries = {name: mount.isolator.validity for name, mount in run.system.mounts.items()}
     marked = False
     rows: list[Row] = []
     for row in peaks:
         force = run.response.peaks.mounts[row.name].force
         low, high = float(force.minimum[2]), float(force.maximum[2])
-        outside = carries[row.name].outside(np.asarray(row.minimum), np.asarray(row.maximum), small=False)
+        known = run.validity.get(row.name)
+        outside = known and known.outside(np.asarray(row.minimum), np.asarray(row.maximum), small=False)
         marked |= bool(outside)
         cells: list[Cell] = [f"{row.name} *" if outside else row.name]
         cells += [min(row.minimum[2], 0.0), max(row.maximum[2], 0.0)]
@@ -109,50 +115,19 @@ def _course(run: JudgedRun) -> Table | None:
     )
 
 
-def _used_chart(response: Response, selection: Selection) -> Chart:
-    """Return what mounts, bodies and points use of their limits over time; the largest are named."""
-    curves = []
-    for number, one in enumerate(selection.used):
-        named = number < NAMED
-        left = len(selection.used) - NAMED
-        name = short(one.subject) if named else f"{left} other{'s' if left > 1 else ''}"
-        kind = kind_of(selection, one.subject) if named else OTHERS
-        curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind))
-    top = 108.0 * max(1.0, selection.used[0].largest)
-    panel = Panel(
-        curves=curves, ylabel="used of the limit [%]", xlabel="time [s]", limits=[("limit", 100.0)],
-        xlim=selection.window, ylim=(0.0, top), unit="%",
-    )  # fmt: skip
-    return Chart(
-        id="used",
-        rows=[[panel]],
-        height=190.0,
-        caption="What is used of the limits over time, the largest of all criteria of each mount, body or point.",
-        alt="Utilisation of limits over time.",
-    )
-
-
-def _deflections_chart(response: Response, names: Sequence[str], selection: Selection, order: str) -> Chart:
-    """Return the deflections of some mounts over time, a panel for each axis with any, with the ratings of the first."""
-    travel = next(mount.travel for mount in response.scene.mounts if mount.name == names[0])
-    panels: list[tuple[list[Curve], str, Sequence[tuple[str, float]]]] = []
-    for axis in AXES:
-        curves = [
-            Curve(
-                x=response.time,
-                y=in_unit(response.column(f"mounts/{name}/deflection/{axis}"), "mm"),
-                name=short(name),
-                kind=kind_of(selection, name, number),
-            )
-            for number, name in enumerate(names[:MOST])
-        ]
-        limits = [(f"rated travel of {short(names[0])}", level) for level in _ratings(travel, axis)]
-        panels.append((curves, f"{axis} [mm]", limits))
+def _histories_chart(
+    quantity: str, response: Response, names: Sequence[str], selection: Selection, order: str
+) -> Chart:
+    """Draw deflections or forces of some mounts over time, a panel for each axis with any."""
+    lines = [
+        Line(response=response, subject=name, name=name, kind=kind_of(selection, name, rank))
+        for rank, name in enumerate(names[:MOST])
+    ]
     return replace(
-        histories(panels, selection.window, "mm"),
-        id="deflections",
-        caption=f"Deflections of the mounts {order}: {listed(list(names))}. Axial is positive in tension.",
-        alt=f"Histories of the deflections of {listed(list(names))} along roll, shear and axial.",
+        stacked([history_panel(quantity, axis, lines, selection.window) for axis in AXES]),
+        id=f"{quantity}s",
+        caption=f"{quantity.capitalize()}s of the mounts {order}: {listed(list(names))}. Axial is positive in tension.",
+        alt=f"Histories of the {quantity}s of {listed(list(names))} along roll, shear and axial.",
     )
 
 
@@ -199,12 +174,3 @@ def _loop_rows(response: Response, name: str) -> slice:
         return slice(None)
     middle = int(np.searchsorted(response.time, response.peaks.mounts[name].deflection.time))
     return slice(max(middle - _AROUND, 0), middle + _AROUND)
-
-
-def _ratings(travel: dict[str, float], axis: str) -> list[float]:
-    """Return the rated travels of an axis below and above zero [mm], as far as there are any."""
-    return [
-        sign * in_unit(travel[rating], "mm")
-        for rating, sign in zip(SIDES[axis], (-1.0, 1.0), strict=True)
-        if rating in travel
-    ]

@@ -3,11 +3,13 @@
 from dataclasses import replace
 
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.panels import Chart, Panel
+from wirerope_mj.content.numbers import number
+from wirerope_mj.content.panels import Chart, Panel, short
 from wirerope_mj.content.payload import sweep_chart
 from wirerope_mj.content.selection import main_direction
 from wirerope_mj.content.spectra import densities_chart, shock_chart
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 
 
@@ -19,7 +21,11 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
         return replace(chart.rows[0][0], xlim=(ends[0], ends[1]))
     axis = main_direction(run.response)
     if run.spectra.densities:
-        return _along(densities_chart(run), list(run.spectra.densities), axis)
+        panel = _along(densities_chart(run), list(run.spectra.densities), axis)
+        along = run.spectra.densities.get(axis, next(iter(run.spectra.densities.values())))
+        rms = {short(name): in_unit(float(density.rms), "g") for name, density in along.items()}
+        curves = [replace(curve, name=f"{curve.name}, {number(rms[curve.name])} g rms") for curve in panel.curves]
+        return replace(panel, curves=curves)
     if isinstance(run.spectra.shock, Absent):
         return None
     return _along(shock_chart(run), list(run.spectra.shock), axis)

@@ -1,14 +1,14 @@
 """Curves between two axes, in charts: what pages, pictures, recordings and explore draw of a result."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-BASE, OTHERS = "base", "others"
-"""Kinds of curves beside the numbered ones of the table of colours."""
+BASE, OTHERS, LIMIT = "base", "others", "limit"
+"""Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -17,11 +17,15 @@ class Curve:
 
     Attributes:
         x, y: positions, (n,).
-        name: in the legend.
-        kind: number of a colour, `BASE` or `OTHERS`.
+        name: in the legend; "" for none.
+        kind: number of a colour, `BASE`, `OTHERS` or `LIMIT`.
         marks: whether dots are drawn at the positions instead of a line.
         bars: height of the bars that go from zero to each x instead; 0 for none.
         ends: of an interval across the end of each bar, (n, 2).
+        dash: "dashed" or "dotted".
+        weight: width of the line, size of the dots, times the usual.
+        opacity: from 0 to 1, by which curves of a family are told apart.
+        peak: largest value and where it is, of every step and not of the positions alone; None where nobody asks.
     """
 
     x: Array
@@ -31,6 +35,10 @@ class Curve:
     marks: bool = False
     bars: float = 0.0
     ends: Array | None = None
+    dash: str = ""
+    weight: float = 1.0
+    opacity: float = 1.0
+    peak: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,6 +79,7 @@ class Panel:
         notes: texts at positions.
         field: behind the curves; None for none.
         yticks, xticks: where round numbers would not do: names of bars, angles.
+        bands: ranges across that are shaded, with their names.
         xlim, ylim: ranges; None for what the curves take.
         log: whether both axes are logarithmic, or only the one across ("x").
         unit, xunit: of the values that are read.
@@ -87,6 +96,7 @@ class Panel:
     field: Field | None = None
     yticks: Ticks = ()
     xticks: Ticks = ()
+    bands: Sequence[tuple[str, float, float]] = ()
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
     log: str = ""
@@ -132,18 +142,8 @@ def crest(x: Array, values: Array) -> tuple[Array, Array]:
     return x[rows], values[rows]
 
 
-def histories(
-    lines: Sequence[tuple[Sequence[Curve], str, Sequence[tuple[str, float]]]], window: tuple[float, float], unit: str
-) -> Chart:
-    """Stack a panel for each list of curves, with its label and limits, that are not all zero, at least one, over a window."""
-    kept = [one for one in lines if any(np.abs(curve.y).max() > _NOTHING for curve in one[0])] or lines[2:]
-    rows = [
-        [
-            Panel(
-                curves=curves, ylabel=label, xlabel="time [s]" if label == kept[-1][1] else "", limits=limits,
-                xlim=window, unit=unit,
-            )
-        ]
-        for curves, label, limits in kept
-    ]  # fmt: skip
+def stacked(panels: Sequence[Panel]) -> Chart:
+    """Stack panels over time that are not all zero, at least the last; what their titles say stands in the caption."""
+    kept = [one for one in panels if any(np.abs(curve.y).max() > _NOTHING for curve in one.curves)] or panels[-1:]
+    rows = [[replace(one, title="", xlabel="time [s]" if one is kept[-1] else "")] for one in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)

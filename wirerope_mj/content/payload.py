@@ -5,24 +5,27 @@ from dataclasses import replace
 
 import numpy as np
 
+from wirerope_mj.assessment.comparison import BASE as THE_BASE
+from wirerope_mj.assessment.comparison import Component
 from wirerope_mj.assessment.criteria import Verdict, body_peaks
 from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import Block, Statement
-from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, histories, short
+from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, worst_names
 from wirerope_mj.content.spectra import spectra_blocks
 from wirerope_mj.content.verdicts import used_mark
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions import Sweep
 
 
-def acceleration_blocks(run: JudgedRun) -> Iterator[Block | None]:
+def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
     """Yield peak accelerations, and rms and 3-sigma values of random vibration."""
     yield _accelerations(run)
     if isinstance(run.random, Absent):
@@ -49,9 +52,9 @@ def payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
     yield from spectra_blocks(run)
 
 
-def _accelerations(run: JudgedRun) -> Table:
+def _accelerations(run: RunResult) -> Table:
     """Tabulate the peaks of base, bodies and points; against their limits where the model states any."""
-    sweep = run.motion if isinstance(run.motion, Sweep) else None
+    sweep = run.sweep
     judged = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
     limited = {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
     rows: list[Row] = []
@@ -105,21 +108,13 @@ def _random(verdicts: Sequence[Verdict]) -> Table | None:
 
 def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
     """Draw the accelerations of the base and of some bodies or points over time, a panel for each axis with any."""
-    time, acceleration = base_acceleration(run.response, run.motion)
-    panels: list[tuple[list[Curve], str, Sequence[tuple[str, float]]]] = []
-    for axis in range(3):
-        curves = [
-            Curve(
-                x=run.response.time,
-                y=in_unit(acceleration_along(run.response, name, axis), "g"),
-                name=short(name),
-                kind=kind_of(run.selection, name, number),
-            )
-            for number, name in enumerate(names[:MOST])
-        ]
-        curves.append(Curve(x=time, y=in_unit(acceleration[:, axis], "g"), name="base", kind=BASE))
-        panels.append((curves, f"along {'xyz'[axis]} [g]", ()))
-    return histories(panels, run.selection.window, "g")
+    base = base_acceleration(run.response, run.motion)
+    lines = []
+    for rank, name in enumerate(names[:MOST]):
+        part = Component(kind="body" if name in run.response.bodies else "point", name=name)
+        lines.append(Line(response=run.response, subject=part, name=name, kind=kind_of(run.selection, name, rank)))
+    lines.append(Line(response=run.response, subject=THE_BASE, name="base", kind=BASE, history=base))
+    return stacked([history_panel("acceleration", along, lines, run.selection.window) for along in DIRECTIONS])
 
 
 def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:

@@ -186,6 +186,12 @@ def kind_of(selection: Selection, name: str, other: int | str = OTHERS) -> int |
     return selection.numbers.get(name, other)
 
 
+def or_other(name: str, kind: int | str, rank: int, count: int) -> tuple[str, int | str]:
+    """Return name and colour of a curve among `count`, those of all others together from `NAMED` on."""
+    left = count - NAMED
+    return (name, kind) if rank < NAMED else (f"{left} other{'s' if left > 1 else ''}", OTHERS)
+
+
 def numbered(groups: Sequence[Sequence[str]]) -> dict[str, int]:
     """Return a number of a colour for every name, first come, first served; those of one group differ if there are enough."""
     numbers: dict[str, int] = {}

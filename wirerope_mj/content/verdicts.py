@@ -19,7 +19,7 @@ from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Statement
-from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 
@@ -48,7 +48,7 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
     return Statement(id="headline", text=text, tone=tone, values=values)
 
 
-def answer_blocks(run: JudgedRun) -> Iterator[Block | None]:
+def answer_blocks(run: RunResult) -> Iterator[Block | None]:
     """Yield the verdicts in a few sentences, and whose rule is exceeded where it is our own."""
     lines = [*verdict_lines(run.response, run.verdicts), *rule_lines(run.verdicts)]
     yield Statement(id="verdicts", items=tuple(lines))

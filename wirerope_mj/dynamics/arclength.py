@@ -27,13 +27,10 @@ LOCATIONS = 12
 
 
 class Tried(Protocol):
-    """What a move leads to: its gap, (n,), and the largest component of it."""
+    """What a move leads to, and its gap, (n,)."""
 
     @property
     def gap(self) -> Array: ...  # noqa: D102
-
-    @property
-    def residual(self) -> float: ...  # noqa: D102
 
 
 class OnCurve(Protocol):
@@ -94,26 +91,28 @@ def corrected(
     """
     n, fresh = matrix.shape[0], False
     system, now = np.vstack([matrix, row]), at(move)
+    size = float(np.abs(now.gap).max())
     for correction in range(CORRECTIONS):
-        if now.residual <= tolerance:
+        if size <= tolerance:
             return now, move, correction
-        if not np.isfinite(now.residual):
+        if not np.isfinite(size):
             return None
         change = least_solution(system, np.append(-now.gap, wanted - row @ move))
         move = move + change
-        before, now = now, at(move)
-        if not np.isfinite(now.residual):
+        (before, last), now = (now, size), at(move)
+        size = float(np.abs(now.gap).max())
+        if not np.isfinite(size):
             return None
         system[:n] += np.outer(now.gap - before.gap - system[:n] @ change, change) / (change @ change)
-        if now.residual > SLOW * before.residual and not fresh:
+        if size > SLOW * last and not fresh:
             system[:n], fresh = matrix_at(now, move), True
     return None
 
 
 def crossing(
     step: Callable[[float], P | None], ends: tuple[P, P], length: float, test: Callable[[P], float], close: float
-) -> tuple[P, float]:
-    """Find where `test` vanishes between two points, and its arclength from the first, by the Illinois method.
+) -> P:
+    """Find where `test` vanishes between two points by the Illinois method.
 
     Args:
         step: the point at an arclength from the first; None if there is none.
@@ -123,8 +122,7 @@ def crossing(
         close: distance in the parameter, in its unit of arclength, to which it is located.
     """
     left, right, f_left, f_right = 0.0, length, test(ends[0]), test(ends[1])
-    nearer = int(abs(f_left) >= abs(f_right))
-    best, arclength, least = ends[nearer], nearer * length, min(abs(f_left), abs(f_right))
+    best, least = min(((end, abs(test(end))) for end in reversed(ends)), key=lambda pair: pair[1])
     for _ in range(LOCATIONS):
         middle = (left * f_right - right * f_left) / (f_right - f_left)
         point = step(middle)
@@ -132,7 +130,7 @@ def crossing(
             break
         value = test(point)
         if abs(value) < least:
-            best, arclength, least = point, middle, abs(value)
+            best, least = point, abs(value)
         if abs(point.tangent[-1]) * abs(right - left) < close:  # the remaining interval, in the parameter
             break
         if value * f_right < 0.0:
@@ -140,4 +138,4 @@ def crossing(
         else:
             f_left *= 0.5
         right, f_right = middle, value
-    return best, arclength
+    return best

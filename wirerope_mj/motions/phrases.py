@@ -8,7 +8,7 @@ from os.path import isfile  # as `Path.is_file`, but a name that is too long is 
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import Direction, directions_in
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
 from wirerope_mj.motions.motion import BaseMotion
@@ -29,9 +29,6 @@ UNITS: dict[str, Mapping[str, float]] = {
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
-_AXES = re.compile(r"[xyz]{1,3}")
-_SIGNED_AXIS = re.compile(r"([-+])([xyz])")
-_VECTOR = re.compile(r"[^,]+,[^,]+,[^,]+")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,7 +51,7 @@ class Phrase:
 
 
 def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
-    """Return what a phrase says.
+    """Parse a phrase into quantities, words with values, and directions.
 
     Args:
         text: numbers with units, a direction and words, in any order, separated by spaces: "15 g 11 ms z at 50 ms". A range is
@@ -83,7 +80,7 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
                 raise ValueError(f'"{part}" stands there twice.')
             word = part
             continue
-        found = _direction(part)
+        found = directions_in(part)
         if found and not word:
             if directions:
                 raise ValueError(f'"{part}" is a second direction; name axes together, as in "xz", or give a vector.')
@@ -117,24 +114,6 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     return Phrase(
         quantities={name: tuple(some) for name, some in quantities.items()}, named=named, directions=directions
     )
-
-
-def _direction(part: str) -> tuple[Direction, ...]:
-    """Return the directions that a part names; none if it is not one."""
-    if _AXES.fullmatch(part) and len(set(part)) == len(part):
-        return tuple(part)
-    signed = _SIGNED_AXIS.fullmatch(part)
-    if signed:
-        sign = -1.0 if signed[1] == "-" else 1.0
-        x, y, z = (sign if axis == signed[2] else 0.0 for axis in "xyz")
-        return (signed[2],) if sign > 0.0 else ((x, y, z),)
-    if _VECTOR.fullmatch(part):
-        try:
-            x, y, z = (float(number) for number in part.split(","))
-        except ValueError:
-            return ()
-        return ((x, y, z),)
-    return ()
 
 
 def _number(part: str) -> tuple[float, str]:
@@ -180,7 +159,7 @@ class SpokenMotion:
 
 
 def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, str]]:
-    """Return what reads the file that a phrase begins with, whose name may hold spaces."""
+    """Make the reader of the file that a phrase begins with, whose name may hold spaces."""
 
     def begins(text: str, folder: Path) -> tuple[Any, str]:
         words = text.split(" ")

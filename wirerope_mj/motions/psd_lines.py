@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
+from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, STANDARD_GRAVITY, TIME_UNITS, in_si
@@ -113,29 +113,17 @@ _FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 
 
 def psd_points(path: Path) -> Points:
-    """Return the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]".
-
-    Raises:
-        RecordError: the file cannot be read, or is not such a table; names the line.
-    """
+    """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]"."""
     return _points(path, PSD_UNITS, kind="power spectral density", example='"frequency [Hz], psd [g^2/Hz]"')
 
 
 def spectrum_points(path: Path) -> Points:
-    """Return the points (frequency [Hz], acceleration [m/s^2]) of a file such as "frequency [Hz], acceleration [g]".
-
-    Raises:
-        RecordError: the file cannot be read, or is not such a table; names the line.
-    """
+    """Read the points (frequency [Hz], acceleration [m/s^2]) of a file such as "frequency [Hz], acceleration [g]"."""
     return _points(path, ACCELERATION_UNITS, kind="response spectrum", example='"frequency [Hz], acceleration [g]"')
 
 
 def force_rows(path: Path) -> ForceRows:
-    """Return times and loads of a file such as "time [s], fx [N], fz [kN], my [N.m]"; what is not there is zero.
-
-    Raises:
-        RecordError: the file cannot be read, or is not such a table; names the line.
-    """
+    """Read times and loads of a file such as "time [s], fx [N], fz [kN], my [N.m]"; what is not there is zero."""
     header = read_header(path, kind="table of forces", example='"time [s], fz [N], mx [N.m]"')
     known = ("time", *FORCE_COLUMNS)
     for name in header.names:
@@ -146,33 +134,32 @@ def force_rows(path: Path) -> ForceRows:
             )
     if "time" not in header.names:
         raise RecordError(f'{header.location}: there is no column "time [s]".')
-    units = [
-        TIME_UNITS if name == "time" else FORCE_UNITS if name[0] == "f" else _MOMENT_UNITS for name in header.names
+    units = [TIME_UNITS if one == "time" else FORCE_UNITS if one[0] == "f" else _MOMENT_UNITS for one in header.names]
+    rows = [dict(zip(header.names, row, strict=True)) for row in _rows(header, units)]
+    loads = tuple(tuple(row.get(name, 0.0) for name in FORCE_COLUMNS) for row in rows)
+    return tuple(row["time"] for row in rows), loads
+
+
+def _rows(header: Header, units: Sequence[Mapping[str, float]]) -> list[tuple[float, ...]]:
+    """Read the rows below a header in SI; `units` are those that each column may have."""
+    factors = [header.factor(number, known) for number, known in enumerate(units)]
+    return [
+        tuple(
+            in_si(number_in(location, name, cell), factor)
+            for name, cell, factor in zip(header.names, cells, factors, strict=True)
+        )
+        for _, location, cells in rows_below(header)
     ]
-    factors = [header.factor(number, one) for number, one in enumerate(units)]
-    columns: dict[str, list[float]] = {name: [] for name in header.names}
-    for _, place, cells in rows_below(header):
-        for name, cell, factor in zip(header.names, cells, factors, strict=True):
-            columns[name].append(in_si(number_in(place, name, cell), factor))
-    zero = [0.0] * len(columns["time"])
-    return tuple(columns["time"]), tuple(zip(*(columns.get(name, zero) for name in FORCE_COLUMNS), strict=True))
 
 
 def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) -> Points:
+    """Read the points of a file of two columns; RecordError, which names the line, if it is not such a table."""
     header = read_header(path, kind=kind, example=example)
     if len(header.names) != 2:
         raise RecordError(
             f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: {header.listed()}."
         )
-    factors = header.factor(0, _FREQUENCY_UNITS), header.factor(1, units)
-    rows = [
-        tuple(
-            in_si(number_in(place, name, cell), factor)
-            for name, cell, factor in zip(header.names, cells, factors, strict=True)
-        )
-        for _, place, cells in rows_below(header)
-    ]
     try:
-        return checked_points(path.name, rows, quantity=header.names[1])
+        return checked_points(path.name, _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None

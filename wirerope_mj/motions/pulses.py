@@ -98,20 +98,7 @@ class HalfSine(Pulse):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _PiecewisePulse(Pulse):
-    """Pulse whose acceleration is linear between a few knots."""
-
-    @cached_property
-    @abstractmethod
-    def _piecewise(self) -> PiecewiseLinear:
-        """The acceleration and its integrals."""
-
-    def _along(self, t: Array, order: int) -> Array:
-        return self._piecewise.derivative(t, order)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sawtooth(_PiecewisePulse):
+class Sawtooth(Pulse):
     """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2.
 
     Attributes:
@@ -132,9 +119,12 @@ class Sawtooth(_PiecewisePulse):
     def _piecewise(self) -> PiecewiseLinear:
         return PiecewiseLinear(np.array([self.start, self.end]), np.array([0.0, self.peak]))
 
+    def _along(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)
+
 
 @dataclass(frozen=True, kw_only=True)
-class Trapezoid(_PiecewisePulse):
+class Trapezoid(Pulse):
     """Trapezoidal pulse with equal rise and fall r; velocity change A (D - r). With r = 0 it is a rectangle.
 
     Attributes:
@@ -173,6 +163,9 @@ class Trapezoid(_PiecewisePulse):
     @cached_property
     def _piecewise(self) -> PiecewiseLinear:
         return PiecewiseLinear(self._knots, np.array([0.0, self.peak, self.peak, 0.0]))
+
+    def _along(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)
 
 
 @dataclass(frozen=True, init=False)

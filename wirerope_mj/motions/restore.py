@@ -8,7 +8,7 @@ from typing import Any
 
 from wirerope_mj.foundation.arguments import nonzero
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.inside import file_inside
+from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.resources import scenarios_folder
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle

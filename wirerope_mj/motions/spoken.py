@@ -58,7 +58,7 @@ def _sweep(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
 
 
 def _lasting(phrase: Phrase, direction: Direction, number: int) -> dict[str, Any]:
-    """Return what a vibration of some length takes; along several directions each has a seed of its own."""
+    """Read length, seed and ramps of a vibration; along several directions each has a seed of its own."""
     seed = phrase.named.get("seed", 1.0)
     if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
         raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")

@@ -6,7 +6,7 @@ from pathlib import Path
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.checksums import alterations
 from wirerope_mj.runs.folder import atomic_run
-from wirerope_mj.runs.report import REPORT
+from wirerope_mj.runs.page import REPORT
 from wirerope_mj.views.recording.paths import FILE
 from wirerope_mj.views.recording.viewer import find_recording
 from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages

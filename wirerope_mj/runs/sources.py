@@ -6,6 +6,8 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria import Verdict, judge
+from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
@@ -45,6 +47,21 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
             digest = digest_of(file)[:_CHARACTERS]
             inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest}"
     return inputs
+
+
+def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
+    """Judge the response in a folder as `wirerope run` does; one that was saved alone by what its scene states.
+
+    Raises:
+        RecordError: scenario, motion or model cannot be read, or are not those of the response; names which.
+    """
+    folder = Path(folder)
+    if not (folder / SCENARIO).is_file():
+        return tuple(judge(response))
+    content = scenario_content(folder)
+    system, motion = system_and_motion(folder, content)
+    check_one_run(folder, content, system, response)
+    return judged_run(system, motion, response, content).verdicts
 
 
 def _prefix(table: str) -> str:

@@ -96,7 +96,8 @@ def write_study_report(
         ValueError: there is no such measure.
         WireRopeError: a PDF cannot be made here.
     """
-    from wirerope_mj.runs.report import page_files, write_page  # late, too
+    from wirerope_mj.runs.page import page_files
+    from wirerope_mj.runs.report import write_page  # late, too
     from wirerope_mj.views.report.page import report_html
 
     folder = Path(folder)

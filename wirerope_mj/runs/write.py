@@ -213,16 +213,15 @@ def _write_views(
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.content.over_frequency import panel_over_frequency
     from wirerope_mj.content.run import run_content
-    from wirerope_mj.runs.report import REPORT
+    from wirerope_mj.runs.page import REPORT
     from wirerope_mj.views.plots.png_chart import save_charts
-    from wirerope_mj.views.recording.drawn_runs import run_alone
-    from wirerope_mj.views.recording.record import write_alone
+    from wirerope_mj.views.recording.record import record_run
     from wirerope_mj.views.report import report_html
 
     title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
     writing("the recording")
-    run, panel = run_alone(judged.response, judged.selection), panel_over_frequency(judged)
-    write_alone(run, folder / "run.rrd", title=title, scenario_text=text, state=state, panel=panel)
+    panel = panel_over_frequency(judged)
+    record_run(judged, folder / "run.rrd", title=title, scenario_text=text, state=state, over_frequency=panel)
     writing("the pictures")
     charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
     drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]

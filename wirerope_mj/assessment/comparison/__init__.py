@@ -8,13 +8,10 @@ from wirerope_mj.assessment.comparison.histories import difference as difference
 from wirerope_mj.assessment.comparison.histories import identical as identical
 from wirerope_mj.assessment.comparison.peaks import PeakRow as PeakRow
 from wirerope_mj.assessment.comparison.peaks import acceleration_rows as acceleration_rows
-from wirerope_mj.assessment.comparison.peaks import largest_travel_row as largest_travel_row
+from wirerope_mj.assessment.comparison.peaks import combined_rows as combined_rows
+from wirerope_mj.assessment.comparison.peaks import largest_of as largest_of
 from wirerope_mj.assessment.comparison.peaks import mount_rows as mount_rows
 from wirerope_mj.assessment.comparison.peaks import travel_rows as travel_rows
 from wirerope_mj.assessment.comparison.runs import Align as Align
 from wirerope_mj.assessment.comparison.runs import Comparison as Comparison
 from wirerope_mj.assessment.comparison.runs import compare_runs as compare_runs
-from wirerope_mj.assessment.comparison.sentences import Inputs as Inputs
-from wirerope_mj.assessment.comparison.sentences import comparison_lines as comparison_lines
-from wirerope_mj.assessment.comparison.sentences import difference_text as difference_text
-from wirerope_mj.assessment.comparison.sentences import different_inputs as different_inputs

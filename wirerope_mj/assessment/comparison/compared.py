@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from typing import Literal
 
+from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 
@@ -15,11 +16,13 @@ class ComparedRun:
         name: of the run in every output.
         response: its response, on the timeline that all runs share.
         moved: by how much it was moved to that timeline [s].
+        verdicts: on it.
     """
 
     name: str
     response: Response
     moved: float
+    verdicts: tuple[Verdict, ...]
 
 
 @dataclass(frozen=True, kw_only=True, order=True)

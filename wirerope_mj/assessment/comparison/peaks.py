@@ -7,9 +7,8 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison.compared import Component, subjects_of
 from wirerope_mj.assessment.comparison.runs import Comparison
-from wirerope_mj.assessment.criteria import MountPeak, mount_peaks
+from wirerope_mj.assessment.criteria import COMBINED, MountPeak, mount_peaks
 from wirerope_mj.engine.response import Peak
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -18,7 +17,7 @@ class PeakRow:
 
     Attributes:
         label: whose it is.
-        values: in the row's unit.
+        values: in SI, utilisations as ratios.
         times: instants [s]; NaN where the peak has none.
         notes: what is said beside a value, such as the kind of travel.
     """
@@ -37,7 +36,7 @@ class PeakRow:
 
 
 def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[PeakRow]:
-    """Return the peak accelerations [g], norms or sizes along an axis: of what is shared, then of what one run has alone."""
+    """Return the peak accelerations [m/s^2], sizes or along an axis: of what is shared, then of what one run has alone."""
     alone = [subject for of_run in comparison.alone.values() for subject in of_run if isinstance(subject, Component)]
     known = [subjects_of(run.response) for run in comparison.runs]
     rows = []
@@ -46,17 +45,17 @@ def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[P
             component.peak(run.response) if component in of_run else None
             for run, of_run in zip(comparison.runs, known, strict=True)
         ]
-        rows.append(_row(component.label, peaks, axis, STANDARD_GRAVITY))
+        rows.append(_row(component.label, peaks, axis))
     return rows
 
 
-def mount_rows(comparison: Comparison, quantity: str, axis: int | None, unit: float) -> list[PeakRow]:
-    """Return the peak "deflection" or "force" of the mounts in units of `unit`, the mount that uses most travel first."""
+def mount_rows(comparison: Comparison, quantity: str, axis: int | None) -> list[PeakRow]:
+    """Return the peak "deflection" [m] or "force" [N] of the mounts, the mount that uses most travel first."""
     rows = []
     for name in _mounts_of_runs(comparison):
         entries = [run.response.peaks.mounts.get(name) for run in comparison.runs]
         peaks = [getattr(entry, quantity) if entry else None for entry in entries]
-        rows.append(_row(name, peaks, axis, unit))
+        rows.append(_row(name, peaks, axis))
     return rows
 
 
@@ -65,14 +64,40 @@ def travel_rows(comparison: Comparison) -> list[PeakRow]:
     return [_travel_row(name, peaks) for name, peaks in _mounts_of_runs(comparison).items()]
 
 
-def largest_travel_row(comparison: Comparison) -> PeakRow | None:
-    """Return the largest utilisation of a rated travel of any mount of each run; None if nothing is rated."""
-    worst = [next(iter(mount_peaks(run.response)), None) for run in comparison.runs]
-    if not any(peak is not None and peak.governing for peak in worst):
+def combined_rows(comparison: Comparison) -> list[PeakRow]:
+    """Return the utilisation of the travel along all axes at once of every mount, the largest of single axes first."""
+    by_run = [
+        {row.subject: row for row in run.verdicts if row.criterion == COMBINED and row.utilisation is not None}
+        for run in comparison.runs
+    ]
+    rows = []
+    for name in _mounts_of_runs(comparison):
+        found = [verdicts.get(name) for verdicts in by_run]
+        if any(found):
+            values = tuple(row.utilisation if row else None for row in found)
+            times = tuple(row.time if row else None for row in found)
+            rows.append(PeakRow(label=name, values=values, times=times, notes=("",) * len(found)))
+    return rows
+
+
+def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:
+    """Return the largest value of any row in each run, with whose it is; None where no row has one."""
+    best = [_largest(rows, number) for number in range(len(rows[0].values) if rows else 0)]
+    if not any(best):
         return None
-    row = _travel_row("largest of any mount", worst)
-    notes = tuple(f"{peak.name}, {note}" if peak and note else "" for peak, note in zip(worst, row.notes, strict=True))
-    return PeakRow(label=row.label, values=row.values, times=row.times, notes=notes)
+    pairs = list(enumerate(best))
+    return PeakRow(
+        label="largest of any",
+        values=tuple(row.values[n] if row else None for n, row in pairs),
+        times=tuple(row.times[n] if row else None for n, row in pairs),
+        notes=tuple(", ".join(filter(None, (row.label, row.notes[n]))) if row else "" for n, row in pairs),
+    )
+
+
+def _largest(rows: Sequence[PeakRow], number: int) -> PeakRow | None:
+    """Return the row with the largest value of a run."""
+    sizes = [-np.inf if value is None or np.isnan(value) else value for value in (row.values[number] for row in rows)]
+    return rows[int(np.argmax(sizes))] if max(sizes) > -np.inf else None
 
 
 def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]:
@@ -88,11 +113,11 @@ def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]
     return {name: mounts[name] for name in sorted(mounts, key=largest, reverse=True)}
 
 
-def _row(label: str, peaks: list[Peak | None], axis: int | None, unit: float) -> PeakRow:
+def _row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
     sizes = [None if peak is None else _size(peak, axis) for peak in peaks]
     return PeakRow(
         label=label,
-        values=tuple(None if size is None else size[0] / unit for size in sizes),
+        values=tuple(None if size is None else size[0] for size in sizes),
         times=tuple(None if size is None else size[1] for size in sizes),
         notes=("",) * len(peaks),
     )

@@ -1,11 +1,12 @@
 """Runs that are compared: aligned in time, with what they share by name and what only one of them has."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
 from wirerope_mj.assessment.comparison.compared import BASE, ComparedRun, Component, Subject, subjects_of
 from wirerope_mj.assessment.comparison.histories import HistoryDifference, largest_differences
+from wirerope_mj.assessment.criteria import Verdict, judge
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.foundation.arguments import one_of
@@ -16,12 +17,12 @@ Align = Literal["start", "shock"]
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """Two or more runs and what they have in common.
+    """Runs and what they have in common; one alone has everything.
 
     Attributes:
         runs: the runs; differences are those to the first.
-        components: what two of them or more have: the base first, then the largest peak.
-        mounts: names of the mounts that two of them or more have.
+        components: what two of them or more have, or the only one: the base first, then the largest peak.
+        mounts: names of the mounts that two of them or more have, or the only one.
         alone: components and mounts that only one of them has, by the run's name.
         differences: where and when what is shared differs most from the first run, the largest first.
     """
@@ -33,24 +34,30 @@ class Comparison:
     differences: tuple[HistoryDifference, ...]
 
 
-def compare_runs(responses: Mapping[str, Response], align: Align = "start") -> Comparison:
-    """Return the comparison of responses by name with the first of them.
+def compare_runs(
+    responses: Mapping[str, Response],
+    align: Align = "start",
+    verdicts: Mapping[str, Sequence[Verdict]] | None = None,
+) -> Comparison:
+    """Compare responses by name with the first of them.
 
     Args:
-        responses: two or more, by the names of the runs.
+        responses: by the names of the runs.
         align: "start": all begin together, as they were simulated; "shock": their first events fall together.
+        verdicts: on each; those that `judge` returns by default.
 
     Raises:
         ValueError: `align` is unknown.
         RecordError: they share nothing, or a run has no shock to align.
     """
     one_of("align", align, get_args(Align))
-    runs = tuple(_aligned(name, responses, align) for name in responses)
-    subjects = {run.name: subjects_of(run.response) for run in runs}
+    subjects = {name: subjects_of(response) for name, response in responses.items()}
     every = [subject for of_run in subjects.values() for subject in of_run]
-    shared = [subject for subject in dict.fromkeys(every) if every.count(subject) > 1]
+    shared = [subject for subject in dict.fromkeys(every) if every.count(subject) >= min(2, len(responses))]
     if not shared:
         raise RecordError(f"{', '.join(responses)}: these runs share no base, body, point or mount to compare.")
+    known = verdicts or {name: judge(response) for name, response in responses.items()}
+    runs = tuple(_aligned(name, responses, align, known[name]) for name in responses)
     largest = {
         subject: max(subject.peak(run.response).value for run in runs if subject in subjects[run.name])
         for subject in shared
@@ -65,7 +72,7 @@ def compare_runs(responses: Mapping[str, Response], align: Align = "start") -> C
     )
 
 
-def _aligned(name: str, responses: Mapping[str, Response], align: Align) -> ComparedRun:
+def _aligned(name: str, responses: Mapping[str, Response], align: Align, verdicts: Sequence[Verdict]) -> ComparedRun:
     """Return a run, moved so that its shock begins with that of the first if that is asked for."""
     response, moved = responses[name], 0.0
     if align == "shock":
@@ -74,7 +81,8 @@ def _aligned(name: str, responses: Mapping[str, Response], align: Align) -> Comp
             if not responses[wanted].events:
                 raise RecordError(f"{wanted}: nothing begins in this run; align runs at their start.")
         moved = responses[first].events[0][0] - response.events[0][0]
-    return ComparedRun(name=name, response=_moved(response, moved) if moved else response, moved=moved)
+    response = _moved(response, moved) if moved else response
+    return ComparedRun(name=name, response=response, moved=moved, verdicts=tuple(verdicts))
 
 
 def _moved(response: Response, by: float) -> Response:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from wirerope_mj.assessment.criteria.criterion import CONTACT, STOP
 from wirerope_mj.assessment.criteria.headline import headline
 from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.sentences import verdict_lines
@@ -50,7 +51,7 @@ def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[dict[str,
     """Return every pair of geoms that may touch and every stop; None where contacts were not recorded."""
     if response.peaks.contacts is None:
         return None
-    judged = {row.subject: row.verdict for row in verdicts if row.contact}
+    judged = {row.subject: row.verdict for row in verdicts if row.criterion in (CONTACT, STOP)}
     return [
         {
             "name": name,

@@ -18,19 +18,12 @@ FRACTIONS = (0.35, 0.7)
 
 @dataclass(frozen=True, kw_only=True)
 class BranchCurve:
-    """A branch as a fine line, in its own order.
+    """A branch as a fine line, in its own order."""
 
-    Attributes:
-        frequency: [Hz], (n,).
-        amplitude: of the payload [m/s^2], (n,).
-        stable: whether the motions on either side are, (n,).
-        point: position in the branch, an integer at its points, (n,).
-    """
-
-    frequency: Array
-    amplitude: Array
-    stable: Booleans
-    point: Array
+    frequency: Array  # [Hz], (n,)
+    amplitude: Array  # of the payload [m/s^2], (n,)
+    stable: Booleans  # whether the motions on either side are, (n,)
+    point: Array  # position in the branch, an integer at its points, (n,)
 
     @cached_property
     def runs(self) -> list[slice]:
@@ -68,12 +61,8 @@ def curve_of(branch: Branch) -> BranchCurve:
     fine = np.append((along[:-1, None] + np.diff(along)[:, None] * fraction).ravel(), along[-1])
     position = np.interp(fine, along, point)
     stable = branch.stable[np.floor(position).astype(int)] & branch.stable[np.ceil(position).astype(int)]
-    return BranchCurve(
-        frequency=np.exp(scipy.interpolate.Akima1DInterpolator(along, f)(fine)),
-        amplitude=np.exp(scipy.interpolate.Akima1DInterpolator(along, a)(fine)),
-        stable=stable,
-        point=position,
-    )
+    frequency, amplitude = (np.exp(scipy.interpolate.Akima1DInterpolator(along, values)(fine)) for values in (f, a))
+    return BranchCurve(frequency=frequency, amplitude=amplitude, stable=stable, point=position)
 
 
 def relative_steps(f: Array, a: Array) -> Array:

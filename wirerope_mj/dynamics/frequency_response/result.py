@@ -18,7 +18,6 @@ from wirerope_mj.foundation.arguments import integer, one_of, positive
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.parquet_files import write_columns
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.motions import Sine
 from wirerope_mj.mounts.isolator import AXES
 
@@ -28,7 +27,7 @@ Method = Literal["sweep", "continuation", "both"]
 BELOW, ABOVE = 4.0, 2.0
 # Natural frequencies below this fraction of the highest belong to what no mount holds back [-].
 STILL = 1e-3
-Array = npt.NDArray[Any]
+AnyArray = npt.NDArray[Any]
 BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
 
 
@@ -74,17 +73,18 @@ class ResponseOptions:
         if not levels or len(set(levels)) < len(levels):
             raise ValueError(f"`acceleration` must be one or several different levels, got {list(levels)}.")
         direction = checked_direction(self.direction)
-        along = (
-            direction
-            if self.response_direction is None
-            else checked_direction(self.response_direction, "response_direction")
-        )
+        along = direction
+        if self.response_direction is not None:
+            along = checked_direction(self.response_direction, "response_direction")
         if self.method != "continuation" and np.count_nonzero(unit_vector(along)) > 1:
             raise ValueError(
                 f"`response_direction` must lie along x, y or z for sweeps, whose envelopes are kept along these axes; got "
                 f"{direction_text(along)}. Follow the motions only: method continuation."
             )
         check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=direction))
+        if not system.payloads:
+            raise ModelError("the model has no payload: no mount carries a body.")
+        payload = one_of("payload", self.payload or system.payloads[0], system.payloads)
         start, stop, range_from = _range(system, self.start, self.stop)
         periods = integer("periods", self.periods, least=1)
         if self.method == "sweep" and (self.smoothing is not None or periods != 1):
@@ -95,7 +95,7 @@ class ResponseOptions:
         check_steps(smallest, largest)
         return ResponseOptions(
             accelerations=tuple(sorted(levels)), method=self.method, direction=direction,
-            payload=_payload(system, self.payload), response_direction=along, start=start, stop=stop,
+            payload=payload, response_direction=along, start=start, stop=stop,
             rate=positive("rate", self.rate), periods=periods, largest_step=largest, smallest_step=smallest,
             smoothing=None if self.smoothing is None else positive("smoothing", self.smoothing), range_from=range_from,
         )  # fmt: skip
@@ -132,15 +132,6 @@ def _range(system: System, start: float | None, stop: float | None) -> tuple[flo
     if low >= high:
         raise ValueError(f"`stop` must be above `start`, got {low:g} to {high:g} Hz; sweeps go up and then down again.")
     return low, high, source
-
-
-def _payload(system: System, name: str | None) -> str:
-    payloads = system.payloads
-    if name is None:
-        if not payloads:
-            raise ModelError("the model has no payload: no mount carries a body.")
-        return payloads[0]
-    return one_of("payload", name, payloads)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -185,8 +176,6 @@ class FrequencyResponse:
     options: ResponseOptions
     levels: tuple[Level, ...]
 
-    question = Renamed("options")
-
     @property
     def complete(self) -> bool:
         """True if every branch reached the end of the range."""
@@ -213,31 +202,25 @@ def save_tables(result: FrequencyResponse, folder: Path) -> None:
         _write(folder / SWEEPS, sweeps)
 
 
-def _write(path: Path, tables: list[dict[str, Array]]) -> None:
+def _write(path: Path, tables: list[dict[str, AnyArray]]) -> None:
     write_columns(path, {name: np.concatenate([table[name] for table in tables]) for name in tables[0]})
 
 
-def _branch_columns(number: int, level: Level, width: int) -> dict[str, Array]:
+def _branch_columns(number: int, level: Level, width: int) -> dict[str, AnyArray]:
     """Return the columns of a branch; `width` multipliers, NaN where it has fewer."""
     branch = level.branch
     assert branch is not None
     n = branch.frequency.size
     multipliers = np.full((n, width), complex(np.nan, np.nan))
     multipliers[:, : branch.floquet_multipliers.shape[1]] = branch.floquet_multipliers
-    columns: dict[str, Array] = {
-        "level": np.full(n, number),
-        "point": np.arange(n),
-        "frequency": branch.frequency,
-        "acceleration": branch.acceleration,
-        "amplitude": branch.amplitude,
-        "transmissibility": branch.transmissibility,
-        "stable": branch.stable,
-        "neutral": branch.neutral,
-        "residual": branch.residual,
-        "steps": branch.steps,
-        "smoothing_width": branch.smoothing_width,
-        "bifurcation": np.array(_bifurcations(branch), dtype=object),
-    }
+    events = np.full(n, "", dtype=object)
+    for event in branch.bifurcations:
+        events[event.index] = event.description
+    same = ("frequency", "acceleration", "amplitude", "transmissibility", "stable", "neutral", "residual", "steps")
+    columns: dict[str, AnyArray] = {
+        "level": np.full(n, number), "point": np.arange(n), **{name: getattr(branch, name) for name in same},
+        "smoothing_width": branch.smoothing_width, "bifurcation": events,
+    }  # fmt: skip
     for i in range(width):
         columns[f"multiplier_{i + 1}/re"] = multipliers[:, i].real
         columns[f"multiplier_{i + 1}/im"] = multipliers[:, i].imag
@@ -245,24 +228,13 @@ def _branch_columns(number: int, level: Level, width: int) -> dict[str, Array]:
     return columns
 
 
-def _bifurcations(branch: Branch) -> list[str]:
-    texts = [""] * branch.frequency.size
-    for event in branch.bifurcations:
-        texts[event.index] = event.description
-    return texts
-
-
-def _sweep_columns(number: int, level: Level, direction: str, sweep: FrequencySweep) -> dict[str, Array]:
+def _sweep_columns(number: int, level: Level, direction: str, sweep: FrequencySweep) -> dict[str, AnyArray]:
     n = sweep.frequency.size
-    columns: dict[str, Array] = {
-        "level": np.full(n, number),
-        "way": np.array([direction] * n, dtype=object),
-        "frequency": sweep.frequency,
-        "acceleration": np.full(n, level.acceleration),
-        "base_amplitude": sweep.base_amplitude,
-        "amplitude": sweep.amplitude,
-        "transmissibility": sweep.transmissibility,
-    }
+    columns: dict[str, AnyArray] = {
+        "level": np.full(n, number), "way": np.array([direction] * n, dtype=object), "frequency": sweep.frequency,
+        "acceleration": np.full(n, level.acceleration), "base_amplitude": sweep.base_amplitude,
+        "amplitude": sweep.amplitude, "transmissibility": sweep.transmissibility,
+    }  # fmt: skip
     for body, envelope in sweep.envelopes.items():
         columns |= {f"bodies/{body}/acceleration/{c}": envelope.acceleration[:, i] for i, c in enumerate("xyz")}
     for name, mount in sweep.mounts.items():

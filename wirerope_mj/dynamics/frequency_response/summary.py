@@ -14,7 +14,7 @@ from wirerope_mj.dynamics.periodic import Branch, harmonic_content, resonances
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.summary import json_values
 
 # Highest harmonic that is looked for in a motion.
 HARMONICS = 9
@@ -26,27 +26,17 @@ FASTEST = 1e6
 
 @dataclass(frozen=True, kw_only=True)
 class ResonancePeak:
-    """A peak of the amplitude over frequency.
+    """A peak of the amplitude over frequency."""
 
-    Attributes:
-        frequency: [Hz].
-        amplitude: [m/s^2].
-        transmissibility: amplitude over the base's acceleration.
-        point: nearest point of the branch.
-        at_edge: whether it is no peak but the end of the branch.
-        order: of the largest harmonic of the payload's acceleration other than the fundamental; below 1 for a subharmonic.
-        harmonic: its name.
-        share: its amplitude over that of the fundamental.
-    """
-
-    frequency: float
-    amplitude: float
-    transmissibility: float
-    point: int
-    at_edge: bool
+    frequency: float  # [Hz]
+    amplitude: float  # [m/s^2]
+    transmissibility: float  # amplitude over the base's acceleration
+    point: int  # nearest point of the branch
+    at_edge: bool  # whether it is no peak but the end of the branch
+    # of the largest harmonic of the payload's acceleration other than the fundamental; below 1 for a subharmonic
     order: float
-    harmonic: str
-    share: float
+    harmonic: str  # its name
+    share: float  # its amplitude over that of the fundamental
 
 
 def peaks_of(branch: Branch) -> list[ResonancePeak]:
@@ -68,30 +58,20 @@ def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edg
     others = [i for i, order in enumerate(content.order) if order not in (0, 1)]
     largest = others[int(np.argmax(content.amplitude[others]))]
     return ResonancePeak(
-        frequency=frequency,
-        amplitude=amplitude,
+        frequency=frequency, amplitude=amplitude, point=point, at_edge=at_edge,
         transmissibility=amplitude / abs(float(branch.acceleration[point])),
-        point=point,
-        at_edge=at_edge,
-        order=float(content.order[largest]),
-        harmonic=content.names[largest],
+        order=float(content.order[largest]), harmonic=content.names[largest],
         share=float(content.amplitude[largest]) / max(content.of(1), 1e-300),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class SweepJump:
-    """A jump of a sweep near a fold.
+    """A jump of a sweep near a fold."""
 
-    Attributes:
-        fold: frequency of the fold [Hz].
-        frequency: at which the sweep changes most steeply near it [Hz].
-        amplitude: of the sweep there [m/s^2].
-    """
-
-    fold: float
-    frequency: float
-    amplitude: float
+    fold: float  # frequency of the fold [Hz]
+    frequency: float  # at which the sweep changes most steeply near it [Hz]
+    amplitude: float  # of the sweep there [m/s^2]
 
     @property
     def past_fold(self) -> float:
@@ -101,21 +81,14 @@ class SweepJump:
 
 @dataclass(frozen=True, kw_only=True)
 class SweepComparison:
-    """A sweep's envelope against the stable motions of a branch, away from jumps.
+    """A sweep's envelope against the stable motions of a branch, away from jumps."""
 
-    Attributes:
-        largest: largest difference relative to the branch; NaN if nothing can be compared.
-        at: frequency of it [Hz].
-        peak_frequency, peak: of the envelope [Hz], [m/s^2].
-        jumps: of the sweep, one for every fold that it passes in the direction in which it jumps.
-    """
-
-    largest: float
-    at: float
+    largest: float  # largest difference relative to the branch; NaN if nothing can be compared
+    at: float  # frequency of it [Hz]
     median: float
-    peak_frequency: float
+    peak_frequency: float  # of the envelope [Hz], [m/s^2]
     peak: float
-    jumps: tuple[SweepJump, ...]
+    jumps: tuple[SweepJump, ...]  # of the sweep, one for every fold that it passes in the direction in which it jumps
 
 
 def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> SweepComparison:
@@ -125,13 +98,12 @@ def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | N
     difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
     known = np.flatnonzero(np.isfinite(difference))
     largest = int(known[np.argmax(difference[known])]) if known.size else -1
+    most, at, median = math.nan, math.nan, math.nan
+    if known.size:
+        most, at, median = float(difference[largest]), float(f[largest]), float(np.median(difference[known]))
+    jumps = () if branch is None else _jumps(sweep, branch)
     return SweepComparison(
-        largest=float(difference[largest]) if known.size else math.nan,
-        at=float(f[largest]) if known.size else math.nan,
-        median=float(np.median(difference[known])) if known.size else math.nan,
-        peak_frequency=float(f[top]),
-        peak=float(a[top]),
-        jumps=() if branch is None else _jumps(sweep, branch),
+        largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=jumps
     )
 
 
@@ -183,25 +155,18 @@ class LevelSummary:
 
 
 def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
-    """Return the summaries of all levels."""
+    """Summarise all levels."""
     return [LevelSummary(level=level) for level in result.levels]
 
 
-def summary(findings: list[LevelSummary]) -> list[dict[str, Any]]:
-    """Return the summaries as plain values, SI units, None where there is no number."""
-    return [_level(one) for one in findings]
-
-
-def _level(summary: LevelSummary) -> dict[str, Any]:
+def plain_summary(summary: LevelSummary) -> dict[str, Any]:
+    """Write a summary as plain values, SI units, None where there is no number."""
     level, branch = summary.level, summary.level.branch
     content: dict[str, Any] = {"acceleration": level.acceleration}
     if branch is not None:
         content["continuation"] = {
-            "points": int(branch.frequency.size),
-            "complete": branch.complete,
-            "message": branch.message,
-            "model_steps": branch.model_steps,
-            "seconds": round(level.branch_seconds, 3),
+            "points": int(branch.frequency.size), "complete": branch.complete, "message": branch.message,
+            "model_steps": branch.model_steps, "seconds": round(level.branch_seconds, 3),
             "peaks": [asdict(peak) for peak in summary.peaks],
             "bifurcations": [
                 {

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
-from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
+from wirerope_mj.dynamics.modes.axis import closed_cycle, cycle_samples
 from wirerope_mj.dynamics.modes.mount import SMALL
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.single_mass.cycle import is_neutral
@@ -27,19 +27,12 @@ APART = 0.01
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest.
+    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest."""
 
-    Attributes:
-        frequencies: [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found.
-        shift: largest distance of such a deflection from rest [m], (n_modes,).
-        mounts: name of the mount that moves by it, (n_modes).
-        apart: indices of the modes whose frequency is not that about rest.
-    """
-
-    frequencies: Array
-    shift: Array
-    mounts: tuple[str, ...]
-    apart: Integers
+    frequencies: Array  # [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found
+    shift: Array  # largest distance of such a deflection from rest [m], (n_modes,)
+    mounts: tuple[str, ...]  # name of the mount that moves by it, (n_modes)
+    apart: Integers  # indices of the modes whose frequency is not that about rest
 
 
 def carried(system: System, modes: Modes) -> Carried:
@@ -94,7 +87,7 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
     """Return the deflection about which the mean force of a cycle is `force` [m]; NaN if none is found."""
 
     def excess(deflection: float) -> float:
-        return mean_force(law, deflection, amplitude, frequency=frequency) - force
+        return float(cycle_samples(law, deflection, amplitude, frequency)[1].mean()) - force
 
     here = excess(rest)
     if abs(here) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle

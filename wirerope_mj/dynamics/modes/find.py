@@ -2,13 +2,14 @@
 
 import math
 from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TypeVar
 
 import mujoco
 import numpy as np
 import scipy
 
-from wirerope_mj.dynamics.modes.rest import AtRest, descriptions_of, linearise, participation_of, payload_shapes
+from wirerope_mj.dynamics.modes.rest import AtRest, description_of, linearise, participation_of, payload_shapes
 from wirerope_mj.dynamics.modes.result import Modes, TippingStability
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.statics.payloads import movers_of
@@ -63,14 +64,8 @@ def iterate(
     """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
 
     Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
-    whose Rayleigh quotient is right to the second order of what the shape lacks.
-
-    Args:
-        stiffness: complex stiffness of a shape (n,) and an eigenvalue.
-        mass: mass matrix.
-        known: shapes of all modes for small amplitudes, phi^T M phi = 1, (n, n).
-        mode: which of them is followed.
-        start: eigenvalue and shape to start from.
+    whose Rayleigh quotient is right to the second order of what the shape lacks. `known` are the shapes of all modes for small
+    amplitudes, phi^T M phi = 1, (n, n); column `mode` is followed, from an eigenvalue and a shape.
     """
     value, shape = start
     matrix = stiffness(shape, value)
@@ -100,11 +95,10 @@ def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -
     stiffness = rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass)
     return TippingStability(
-        smallest_eigenvalue=float(values.min(initial=np.inf)),
-        gravity_factor=_critical(rest.other + tangent, -rest.weight),
+        smallest_eigenvalue=float(values.min(initial=np.inf)), gravity_factor=_critical(rest.other + tangent, -rest.weight),
         rise=min((_critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
         softest=_critical(rest.other + loading, -rest.weight),
-    )
+    )  # fmt: skip
 
 
 def _critical(stiffness: Array, load: Array) -> float:
@@ -170,7 +164,8 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     for mode in range(values.size):
         for size in sizes:
             start = float(values[mode]), shapes[:, mode]
-            values[mode], shapes[:, mode], complexes[mode] = springs.mode(known, mode, start, size)
+            found = iterate(partial(springs.at, size), rest.mass, known, mode, start)
+            values[mode], shapes[:, mode], complexes[mode] = found
     damping = np.array([_damping(shapes[:, i], values[i], complexes[i], rest) for i in range(values.size)])
     order = np.argsort(values, kind="stable")
     scaled = np.stack([springs.scaled(shapes[:, i]) for i in order], axis=1)
@@ -179,29 +174,21 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     participation, moving_mass = participation_of(system, rest, scaled)
     return Modes(
         frequencies=np.where((values[order] < 0.0) & bool(static.free), 0.0, frequency_of(values[order])),
-        damping_ratio=damping[order],
-        loading=bracket[0][order],
-        unloading=bracket[1][order],
-        shapes=whole,
-        payloads=payload_shapes(system, rest, scaled),
+        damping_ratio=damping[order], loading=bracket[0][order], unloading=bracket[1][order],
+        shapes=whole, payloads=payload_shapes(system, rest, scaled),
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
-        participation=participation,
-        moving_mass=moving_mass,
-        descriptions=_with_fate(descriptions_of(system, rest, scaled), values[order]),
-        history=history,
-        amplitude=amplitude,
+        participation=participation, moving_mass=moving_mass,
+        descriptions=tuple(
+            description_of(system, rest, shape) + _fate(value)
+            for shape, value in zip(scaled.T, values[order], strict=True)
+        ),
         stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
-        free=rest.free,
-        mass=rest.mass,
-        stiffness=held.real,
-        equilibrium=static,
-    )
+        history=history, amplitude=amplitude, free=rest.free, mass=rest.mass, stiffness=held.real, equilibrium=static,
+    )  # fmt: skip
 
 
-def _with_fate(descriptions: tuple[str, ...], values: Array) -> tuple[str, ...]:
-    """Return the descriptions, those of free and of unstable modes marked; `values` are eigenvalues, (n_modes,)."""
-    fates = ["" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)" for value in values]
-    return tuple(description + fate for description, fate in zip(descriptions, fates, strict=True))
+def _fate(value: float) -> str:
+    return "" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)"
 
 
 class _Springs:
@@ -221,16 +208,10 @@ class _Springs:
                 total += mount.jacobian.T @ mount.loop_stiffness(moved) @ mount.jacobian
         return total
 
-    def mode(
-        self, known: Array, mode: int, start: tuple[float, Array], amplitude: float
-    ) -> tuple[float, Array, ComplexArray]:
-        """Return eigenvalue, shape and complex stiffness of a mode whose largest mount deflection is `amplitude` [m]."""
-
-        def stiffness(shape: Array, value: float) -> ComplexArray:
-            frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # what does not swing has no frequency
-            return self.held(self.scaled(shape), amplitude, frequency)
-
-        return iterate(stiffness, self.rest.mass, known, mode, start)
+    def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
+        """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""
+        frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # what does not swing has no frequency
+        return self.held(self.scaled(shape), amplitude, frequency)
 
     def lasting(self) -> Array:
         """Return the stiffness of the mounts that is left after long vibration, (n, n)."""

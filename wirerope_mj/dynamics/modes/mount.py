@@ -11,7 +11,7 @@ from wirerope_mj.dynamics.modes.axis import (
     SAMPLES,
     closed_cycle,
     cycle_samples,
-    lasting,
+    elastic_slope,
     loading_and_unloading,
     vanishing_cycle,
 )
@@ -32,12 +32,8 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
 
     With w = z / z_m and its unit vector e:  dz/dx = diag(z_m) [1 - c |w|^n e e^T] diag(1 / x_y), c = 1 on loading and
     1 - 2 sigma on unloading; F2 multiplies the axial row, and the loop's energy adds its own. Where the axes' energies z_m x_y
-    or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up.
-
-    Args:
-        coupled: the law.
-        deflection: of roll and the other axis [m], (2,).
-        z: hysteretic forces [N], those of roll on every scale, then those of the other axis, (2 n_scales,).
+    or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up. `z` are the hysteretic forces [N], those
+    of roll on every scale, then those of the other axis, (2 n_scales,).
     """
     if len(coupled.scales) > 1:
         each = z.reshape(2, -1).T  # of both axes, scale by scale
@@ -52,10 +48,11 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
     at = [(law, float(x), float(force)) for law, x, force in zip(coupled.laws, deflection, z, strict=True)]
     held = np.diag([_held_slope(law, x, force) for law, x, force in at])
     factor = np.array([math.exp(asymmetry_of(law) * x) for law, x, _ in at])
+    loop = coupled.loop.stiffness(deflection) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
     tangents = []
     for factor_of_z in (1.0, 1.0 - 2.0 * sigma):
         slope = factor[:, None] * (bound[:, None] * (np.eye(2) - factor_of_z * size**n * along) / yields)
-        tangents.append(0.5 * (slope + slope.T) + held + loop_stiffness(coupled, deflection))
+        tangents.append(0.5 * (slope + slope.T) + held + loop)
     return tangents[0], tangents[1]
 
 
@@ -82,20 +79,10 @@ def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> Comple
     return stiffness
 
 
-def loop_stiffness(coupled: Coupled, deflection: Array) -> Array:
-    """Return the stiffness of the loop's elastic energy [N/m], (2, 2); zero without one."""
-    return coupled.loop.stiffness(deflection) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
-
-
 def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array:
-    """Return the stiffness of the loop's elastic energy over deflection + amplitude cos [N/m], (2, 2).
+    """Evaluate the stiffness of the loop's elastic energy over deflection + amplitude cos [N/m], (2, 2); both with signs [m].
 
     Times the amplitude it is the first harmonic of the force: the mean of the second derivatives with the weight 2 sin^2.
-
-    Args:
-        loop: the energy.
-        deflection: roll and axial, about which the cycle runs [m], (2,).
-        amplitude: of both, with signs, as they move against each other [m], (2,).
     """
     if float(np.hypot(*amplitude)) < SMALL:
         return loop.stiffness(deflection)
@@ -146,21 +133,12 @@ def _elastic_harmonic(law: Law, x: float, amplitude: float) -> float:
 
 @dataclass(frozen=True, kw_only=True)
 class MountAtRest:
-    """A mount where it rests.
-
-    Attributes:
-        isolator: the device.
-        deflection: roll, shear, axial [m], (3,).
-        force: restoring force [N], (3,).
-        states: internal states of each axis.
-        jacobian: deflection by free velocity coordinates, (3, n).
-    """
+    """A mount where it rests."""
 
     isolator: Isolator
-    deflection: Array
-    force: Array
-    states: tuple[Array, Array, Array]
-    jacobian: Array
+    deflection: Array  # roll, shear, axial [m], (3,)
+    states: tuple[Array, Array, Array]  # internal states of each axis
+    jacobian: Array  # deflection by free velocity coordinates, (3, n)
 
     def tangents(self) -> tuple[Array, Array]:
         """Return the stiffness on further loading and on unloading of every axis [N/m], (3, 3) each."""
@@ -182,28 +160,20 @@ class MountAtRest:
         """Return the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
         laws = self.isolator.axes.values()
         slopes = [
-            0.0 if law is None else lasting(law, x) for law, x in zip(laws, self.deflection.tolist(), strict=True)
+            0.0 if law is None else elastic_slope(law, x, np.zeros(law.n_states))
+            for law, x in zip(laws, self.deflection.tolist(), strict=True)
         ]
         return np.diag(slopes) + self.loop_stiffness(np.zeros(3))
 
     def loop_stiffness(self, amplitude: Array) -> Array:
-        """Return what a loop's elastic energy adds to the stiffness of the axes in closed cycles [N/m], (3, 3).
-
-        Args:
-            amplitude: of every axis, with signs, as they move against each other [m], (3,); zero for small cycles.
-        """
+        """Evaluate what a loop's energy adds to the stiffness of the axes in cycles of amplitudes with signs [N/m], (3, 3)."""
         stiffness, axes, loop = np.zeros((3, 3)), list(self.isolator.coupled_axes), self.isolator.loop
         if loop is not None:
             stiffness[np.ix_(axes, axes)] = loop_cycle(loop, self.deflection[axes], amplitude[axes])
         return stiffness
 
     def stiffness(self, amplitude: Array, frequency: float) -> ComplexArray:
-        """Return stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy.
-
-        Args:
-            amplitude: of every axis [m], (3,); zero for the limit of small cycles.
-            frequency: of the cycle [Hz].
-        """
+        """Evaluate stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy."""
         complex_stiffness = np.zeros(3, dtype=np.complex128)
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is None:

@@ -27,25 +27,17 @@ _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
 
 @dataclass(frozen=True, kw_only=True)
 class AtRest:
-    """A system at rest in its free velocity coordinates; the base does not move.
+    """A system at rest in its free velocity coordinates; the base does not move."""
 
-    Attributes:
-        free: which of MuJoCo's velocity coordinates these are, (n,).
-        mass: mass matrix, (n, n).
-        other: stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n).
-        weight: stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n).
-        damping: of joints, (n, n).
-        mounts: mounts by name.
-        data: MuJoCo's data in that state.
-    """
-
-    free: Integers
-    mass: Array
+    free: Integers  # which of MuJoCo's velocity coordinates these are, (n,)
+    mass: Array  # mass matrix, (n, n)
+    # stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n)
     other: Array
+    # stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n)
     weight: Array
-    damping: Array
-    mounts: dict[str, MountAtRest]
-    data: mujoco.MjData
+    damping: Array  # of joints, (n, n)
+    mounts: dict[str, MountAtRest]  # mounts by name
+    data: mujoco.MjData  # MuJoCo's data in that state
 
 
 def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
@@ -68,22 +60,13 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     other = _held(system, model, data, None, free)
     model.opt.gravity[:] = gravity
     return AtRest(
-        free=free,
-        mass=mass,
-        other=other,
-        weight=loaded - other,
-        damping=np.diag(model.dof_damping[free]),
-        mounts=mounts,
+        free=free, mass=mass, other=other, weight=loaded - other, damping=np.diag(model.dof_damping[free]), mounts=mounts,
         data=data,
-    )
+    )  # fmt: skip
 
 
 def _held(
-    system: System,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    equilibrium: Equilibrium | None,
-    free: Integers,
+    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers
 ) -> Array:
     """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
 
@@ -134,12 +117,7 @@ def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibriu
 
 
 def _mount(
-    system: System,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    equilibrium: Equilibrium,
-    name: str,
-    free: Integers,
+    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium, name: str, free: Integers
 ) -> MountAtRest:
     mount, load = system.mounts[name], equilibrium.mounts[name]
     point = data.site(mount.payload_site).xpos
@@ -150,12 +128,9 @@ def _mount(
     first = system.assembly.activation
     states = [data.act[first + part.start : first + part.stop].copy() for part in mount.states]
     return MountAtRest(
-        isolator=mount.isolator,
-        deflection=load.deflection,
-        force=load.force,
-        states=(states[0], states[1], states[2]),
+        isolator=mount.isolator, deflection=load.deflection, states=(states[0], states[1], states[2]),
         jacobian=axes.T @ (payload - base)[:, free],
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -172,11 +147,9 @@ def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, Pay
     for payload in payloads_of(system):
         tree = _tree(system.model, rest, payload)
         result[payload.name] = PayloadShape(
-            centre=rest.data.subtree_com[payload.root].copy(),
-            mass=payload.mass,
-            translation=(tree.centre @ shapes).T,
-            rotation=(tree.turn @ shapes).T,
-        )
+            centre=rest.data.subtree_com[payload.root].copy(), mass=payload.mass,
+            translation=(tree.centre @ shapes).T, rotation=(tree.turn @ shapes).T,
+        )  # fmt: skip
     return result
 
 
@@ -198,13 +171,8 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
     return np.where(with_mass, effective / np.where(with_mass, moving, 1.0), 0.0), np.where(with_mass, moving, 0.0)
 
 
-def descriptions_of(system: System, rest: AtRest, shapes: Array) -> tuple[str, ...]:
-    """Return a description of each of the shapes (n, n_modes)."""
-    return tuple(_description(system, rest, shape) for shape in shapes.T)
-
-
-def _description(system: System, rest: AtRest, shape: Array) -> str:
-    """Return the components that hold most of the kinetic energy of a shape, largest first."""
+def description_of(system: System, rest: AtRest, shape: Array) -> str:
+    """Name the components that hold most of the kinetic energy of a shape (n,), largest first."""
     model = system.model
     energy = float(shape @ rest.mass @ shape)
     movers = movers_of(system)

@@ -8,9 +8,7 @@ import scipy
 
 from wirerope_mj.engine.statics import Equilibrium, History
 from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.foundation.json_values import json_values
-from wirerope_mj.foundation.renamed import Renamed
-from wirerope_mj.foundation.summary import Summarised, quantity
+from wirerope_mj.foundation.summary import Summarised, json_values, quantity
 
 _FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far
 # Gravity factor from which a payload stands safely; less is called slender.
@@ -59,7 +57,7 @@ class TippingStability:
         if self.word == "not held":
             return "something moves without any stiffness: no mount, joint or stop holds it."
         if self.gravity_factor > _FAR and self.rise > _FAR:
-            return f"{self.word}, far from tipping over."
+            return f"{self.word}, large margin."
         limits = []
         if np.isfinite(self.gravity_factor):
             limits.append(f"at {self.gravity_factor:.2g} times its weight")
@@ -69,16 +67,11 @@ class TippingStability:
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values; what is infinite is None."""
-        values: dict[str, Any] = json_values(
-            {
-                "word": self.word,
-                "smallest_eigenvalue_1_s2": self.smallest_eigenvalue,
-                "gravity_factor": self.gravity_factor,
-                "rise_m": self.rise,
-                "gravity_factor_on_loading": self.softest,
-            }
-        )
-        return values
+        values: dict[str, Any] = {
+            "word": self.word, "smallest_eigenvalue_1_s2": self.smallest_eigenvalue, "gravity_factor": self.gravity_factor,
+            "rise_m": self.rise, "gravity_factor_on_loading": self.softest,
+        }  # fmt: skip
+        return {name: json_values(value) for name, value in values.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -161,39 +154,29 @@ class Modes(Summarised):
         low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)
         return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
 
-    words, places_in = Renamed("descriptions"), Renamed("indices_in")
-
     def indices_in(self, other: "Modes") -> list[int]:
         """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
-        ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))
+        free = (modes.shapes[self.free] for modes in (self, other))
+        ours, theirs = (x / np.sqrt(np.einsum("nj,nk,kj->j", x, self.mass, x)) for x in free)
         _, indices = scipy.optimize.linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
         return [int(index) for index in indices]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the modes as plain values, SI; what is not finite is None."""
+        modes = [
+            {
+                "word": description, "frequency_Hz": json_values(self.frequencies[i]),
+                "loading_Hz": json_values(self.loading[i]), "unloading_Hz": json_values(self.unloading[i]),
+                "damping_ratio": json_values(self.damping_ratio[i]), "participation": self.participation[i].tolist(),
+                "payloads": {
+                    name: {"translation": p.translation[i].tolist(), "rotation": p.rotation[i].tolist()}
+                    for name, p in self.payloads.items()
+                },
+                "mounts": {name: shape[i].tolist() for name, shape in self.mounts.items()},
+            }
+            for i, description in enumerate(self.descriptions)
+        ]  # fmt: skip
         return {
-            "history": self.history,
-            "amplitude_m": self.amplitude,
-            "moving_mass_kg": self.moving_mass.tolist(),
-            "modes": [
-                {
-                    "word": description,
-                    "frequency_Hz": json_values(self.frequencies[i]),
-                    "loading_Hz": json_values(self.loading[i]),
-                    "unloading_Hz": json_values(self.unloading[i]),
-                    "damping_ratio": json_values(self.damping_ratio[i]),
-                    "participation": self.participation[i].tolist(),
-                    "payloads": {
-                        name: {"translation": p.translation[i].tolist(), "rotation": p.rotation[i].tolist()}
-                        for name, p in self.payloads.items()
-                    },
-                    "mounts": {name: shape[i].tolist() for name, shape in self.mounts.items()},
-                }
-                for i, description in enumerate(self.descriptions)
-            ],
-            "stability": self.stability.to_dict(),
-        }
-
-
-def _unit(shapes: Array, mass: Array) -> Array:
-    return np.asarray(shapes / np.sqrt(np.einsum("nj,nk,kj->j", shapes, mass, shapes)))
+            "history": self.history, "amplitude_m": self.amplitude, "moving_mass_kg": self.moving_mass.tolist(),
+            "modes": modes, "stability": self.stability.to_dict(),
+        }  # fmt: skip

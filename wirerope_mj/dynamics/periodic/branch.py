@@ -12,7 +12,6 @@ from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Booleans, ComplexArray, Integers
 from wirerope_mj.foundation.directions import Direction, direction_text
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 
@@ -52,8 +51,6 @@ class Bifurcation:
     def transmissibility(self) -> float:
         """Amplitude over the base's acceleration [-]."""
         return self.amplitude / abs(self.acceleration)
-
-    words = Renamed("description")
 
     @property
     def description(self) -> str:
@@ -101,7 +98,6 @@ class Branch(Summarised):
     """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed.
 
     Attributes:
-        system: the system.
         parameter: the one that was followed, "frequency" or "acceleration".
         frequency: of the base [Hz], (n,).
         acceleration: amplitude of the base's acceleration [m/s^2], (n,).
@@ -197,22 +193,13 @@ class Branch(Summarised):
         carried = coordinates.carried(float(self.frequency[index]), float(self.acceleration[index]))
         multipliers = self.floquet_multipliers[index]
         return PeriodicOrbit(
-            system=self.system,
-            frequency=float(self.frequency[index]),
-            acceleration=float(self.acceleration[index]),
-            direction=self.direction,
-            periods=self.periods,
-            smoothing_width=float(self.smoothing_width[index]),
-            state=State(values=coordinates.to_state(self.unknowns[index], carried), time=0.0),
-            steps=int(self.steps[index]),
-            floquet_multipliers=multipliers[~np.isnan(multipliers)],
-            neutral=int(self.neutral[index]),
-            stable=bool(self.stable[index]),
-            residual=float(self.residual[index]),
-            iterations=0,
-            model_steps=0,
+            system=self.system, frequency=float(self.frequency[index]), acceleration=float(self.acceleration[index]),
+            direction=self.direction, periods=self.periods, smoothing_width=float(self.smoothing_width[index]),
+            state=State(values=coordinates.to_state(self.unknowns[index], carried), time=0.0), steps=int(self.steps[index]),
+            floquet_multipliers=multipliers[~np.isnan(multipliers)], neutral=int(self.neutral[index]),
+            stable=bool(self.stable[index]), residual=float(self.residual[index]), iterations=0, model_steps=0,
             message=f"point {index} of a branch",
-        )
+        )  # fmt: skip
 
     def _jump(self, fold: Bifurcation) -> Jump:
         p, a = self.followed, self.amplitude

@@ -38,24 +38,15 @@ TIGHTER = 1e-2
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """A corrected point of a branch.
-
-    Attributes:
-        parameter: value of what is followed.
-        matrix: derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1).
-        tangent: unit tangent in the units of arclength, (n_x + 1,).
-        stability: Floquet multipliers.
-        corrections: corrector iterations that it took.
-        width: velocity over which the laws were smoothed [m/s].
-    """
+    """A corrected point of a branch."""
 
     shot: Shot
-    parameter: float
-    matrix: Array
-    tangent: Array
-    stability: FloquetStability
-    corrections: int
-    width: float
+    parameter: float  # value of what is followed
+    matrix: Array  # derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1)
+    tangent: Array  # unit tangent in the units of arclength, (n_x + 1,)
+    stability: FloquetStability  # Floquet multipliers
+    corrections: int  # corrector iterations that it took
+    width: float  # velocity over which the laws were smoothed [m/s]
 
     @property
     def unstable(self) -> int:
@@ -65,12 +56,11 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True)
 class Event:
-    """A fold or a change of stability between two points: the multiplier, the point and its arclength from the first."""
+    """A fold or a change of stability between two points, and the multiplier that passes the unit circle there."""
 
     kind: Kind
     multiplier: complex
     point: Point
-    arclength: float
 
 
 class Continuation:
@@ -99,6 +89,11 @@ class Continuation:
             tangent=unit_tangent(matrix / self._to_arc(n), np.append(np.zeros(n), sign) if before is None else before),
             stability=stability(self.flow, motion, matrix[:, :n] + np.eye(n)),
         )  # fmt: skip
+
+    def closed(self, x: Array, value: float) -> Shot | None:
+        """Close the motion near the unknowns at a value of the parameter by Newton's method; None if that fails."""
+        motion = self.search.closed(shot(self.flow, x, self.drive(value)), self.tolerance)
+        return motion if motion.residual <= self.tolerance else None
 
     def _matrix(self, motion: Shot, value: float) -> Array:
         """Differentiate the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
@@ -170,10 +165,10 @@ class Continuation:
             def tight(arclength: float) -> Point | None:
                 return self.step(a, arclength, TIGHTER * self.tolerance) or self.step(a, arclength)
 
-            point, arclength = crossing(tight, (a, b), length, lambda p: float(p.tangent[-1]), CLOSE / self.unit)
+            point = crossing(tight, (a, b), length, lambda p: float(p.tangent[-1]), CLOSE / self.unit)
             values = point.stability.multipliers
             nearest = complex(values[np.argmin(np.abs(values - 1.0))]) if values.size else 1.0 + 0.0j
-            return Event(kind="fold", multiplier=nearest, point=point, arclength=arclength)
+            return Event(kind="fold", multiplier=nearest, point=point)
         low, high = sorted((a.unstable, b.unstable))
         if low == high:
             return None
@@ -182,14 +177,14 @@ class Continuation:
             values = point.stability.multipliers
             return float(np.abs(values[low])) - 1.0 if low < values.size else -1.0
 
-        point, arclength = crossing(lambda s: self.step(a, s), (a, b), length, modulus, CLOSE / self.unit)
+        point = crossing(lambda s: self.step(a, s), (a, b), length, modulus, CLOSE / self.unit)
         more = a if a.unstable > b.unstable else b
         critical = complex(more.stability.multipliers[low])
         if abs(critical.imag) > 1e-6 * abs(critical):
             kind: Kind = "Neimark-Sacker"
         else:
             kind = "period doubling" if critical.real < 0.0 else "symmetry breaking"
-        return Event(kind=kind, multiplier=critical, point=point, arclength=arclength)
+        return Event(kind=kind, multiplier=critical, point=point)
 
 
 def turns(a: Point, b: Point) -> bool:

@@ -10,7 +10,6 @@ from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, ranges, tra
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.dynamics.periodic.shooting import (
     ACCEPTED,
-    FloquetStability,
     Shot,
     close,
     monodromy,
@@ -179,31 +178,14 @@ class OrbitSearch:
             )
         phi = self.variational.matrix(motion) if self.scaled and self.variational is not None else None
         judged = stability(self.flow, motion, wide_monodromy(self.flow, motion) if phi is None else phi)
-        return self.orbit(motion, judged, tolerance, settling)
-
-    def orbit(self, motion: Shot, judged: FloquetStability, tolerance: float, settling: str) -> PeriodicOrbit:
-        """Return the result for a motion that was found."""
-        drive = motion.track.drive
         carried = self.coordinates.carried(drive.frequency, drive.acceleration)
-        reached = (
-            ""
-            if motion.residual <= tolerance
-            else f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there"
-        )
+        short = f", not the `tolerance` of {tolerance:.1g}: rounding stopped it there"
+        reached = "" if motion.residual <= tolerance else short
         return PeriodicOrbit(
-            system=self.system,
-            frequency=drive.frequency,
-            acceleration=drive.acceleration,
-            direction=self.coordinates.direction,
-            periods=drive.periods,
-            smoothing_width=self.flow.width,
-            state=State(values=self.coordinates.to_state(motion.x, carried), time=0.0),
-            steps=drive.steps,
-            floquet_multipliers=judged.multipliers,
-            neutral=judged.neutral,
-            stable=judged.stable,
-            residual=motion.residual,
-            iterations=motion.iterations,
-            model_steps=self.flow.steps,
+            system=self.system, frequency=drive.frequency, acceleration=drive.acceleration,
+            direction=self.coordinates.direction, periods=drive.periods, smoothing_width=self.flow.width,
+            state=State(values=self.coordinates.to_state(motion.x, carried), time=0.0), steps=drive.steps,
+            floquet_multipliers=judged.multipliers, neutral=judged.neutral, stable=judged.stable, residual=motion.residual,
+            iterations=motion.iterations, model_steps=self.flow.steps,
             message=f"residual {motion.residual:.1e} after {motion.iterations} Newton iterations{settling}{reached}",
-        )
+        )  # fmt: skip

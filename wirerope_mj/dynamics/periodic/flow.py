@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 from mujoco.batch import Batch
 
-from wirerope_mj.dynamics.periodic.laws import ScaledStates, set_width, width_indices, widths_of
+from wirerope_mj.dynamics.periodic.laws import ScaledStates, width_indices, widths_of
 from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, Track
 from wirerope_mj.dynamics.periodic.stepping import go, look_around
 from wirerope_mj.engine.control import installed
@@ -39,7 +39,6 @@ class Flow(ABC):
     """The map from the unknowns at phase 0 to those some periods later.
 
     Attributes:
-        coordinates: the unknowns.
         system: what is stepped: that of the coordinates, or one with the same states and smoothed laws.
         width: velocity over which its laws are smoothed [m/s]; 0 for laws as they are.
         taken: model steps taken so far, of all copies.
@@ -96,7 +95,7 @@ class MujocoFlow(Flow):
     def smooth(self, width: float) -> None:
         """Smooth the laws over a velocity [m/s]."""
         super().smooth(width)
-        set_width(self._batch, self.width_indices, width)
+        self._batch.expand("numeric_data")[:, self.width_indices] = width
 
     @contextmanager
     def ready(self) -> Iterator[None]:

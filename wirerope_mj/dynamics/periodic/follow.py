@@ -66,8 +66,11 @@ def periodic_orbit(
     )  # fmt: skip
     integer("periods", periods, least=1)
     check_direction(system, sine)
-    if guess is not None:
-        _require_state(system, guess)
+    size = mujoco.mj_stateSize(system.model, STATE)
+    if guess is not None and not isinstance(guess, State):
+        raise ValueError(f"`guess` must be a State, as `PeriodicOrbit.state` is one; got {type(guess).__name__}.")
+    if guess is not None and guess.values.shape != (size,):
+        raise ValueError(f"`guess` has {guess.values.size} values; a state of this system has {size}.")
     search = OrbitSearch(
         system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy), smoothing=smoothing
     )
@@ -75,15 +78,6 @@ def periodic_orbit(
         return search.find(
             sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
         )
-
-
-def _require_state(system: System, guess: State) -> None:
-    """Raise ValueError unless the guess is a state of this system."""
-    if not isinstance(guess, State):
-        raise ValueError(f"`guess` must be a State, as `PeriodicOrbit.state` is one; got {type(guess).__name__}.")
-    size = mujoco.mj_stateSize(system.model, STATE)
-    if guess.values.shape != (size,):
-        raise ValueError(f"`guess` has {guess.values.size} values; a state of this system has {size}.")
 
 
 def follow_branch(

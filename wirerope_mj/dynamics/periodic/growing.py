@@ -47,13 +47,9 @@ class GrowingBranch:
     def __init__(self, search: OrbitSearch, options: BranchOptions, folder: Path | None) -> None:
         self.search, self.options, self.system, self.folder = search, options, search.system, folder
         self.path = Continuation(
-            search,
-            parameter=options.parameter,
-            other=options.other,
-            periods=options.periods,
-            unit=options.largest_step,
+            search, parameter=options.parameter, other=options.other, periods=options.periods, unit=options.largest_step,
             tolerance=options.tolerance,
-        )
+        )  # fmt: skip
         self.rows: list[Row] = []
         self.events: list[Bifurcation] = []
         self.gaps: list[tuple[float, float]] = []
@@ -83,9 +79,8 @@ class GrowingBranch:
             value = last.parameter * math.exp(towards * unsupported_motion * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
                 return None
-            start = shot(self.search.flow, last.shot.x, self.path.drive(value))
-            motion = self.search.closed(start, options.tolerance)
-            if motion.residual <= options.tolerance:
+            motion = self.path.closed(last.shot.x, value)
+            if motion is not None:
                 self.gaps.append((last.parameter, value))
                 return self.path.point(motion, value, before=None, sign=towards)
         return None
@@ -144,7 +139,7 @@ class GrowingBranch:
         )  # fmt: skip
         if passed is None:
             return None
-        self._add(fold, len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1)
+        self._add(fold)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
         return passed.point
 
@@ -154,7 +149,7 @@ class GrowingBranch:
         if farthest is None or farthest == self._jump:
             return None
         row = self.rows[farthest]
-        value = row.frequency if self.options.parameter == "frequency" else row.acceleration
+        value = self.options.followed(row)
         passed = pass_by(
             self.path, self.options, unknowns=row.unknowns, parameter=value, amplitude=row.amplitude,
             towards=self.options.sign,
@@ -184,21 +179,18 @@ class GrowingBranch:
     def _first(self, guess: State | None) -> Point:
         options = self.options
         drive = self.path.drive(options.start)
-        orbit = self.search.find(
-            drive.frequency, drive.acceleration, options.periods, guess=guess, tolerance=options.tolerance
-        )
-        carried = self.search.coordinates.carried(drive.frequency, drive.acceleration)
-        x = self.search.coordinates.from_state(orbit.state.values, carried)
-        point = self._at(x, options.start, before=None)
+        f, a = drive.frequency, drive.acceleration
+        orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
+        x = self.search.coordinates.from_state(orbit.state.values, self.search.coordinates.carried(f, a))
+        point = self._at(x, options.start)
         self._add(point)
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
         return point
 
-    def _at(self, x: Array, value: float, before: Array | None) -> Point:
-        """Return the point of a motion that has been found before."""
-        start = shot(self.search.flow, x, self.path.drive(value))
-        motion = self.search.closed(start, self.options.tolerance)
-        return self.path.point(motion, value, before=before, sign=self.options.sign)
+    def _at(self, x: Array, value: float) -> Point:
+        """Close a motion that has been found before."""
+        motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value)), self.options.tolerance)
+        return self.path.point(motion, value, before=None, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
         """Return the last point of a branch that stands in the folder, None if there is none or it had come to its end."""
@@ -215,10 +207,9 @@ class GrowingBranch:
         last = self.rows[-1]
         if last.smoothing_width:
             self.search.flow.smooth(last.smoothing_width)
-        value = last.frequency if self.options.parameter == "frequency" else last.acceleration
+        point = self._at(last.unknowns, self.options.followed(last))
         if len(self.rows) == 1:
-            return self._at(last.unknowns, value, before=None)
-        point = self._at(last.unknowns, value, before=None)
+            return point
         return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
 
     def _next(self, last: Point, length: float) -> tuple[Point | None, float]:
@@ -235,14 +226,14 @@ class GrowingBranch:
         event = self.path.event(a, b, length)
         if event is None:
             return
-        index = len(self.rows) if event.arclength > 0.0 else len(self.rows) - 1
-        self._add(event.point, index)
-        row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
+        self._add(event.point)
+        row = self.rows[-1]
         self.events.append(
             Bifurcation(
-                kind=event.kind, **row, index=index, multiplier=event.multiplier, before=a.unstable, after=b.unstable
+                kind=event.kind, frequency=row.frequency, acceleration=row.acceleration, amplitude=row.amplitude,
+                index=len(self.rows) - 1, multiplier=event.multiplier, before=a.unstable, after=b.unstable,
             )
-        )
+        )  # fmt: skip
         self._forget_ripple()
 
     def _forget_ripple(self) -> None:
@@ -257,8 +248,8 @@ class GrowingBranch:
         if abs(math.log(second / first)) < RIPPLE * self.options.accuracy:
             del self.events[-2:]
 
-    def _add(self, point: Point, index: int | None = None) -> None:
-        self.rows.insert(len(self.rows) if index is None else index, self._row(point))
+    def _add(self, point: Point) -> None:
+        self.rows.append(self._row(point))
 
     def _row(self, point: Point) -> Row:
         return row_of(self.system, point, self.options.payload, self.options.response_direction)
@@ -269,15 +260,11 @@ class GrowingBranch:
     def _content(self) -> dict[str, Any]:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
         options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("other")
-        steps = self.search.flow.steps + self._earlier_steps
-        progress: dict[str, Any] = {
-            "complete": self.complete,
-            "message": self.message,
-            "model_steps": steps,
-            "gaps": self.gaps,
-        }
-        progress["side_branches"] = [asdict(side) for side in self.side_branches]
-        return {"system": fingerprint(self.system), **options, **progress}
+        return {
+            "system": fingerprint(self.system), **options, "complete": self.complete, "message": self.message,
+            "model_steps": self.search.flow.steps + self._earlier_steps, "gaps": self.gaps,
+            "side_branches": [asdict(side) for side in self.side_branches],
+        }  # fmt: skip
 
     def _save(self) -> None:
         if self.folder is not None and self.rows:
@@ -298,24 +285,19 @@ class GrowingBranch:
             "smoothing_width",
             "unknowns",
             "steps",
+            "residual",
         )
-        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values: dict[str, Any] = {
             name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")
         }
+        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values |= {name: getattr(options, name) for name in kept}
         return Branch(
-            system=self.system,
-            **values,
-            tangents=np.array([row.tangent for row in rows]),
-            floquet_multipliers=multipliers,
-            bifurcations=tuple(self.events),
-            complete=self.complete,
-            gaps=tuple(self.gaps),
+            system=self.system, **values, tangents=np.array([row.tangent for row in rows]), floquet_multipliers=multipliers,
+            bifurcations=tuple(self.events), complete=self.complete, gaps=tuple(self.gaps),
             side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
-            model_steps=self.search.flow.steps + self._earlier_steps,
-            message=self.message,
-        )
+            model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
+        )  # fmt: skip
 
 
 def _angle(a: Point, b: Point) -> float:

@@ -22,7 +22,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.motion import Track, mount_deflections
 from wirerope_mj.engine.control import layout as at
@@ -84,28 +83,15 @@ def widths_of(laws: npt.NDArray[Any], parameters: Array) -> Integers:
     return np.array(found, dtype=np.int64)
 
 
-def set_width(batch: Batch, indices: Integers, width: float) -> None:
-    """Give every simulation of a batch laws that are smoothed over `width` [m/s]."""
-    batch.expand("numeric_data")[:, indices] = width
-
-
 @dataclass(frozen=True, kw_only=True)
 class Slopes:
-    """What scales the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its whole path.
+    """What scales the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its whole path."""
 
-    Attributes:
-        scale: phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n).
-        gain: factor of the rate's change, (n_pairs, 3, n).
-        decay: factor of w itself [1/s], (n_pairs, 3, n).
-        turns: by what w is multiplied before a pair, (n_pairs + 1, n); the last one is behind the last pair.
-        waits: time from the pair's start to the reversal, which lies between steps [s], (n_pairs + 1, n).
-    """
-
-    scale: Array
-    gain: Array
-    decay: Array
-    turns: Array
-    waits: Array
+    scale: Array  # phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n)
+    gain: Array  # factor of the rate's change, (n_pairs, 3, n)
+    decay: Array  # factor of w itself [1/s], (n_pairs, 3, n)
+    turns: Array  # by what w is multiplied before a pair, (n_pairs + 1, n); the last one is behind the last pair
+    waits: Array  # time from the pair's start to the reversal, which lies between steps [s], (n_pairs + 1, n)
 
     @property
     def begin(self) -> Array:

@@ -28,6 +28,8 @@ class Coordinates:
 
     Attributes:
         size: number of unknowns, 2 n_free + n_a.
+        configuration, velocity, internal: indices of these among the unknowns.
+        moving: indices of qpos, qvel and act among the values of an engine's state.
     """
 
     def __init__(self, system: System, *, direction: str | tuple[float, float, float], history: History) -> None:
@@ -38,37 +40,20 @@ class Coordinates:
         rest = State(values=self._rest.values.copy(), time=0.0)
         self._carry = moving_with_base(system, slow, rest).values - self._rest.values
         self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
-        self.size = 2 * self.free.size + self.model.na
+        n = self.free.size
+        self.size = 2 * n + self.model.na
+        self.configuration, self.velocity, self.internal = slice(0, n), slice(n, 2 * n), slice(2 * n, self.size)
         parts = (mujoco.mjtState.mjSTATE_TIME, mujoco.mjtState.mjSTATE_QPOS, mujoco.mjtState.mjSTATE_QVEL)
         time, nq, nv = (mujoco.mj_stateSize(self.model, part) for part in parts)
         self._qpos, self._qvel = slice(time, time + nq), slice(time + nq, time + nq + nv)
         self._act = slice(time + nq + nv, time + nq + nv + self.model.na)
-
-    @property
-    def configuration(self) -> slice:
-        """Indices of the configuration among the unknowns."""
-        return slice(0, self.free.size)
-
-    @property
-    def velocity(self) -> slice:
-        """Indices of the velocities among the unknowns."""
-        return slice(self.free.size, 2 * self.free.size)
-
-    @property
-    def internal(self) -> slice:
-        """Indices of the internal states among the unknowns."""
-        return slice(2 * self.free.size, self.size)
+        self.moving = slice(self._qpos.start, self._act.stop)
 
     def rest(self) -> Array:
         """Return the unknowns of the equilibrium moving with the base, (n_x,)."""
         x = np.zeros(self.size)
         x[self.internal] = self._rest.values[self._act]
         return x
-
-    @property
-    def moving(self) -> slice:
-        """Indices of qpos, qvel and act among the values of an engine's state."""
-        return slice(self._qpos.start, self._act.stop)
 
     def carried(self, frequency: float, acceleration: float) -> Array:
         """Return the engine's state of the equilibrium moving with the base at phase 0 of the sine, (n_state,).
@@ -203,11 +188,8 @@ def ranges(system: System, track: Track) -> Ranges:
     internal[activation : activation + states.shape[1]] = np.ptp(states, axis=0) / 2.0
     step = track.drive.duration / track.drive.steps
     rate = np.diff(deflection, axis=0, append=deflection[:1]) / step
-    return Ranges(
-        deflection=float(np.ptp(deflection, axis=0).max()) / 2.0,
-        rate=float(np.ptp(rate[:-1], axis=0).max()) / 2.0,
-        internal=internal,
-    )
+    half_range, speed = (float(np.ptp(values, axis=0).max()) / 2.0 for values in (deflection, rate[:-1]))
+    return Ranges(deflection=half_range, rate=speed, internal=internal)
 
 
 def largest(values: Array) -> float:

@@ -23,7 +23,6 @@ class PeriodicOrbit(Summarised):
     """A motion that repeats itself after an integer number of the base's periods.
 
     Attributes:
-        system: the system.
         frequency: of the base [Hz].
         acceleration: amplitude of the base's acceleration [m/s^2].
         direction: along which the base moves.
@@ -80,14 +79,12 @@ class PeriodicOrbit(Summarised):
     @cached_property
     def response(self) -> Response:
         """The motion over its own duration, sampled at every step."""
+        system = smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system
+        step = self.duration / self.steps
         return simulate(
-            smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system,
-            self.motion,
-            duration=self.duration,
-            initial=self.state,
-            timestep=self.duration / self.steps,
+            system, self.motion, duration=self.duration, initial=self.state, timestep=step,
             sample_rate=self.steps / self.duration,
-        )
+        )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -126,13 +123,7 @@ class HarmonicContent:
 def harmonic_content(
     orbit: PeriodicOrbit, *, payload: str, direction: str | tuple[float, float, float] | None = None, highest: int = 20
 ) -> HarmonicContent:
-    """Return the harmonics of a payload's absolute acceleration up to an order.
-
-    Args:
-        orbit: the motion.
-        payload: body of the response.
-        direction: along which the acceleration is taken; that of the base unless given.
-        highest: highest multiple of the base's frequency.
+    """Transform a payload's absolute acceleration along a direction, that of the base unless given, up to a highest order.
 
     Raises:
         ValueError: the payload is not known.
@@ -144,12 +135,8 @@ def harmonic_content(
     kept = min(highest * orbit.periods + 1, spectrum.size)
     amplitude = np.abs(spectrum[:kept]) * np.where(np.arange(kept) == 0, 1.0, 2.0)
     order = tuple(Fraction(number, orbit.periods) for number in range(kept))
-    return HarmonicContent(
-        order=order,
-        frequency=np.array([float(o) * orbit.frequency for o in order]),
-        amplitude=amplitude,
-        phase=np.angle(spectrum[:kept]),
-    )
+    frequency = np.array([float(o) * orbit.frequency for o in order])
+    return HarmonicContent(order=order, frequency=frequency, amplitude=amplitude, phase=np.angle(spectrum[:kept]))
 
 
 def _name(order: Fraction) -> str:

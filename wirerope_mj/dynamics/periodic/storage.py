@@ -35,6 +35,23 @@ _COLUMNS = (
 
 
 @dataclass(frozen=True, kw_only=True)
+class Row:
+    """A point of a branch; the attributes are those of `Branch`."""
+
+    frequency: float
+    acceleration: float
+    amplitude: float
+    stable: bool
+    multipliers: ComplexArray
+    neutral: int
+    unknowns: Array
+    smoothing_width: float
+    steps: int
+    tangent: float
+    residual: float
+
+
+@dataclass(frozen=True, kw_only=True)
 class BranchOptions:
     """The arguments of `follow_branch`, all checked; `other` is the parameter that stays fixed."""
 
@@ -58,6 +75,10 @@ class BranchOptions:
     def sign(self) -> float:
         """1 for a rising parameter, -1 for a falling one."""
         return 1.0 if self.stop > self.start else -1.0
+
+    def followed(self, row: Row) -> float:
+        """Value of the parameter that is followed."""
+        return row.frequency if self.parameter == "frequency" else row.acceleration
 
     def fraction(self, value: float) -> float:
         """Return the fraction of the range that is behind a value, between 0 and 1."""
@@ -83,7 +104,12 @@ def branch_options(
         raise ValueError(
             "give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration)."
         )
-    values = _range(numbers)
+    values = {name: positive(name, value) for name, value in numbers.items()}
+    if values["start"] == values["stop"]:
+        raise ValueError(
+            f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
+        )
+    check_steps(values["smallest_step"], values["largest_step"])
     one_of("payload", payload, observed_bodies(system))
     moved = checked_direction(direction)
     parameter: Parameter = "frequency" if frequency is None else "acceleration"
@@ -91,31 +117,12 @@ def branch_options(
         positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
     )
     check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
+    along = moved if response_direction is None else checked_direction(response_direction, "response_direction")
     return BranchOptions(
-        parameter=parameter,
-        other=other,
-        direction=moved,
-        payload=payload,
-        response_direction=moved
-        if response_direction is None
-        else checked_direction(response_direction, "response_direction"),
-        periods=periods,
-        history=history,
-        most_points=most_points,
-        smoothing=None if smoothing is None else positive("smoothing", smoothing),
+        parameter=parameter, other=other, direction=moved, payload=payload, response_direction=along, periods=periods,
+        history=history, most_points=most_points, smoothing=None if smoothing is None else positive("smoothing", smoothing),
         **values,
-    )
-
-
-def _range(numbers: dict[str, float]) -> dict[str, float]:
-    """Return start, stop, steps and tolerances as plain numbers that go together."""
-    values = {name: positive(name, value) for name, value in numbers.items()}
-    if values["start"] == values["stop"]:
-        raise ValueError(
-            f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
-        )
-    check_steps(values["smallest_step"], values["largest_step"])
-    return values
+    )  # fmt: skip
 
 
 def check_steps(smallest: float, largest: float) -> None:
@@ -135,23 +142,6 @@ def require_motion(amplitude: float, acceleration: float, payload: str, along: D
         )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Row:
-    """A point of a branch; the attributes are those of `Branch`."""
-
-    frequency: float
-    acceleration: float
-    amplitude: float
-    stable: bool
-    multipliers: ComplexArray
-    neutral: int
-    unknowns: Array
-    smoothing_width: float
-    steps: int
-    tangent: float
-    residual: float
-
-
 def amplitude_of(system: System, track: Track, payload: str, direction: Direction) -> float:
     """Return the largest absolute acceleration of a payload along a direction over a track [m/s^2]."""
     return amplitude(body_acceleration(system, track, payload) @ unit_vector(direction))
@@ -161,18 +151,11 @@ def row_of(system: System, point: Point, payload: str, direction: Direction) -> 
     """Return the row of a point: the payload's acceleration is taken along `direction`."""
     drive = point.shot.track.drive
     return Row(
-        frequency=drive.frequency,
-        acceleration=drive.acceleration,
-        amplitude=amplitude_of(system, point.shot.track, payload, direction),
-        stable=point.stability.stable,
-        multipliers=point.stability.multipliers,
-        neutral=point.stability.neutral,
-        unknowns=point.shot.x,
-        smoothing_width=point.width,
-        steps=drive.steps,
-        tangent=float(point.tangent[-1]),
-        residual=point.shot.residual,
-    )
+        frequency=drive.frequency, acceleration=drive.acceleration,
+        amplitude=amplitude_of(system, point.shot.track, payload, direction), stable=point.stability.stable,
+        multipliers=point.stability.multipliers, neutral=point.stability.neutral, unknowns=point.shot.x,
+        smoothing_width=point.width, steps=drive.steps, tangent=float(point.tangent[-1]), residual=point.shot.residual,
+    )  # fmt: skip
 
 
 def fingerprint(system: System) -> str:

@@ -23,7 +23,7 @@ import numpy as np
 from mujoco.batch import Batch
 
 from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, MujocoFlow
-from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes, set_width
+from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
 from wirerope_mj.dynamics.periodic.stepping import go_along
 from wirerope_mj.engine.control import layout as at
@@ -126,7 +126,7 @@ class MujocoVariational(Variational):
         if self.model.na != self.system.assembly.tables.user.n_states:
             return False
         if self.flow.width:
-            set_width(self._batch, self.flow.width_indices, self.flow.width)
+            self._batch.expand("numeric_data")[:, self.flow.width_indices] = self.flow.width
         drive = at_shot.track.drive
         instants = drive.duration * np.arange(drive.steps) / drive.steps
         base = drive.sine(self.flow.coordinates.direction).acceleration(instants)
@@ -184,8 +184,8 @@ class MujocoVariational(Variational):
         step = DIFFERENCE * scale
         a = np.zeros((instants.size, scale.size, scale.size))
         moved = slice(1, 1 + 2 * nf)
-        a[:, v, : 2 * nf] = (qacc[:, moved] - qacc[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
-        a[:, z, : 2 * nf] = (rates[:, moved] - rates[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
+        for rows, values in ((v, qacc), (z, rates)):
+            a[:, rows, : 2 * nf] = (values[:, moved] - values[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
         inverse = np.stack([self._inverse_mass(at_shot.track.qpos[i]) for i in instants])
         # how a mount's deflection follows the free coordinates, (n_instants, n_mounts, 3, nf)
         gradient = (record[:, 1 : 1 + nf, :, 0] - record[:, :1, :, 0]).transpose(0, 2, 3, 1) / step[q]
@@ -195,9 +195,8 @@ class MujocoVariational(Variational):
                 force = (record[:, row, group.mount, 1] - record[:, 0, group.mount, 1])[:, group.axes] / unit
                 pull = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
                 a[:, v, 2 * nf + j] = -np.einsum("kij,kj->ki", inverse, pull)
-                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[
-                    :, group.states
-                ] / unit
+                gains = (rates[:, row] - rates[:, 0])[:, group.states]
+                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = gains / unit
         a[:, 2 * nf + self.scaled.states] = 0.0
         a[:, 2 * nf + self.scaled.states, q] = gradient[:, self.scaled.mounts, self.scaled.axes]
         a *= scale / scale[:, np.newaxis]

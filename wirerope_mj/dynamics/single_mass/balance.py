@@ -40,17 +40,11 @@ _SMALLEST_LEVEL = 1e-3
 
 @dataclass(frozen=True)
 class Solution:
-    """The point at which Newton's method stopped.
+    """The point at which Newton's method stopped."""
 
-    Attributes:
-        u: unknowns: the mean, the cosines, the sines [m], (2 H + 1,).
-        residual: largest |R_k| over m a.
-        iterations: steps taken.
-    """
-
-    u: Array
-    residual: float
-    iterations: int
+    u: Array  # unknowns: the mean, the cosines, the sines [m], (2 H + 1,)
+    residual: float  # largest |R_k| over m a
+    iterations: int  # steps taken
 
 
 class Balance:
@@ -60,12 +54,8 @@ class Balance:
         self.law, self.mass, self.gravity = law, mass, gravity
         self.harmonics, self.samples = harmonics, samples
         self.neutral = is_neutral(law)
-
-    @property
-    def orders(self) -> Array:
-        """Order of each unknown, (2 H + 1,)."""
-        k = np.arange(1.0, self.harmonics + 1.0)
-        return np.concatenate([[0.0], k, k])
+        k = np.arange(1.0, harmonics + 1.0)
+        self.orders = np.concatenate([[0.0], k, k])  # of the unknowns, (2 H + 1,)
 
     def from_coefficients(self, c: ComplexArray) -> Array:
         """Return the unknowns of complex coefficients, those beyond them zero, (2 H + 1,)."""

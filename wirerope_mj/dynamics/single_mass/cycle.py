@@ -142,7 +142,7 @@ def steady_force(law, p, deflection, rate, interval, n_states):
 
 @njit
 def closed_states_in_time(law, p, time, deflection, rate, n_states):
-    """Do the same for a law that depends on the rate: `time` [s], `deflection` and `rate` of one closed cycle."""
+    """Find these states of a law that depends on the rate: `time` [s], `deflection` and `rate` of one closed cycle."""
     z, start = np.zeros(n_states), np.zeros(n_states)
     starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
     for cycle in range(_ROUNDS if n_states > 0 else 0):
@@ -163,15 +163,10 @@ def closed_states_in_time(law, p, time, deflection, rate, n_states):
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedCycle:
-    """A law along one closed cycle.
+    """A law along one closed cycle."""
 
-    Attributes:
-        loop: the whole path; with a rate-independent law the turning points between the samples are on it.
-        samples: their indices on that path, (n_t,).
-    """
-
-    loop: Loop
-    samples: Integers
+    loop: Loop  # the whole path; with a rate-independent law the turning points between the samples are on it
+    samples: Integers  # their indices on that path, (n_t,)
 
     @property
     def force(self) -> Array:

@@ -30,25 +30,15 @@ _ITERATIONS = 200
 
 @dataclass(frozen=True, kw_only=True)
 class EquivalentOscillator:
-    """Spring and damper of a law's loop at one amplitude and frequency.
+    """Spring and damper of a law's loop at one amplitude and frequency."""
 
-    Attributes:
-        amplitude: of the deflection about its offset, D [m].
-        offset: mean deflection [m], where the mean force carries the weight.
-        frequency: [Hz].
-        stiffness: of the first harmonic of the mid-line, K [N/m].
-        secant_stiffness: [F(d_max) - F(d_min)] / (2 D) [N/m].
-        energy: dissipated in one cycle, W [J].
-        largest_force: largest |force + weight| on the loop [N].
-    """
-
-    amplitude: float
-    offset: float
-    frequency: float
-    stiffness: float
-    secant_stiffness: float
-    energy: float
-    largest_force: float
+    amplitude: float  # of the deflection about its offset, D [m]
+    offset: float  # mean deflection [m], where the mean force carries the weight
+    frequency: float  # [Hz]
+    stiffness: float  # of the first harmonic of the mid-line, K [N/m]
+    secant_stiffness: float  # [F(d_max) - F(d_min)] / (2 D) [N/m]
+    energy: float  # dissipated in one cycle, W [J]
+    largest_force: float  # largest |force + weight| on the loop [N]
 
     @property
     def damping(self) -> float:
@@ -93,23 +83,18 @@ def oscillator_at(law: Law, amplitude: float, *, frequency: float, weight: float
         return cycle_force(law, offset + shape, rate, period=1.0 / frequency)[:-1]
 
     def mean_force(offset: float) -> float:
-        with np.errstate(
-            over="ignore", invalid="ignore"
-        ):  # laws with exponentials, at amplitudes far beyond their travel
+        with np.errstate(over="ignore", invalid="ignore"):  # exponentials, at amplitudes far beyond the laws' travel
             return float(force(offset).mean()) + weight
 
     offset = 0.0 if is_neutral(law) else _offset(mean_force, law, amplitude, weight)
     f = force(offset)
     energy = -2.0 * np.pi * amplitude * float(f @ np.sin(angle[:-1])) / SAMPLES
     return EquivalentOscillator(
-        amplitude=amplitude,
-        offset=offset,
-        frequency=frequency,
+        amplitude=amplitude, offset=offset, frequency=frequency, energy=energy,
         stiffness=2.0 * float(f @ np.cos(angle[:-1])) / (SAMPLES * amplitude),
         secant_stiffness=float(f[0] - f[SAMPLES // 2]) / (2.0 * amplitude),
-        energy=energy,
         largest_force=largest(np.abs(f + weight), smooth=not law.rate_independent),
-    )
+    )  # fmt: skip
 
 
 def _offset(excess: Callable[[float], float], law: Law, amplitude: float, weight: float) -> float:
@@ -183,13 +168,9 @@ def simplified_peak(
         wanted = _spectral(spectrum, period, loop.damping_ratio)
         if abs(wanted - deflection) <= tolerance * deflection:
             return SimplifiedPeak(
-                deflection=deflection,
-                acceleration=loop.secant_stiffness * deflection / mass,
-                stiffness=loop.secant_stiffness,
-                damping_ratio=loop.damping_ratio,
-                period=period,
-                iterations=iteration,
-            )
+                deflection=deflection, acceleration=loop.secant_stiffness * deflection / mass,
+                stiffness=loop.secant_stiffness, damping_ratio=loop.damping_ratio, period=period, iterations=iteration,
+            )  # fmt: skip
         deflection = float(np.sqrt(deflection * wanted))
     raise ConvergenceError(
         f"the peak deflection does not converge: {deflection:.6g} m after {_ITERATIONS} iterations, and the spectrum gives "

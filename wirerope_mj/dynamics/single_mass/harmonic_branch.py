@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
 
@@ -158,13 +159,10 @@ def follow_harmonic_balance(
     orbits = [
         orbit_of(balance, Solution(point[:-1], 0.0, 0), float(np.exp(point[-1])), acceleration) for point in points
     ]
+    columns = ("frequency", "amplitude", "smallest_deflection", "largest_deflection", "coefficients")
     return HarmonicBranch(
         law=law, mass=mass, acceleration=acceleration, gravity=gravity, samples=samples,
-        frequency=np.array([orbit.frequency for orbit in orbits]),
-        amplitude=np.array([orbit.amplitude for orbit in orbits]),
-        smallest_deflection=np.array([orbit.smallest_deflection for orbit in orbits]),
-        largest_deflection=np.array([orbit.largest_deflection for orbit in orbits]),
-        coefficients=np.array([orbit.coefficients for orbit in orbits]),
+        **{name: np.array([getattr(orbit, name) for orbit in orbits]) for name in columns},
         folds=tuple(HarmonicFold(frequency=orbits[i].frequency, amplitude=orbits[i].amplitude, index=i) for i in folds),
         message=path.message,
     )  # fmt: skip
@@ -177,30 +175,16 @@ class _Tried:
     y: Array
     gap: Array
 
-    @property
-    def residual(self) -> float:
-        """Largest component; infinite where the force leaves the finite numbers."""
-        size = float(np.abs(self.gap).max())
-        return size if np.isfinite(size) else np.inf
-
 
 @dataclass(frozen=True)
 class _Point:
-    """A point of the branch in its own units: the size of its deflection, and 1 for the logarithm of omega.
+    """A point of the branch in its own units: the size of its deflection, and 1 for the logarithm of omega."""
 
-    Attributes:
-        y: unknowns and the logarithm of omega, (n + 1,).
-        scale: units, (n + 1,).
-        matrix: derivative of the residual in these units, (n, n + 1).
-        tangent: unit tangent, (n + 1,).
-        corrections: that it took.
-    """
-
-    y: Array
-    scale: Array
-    matrix: Array
-    tangent: Array
-    corrections: int = 0
+    y: Array  # unknowns and the logarithm of omega, (n + 1,)
+    scale: Array  # units, (n + 1,)
+    matrix: Array  # derivative of the residual in these units, (n, n + 1)
+    tangent: Array  # unit tangent, (n + 1,)
+    corrections: int = 0  # that it took
 
 
 class _Path:
@@ -257,23 +241,19 @@ class _Path:
                 continue
             arrived = sign * (point.y[-1] - end) >= 0.0
             if arrived or sign * (start - point.y[-1]) > 0.0:
-                yield self.at(last.y, point.y, end if arrived else start), False
+                yield self.between(last.y, point.y, end if arrived else start), False
                 self.message = "reached the last frequency" if arrived else "came back to the first frequency"
                 return
             if point.tangent[-1] * last.tangent[-1] < 0.0:
-                yield self.fold(last, point, length).y, True
+                step = partial(self.step, last)
+                yield crossing(step, (last, point), length, lambda p: float(p.tangent[-1]), _CLOSE).y, True
             yield point.y, False
             length = min(length * float(np.clip(_AIM / max(point.corrections, 1), 0.7, 1.4)), largest_step)
             last = point
         self.message = f"ended after {_MOST} points"
 
-    def fold(self, a: _Point, b: _Point, length: float) -> _Point:
-        """Find the point between two, an arclength apart, where the tangent is vertical."""
-        return crossing(lambda s: self.step(a, s), (a, b), length, lambda p: float(p.tangent[-1]), _CLOSE)[0]
-
-    def at(self, before: Array, after: Array, log_omega: float) -> Array:
+    def between(self, before: Array, after: Array, log_omega: float) -> Array:
         """Find the point between two with a given frequency."""
-        fraction = (log_omega - before[-1]) / (after[-1] - before[-1])
-        guess, omega = before + fraction * (after - before), float(np.exp(log_omega))
-        solution = newton(self.balance, guess[:-1], omega, self.acceleration, self.tolerance)
+        guess = before + (log_omega - before[-1]) / (after[-1] - before[-1]) * (after - before)
+        solution = newton(self.balance, guess[:-1], float(np.exp(log_omega)), self.acceleration, self.tolerance)
         return np.append(solution.u, log_omega)

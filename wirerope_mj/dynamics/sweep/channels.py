@@ -17,19 +17,12 @@ RAN_AWAY = 10.0
 
 @dataclass(frozen=True, kw_only=True)
 class Channels:
-    """Numbers of the peak tracker's channels.
+    """Numbers of the peak tracker's channels."""
 
-    Attributes:
-        base: acceleration of the driven base.
-        names: bodies that move and are not fixed to the base, payloads first.
-        bodies: their accelerations, (n_bodies,).
-        mounts: deflections of the mounts, (n_mounts,).
-    """
-
-    base: int
-    names: tuple[str, ...]
-    bodies: Integers
-    mounts: Integers
+    base: int  # acceleration of the driven base
+    names: tuple[str, ...]  # bodies that move and are not fixed to the base, payloads first
+    bodies: Integers  # their accelerations, (n_bodies,)
+    mounts: Integers  # deflections of the mounts, (n_mounts,)
 
     @classmethod
     def of(cls, system: System) -> "Channels":
@@ -40,12 +33,9 @@ class Channels:
         others = [name for name in every if name not in fixed and name not in system.payloads]
         names = (*system.payloads, *others)
         n_channels = assembly.tables.channels.size
-        return cls(
-            base=every.index(system.base),
-            names=names,
-            bodies=np.array([every.index(name) for name in names], dtype=np.int64),
-            mounts=np.arange(n_channels - 2 * len(system.mounts), n_channels, 2),  # deflection, force of each
-        )
+        bodies = np.array([every.index(name) for name in names], dtype=np.int64)
+        mounts = np.arange(n_channels - 2 * len(system.mounts), n_channels, 2)  # deflection, force of each
+        return cls(base=every.index(system.base), names=names, bodies=bodies, mounts=mounts)
 
 
 class Lawful:
@@ -60,10 +50,7 @@ class Lawful:
     def require(self, frequency: Array, minimum: Array, maximum: Array) -> None:
         """Raise SimulationError at the first cycle in which a mount went to where its law does not hold.
 
-        Args:
-            frequency: of the cycles [Hz], (n,).
-            minimum: deflections in them [m], (n, n_mounts, 3).
-            maximum: the same.
+        The cycles are given by frequencies [Hz], (n,), and extreme deflections [m], (n, n_mounts, 3).
         """
         reached = np.stack([-minimum, maximum], axis=-1)
         beyond = reached > self._ends + ROUNDING

@@ -85,7 +85,11 @@ class Cycles:
             self._by.go(grid, ends, minimum, maximum)
         frequencies = frequencies_at(self._motion, (instants[:-1] + instants[1:]) / 2.0)
         self._lawful.require(frequencies, minimum[:, self._mounts], maximum[:, self._mounts])
-        self._check()
+        try:
+            self._by.check()
+        except SimulationError as error:
+            frequency = frequencies_at(self._motion, np.array([self._by.time]))[0]
+            raise SimulationError(f"at {frequency:.5g} Hz: {error}") from None
         self.steps += int(grid.steps.sum())
         self.largest_step = max(self.largest_step, grid.largest_step)
         return Extremes(minimum=minimum, maximum=maximum)
@@ -98,13 +102,6 @@ class Cycles:
         """Return MuJoCo's stepping with its callbacks installed."""
         self._engines.enter_context(installed(by.stepper.model, by.stepper.data))
         return by
-
-    def _check(self) -> None:
-        try:
-            self._by.check()
-        except SimulationError as error:
-            frequency = frequencies_at(self._motion, np.array([self._by.time]))[0]
-            raise SimulationError(f"at {frequency:.5g} Hz: {error}") from None
 
 
 @contextmanager
@@ -128,13 +125,10 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
     number = np.arange(cycle.size) - (ends - intervals)[cycle]
     start = instants[cycle] + length[cycle] * (number / intervals[cycle])
     grid = Grid(
-        start=start,
-        stop=np.append(start[1:], instants[1:][-1:]),
-        steps=steps[cycle],
-        sampled=np.zeros(cycle.size, dtype=bool),
-        event=np.full(cycle.size, at.SMOOTH),
+        start=start, stop=np.append(start[1:], instants[1:][-1:]), steps=steps[cycle],
+        sampled=np.zeros(cycle.size, dtype=bool), event=np.full(cycle.size, at.SMOOTH),
         corner_after=np.zeros(cycle.size, dtype=bool),
-    )
+    )  # fmt: skip
     return grid, ends - 1
 
 
@@ -152,25 +146,16 @@ def frequencies_at(motion: Sine | Sweep, times: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True)
 class Steady:
-    """Motion of a system after many cycles of a sine.
+    """Motion of a system after many cycles of a sine."""
 
-    Attributes:
-        minimum, maximum: extremes of every channel in the last cycle, or in the last quarter of them if it has not settled,
-            (n_channels, 3).
-        state: at the end of the last cycle.
-        cycles: number of cycles.
-        steps: number of steps.
-        largest_step: largest of them [s].
-        remaining: estimated distance of the amplitudes from their limits, relative to them.
-        settled: whether that is within the tolerance.
-    """
-
+    # extremes of every channel in the last cycle, or in the last quarter of them if it has not settled, (n_channels, 3)
     minimum: Array
     maximum: Array
-    state: State
+    state: State  # at the end of the last cycle
     cycles: int
     steps: int
-    largest_step: float
+    largest_step: float  # of all steps [s]
+    # estimated distance of the amplitudes from their limits, relative to them; `settled` if that is small enough
     remaining: float
     settled: bool
 
@@ -178,16 +163,7 @@ class Steady:
 def settle(
     system: System, motion: Sine, start: State, *, timestep: float, settled: float, largest_cycles: int
 ) -> Steady:
-    """Return the motion after as many cycles of a sine as the amplitudes of all bodies need to settle.
-
-    Args:
-        system: the system.
-        motion: the sine.
-        start: state from which it begins; the system is carried along with the base.
-        timestep: largest step [s].
-        settled: relative distance from the limit at which an amplitude counts as settled.
-        largest_cycles: number of cycles after which the wait ends.
-    """
+    """Shake a system by a sine until the amplitudes of all bodies are within `settled` of their limits, or `largest_cycles`."""
     bodies = Channels.of(system).bodies
     chunks: list[Extremes] = []
     cycles, agreeing, remaining = 0, 0, np.inf
@@ -205,13 +181,8 @@ def settle(
     return Steady(
         minimum=np.concatenate([chunk.minimum for chunk in chunks])[-judged:].min(axis=0),
         maximum=np.concatenate([chunk.maximum for chunk in chunks])[-judged:].max(axis=0),
-        state=state,
-        cycles=cycles,
-        steps=stepped.steps,
-        largest_step=stepped.largest_step,
-        remaining=remaining,
-        settled=done,
-    )
+        state=state, cycles=cycles, steps=stepped.steps, largest_step=stepped.largest_step, remaining=remaining, settled=done,
+    )  # fmt: skip
 
 
 def distance_to_limit(amplitudes: Array) -> float:

@@ -149,40 +149,26 @@ class FrequencySweep(Summarised):
                 for axis, acceleration, transmissibility in peaks
             }
         mounts = {
-            name: {
-                "lowest_deflection_m": mount.minimum.min(axis=0).tolist(),
-                "highest_m": mount.maximum.max(axis=0).tolist(),
-            }
-            for name, mount in self.mounts.items()
+            name: {"lowest_deflection_m": m.minimum.min(axis=0).tolist(), "highest_m": m.maximum.max(axis=0).tolist()}
+            for name, m in self.mounts.items()
         }
         return {
-            "excitation": self.excitation,
-            "payload": self.payload,
-            "response_direction": self.response_direction,
+            "excitation": self.excitation, "payload": self.payload, "response_direction": self.response_direction,
             "frequencies": int(self.frequency.size),
             "unsettled_frequencies_Hz": [] if self.sweep else self.frequency[~self.settled].tolist(),
-            "cycles": int(self.cycles.sum()),
-            "model_steps": self.model_steps,
-            "largest_step_s": self.timestep,
-            "warnings": list(self.warnings),
-            "bodies": bodies,
-            "mounts_roll_shear_axial": mounts,
-        }
+            "cycles": int(self.cycles.sum()), "model_steps": self.model_steps, "largest_step_s": self.timestep,
+            "warnings": list(self.warnings), "bodies": bodies, "mounts_roll_shear_axial": mounts,
+        }  # fmt: skip
 
     def save(self, folder: str | Path) -> None:
         """Write table and summary into `folder` (made if missing), atomically; those that are there are replaced."""
         bodies = [envelope.acceleration for envelope in self.envelopes.values()]
         mounts = [extreme for mount in self.mounts.values() for extreme in (mount.minimum, mount.maximum)]
         rows = np.column_stack([*(getattr(self, name) for name in _FIRST), *bodies, *mounts])
-        content = {
-            "format": FORMAT,
-            "bodies": list(self.envelopes),
-            "mounts": list(self.mounts),
-            **{name: getattr(self, name) for name in _PLAIN},
-            "initial_state": self.initial_state.to_plain(),
-            "final_state": self.final_state.to_plain(),
-            "warnings": list(self.warnings),
-        }
+        content = {name: getattr(self, name) for name in _PLAIN} | {
+            "format": FORMAT, "bodies": list(self.envelopes), "mounts": list(self.mounts), "warnings": list(self.warnings),
+            "initial_state": self.initial_state.to_plain(), "final_state": self.final_state.to_plain(),
+        }  # fmt: skip
         write_rows(Path(folder) / FILE, column_names(list(self.envelopes), list(self.mounts)), rows, content)
         self.save_summary(Path(folder))
 
@@ -282,31 +268,19 @@ class Collector:
             self._rows.clear()
 
     def finish(
-        self,
-        *,
-        payload: str,
-        response_direction: str,
-        excitation: dict[str, Any],
-        error: float,
-        initial_state: State,
-        final_state: State,
-        warnings: tuple[str, ...],
+        self, question: dict[str, Any], *, initial_state: State, final_state: State, warnings: Sequence[str]
     ) -> FrequencySweep:
-        """Return the result; `error` is the one that was estimated for the step, `warnings` go before those of travel."""
-        content = {
-            "format": FORMAT,
-            "bodies": list(self._channels.names),
-            "mounts": self._mounts,
-            "payload": payload,
-            "response_direction": response_direction,
-            "excitation": excitation,
-            "timestep": self._largest_step,
-            "estimated_error": error,
-            "model_steps": self._steps,
-            "initial_state": initial_state.to_plain(),
-            "final_state": final_state.to_plain(),
+        """Make the result.
+
+        `question` holds payload, response_direction, excitation and the estimated_error of the step; `warnings` go before those
+        of travel.
+        """
+        content = question | {
+            "format": FORMAT, "bodies": list(self._channels.names), "mounts": self._mounts,
+            "timestep": self._largest_step, "model_steps": self._steps,
+            "initial_state": initial_state.to_plain(), "final_state": final_state.to_plain(),
             "warnings": [*warnings, *self._watch.warnings()],
-        }
+        }  # fmt: skip
         if self._writer is None:
             return FrequencySweep.of_rows(np.concatenate(self._rows), content)
         if self._rows:

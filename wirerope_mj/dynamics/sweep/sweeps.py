@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.channels import Channels
-from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, Steady, at_start, settle, stepping
+from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, at_start, settle, stepping
 from wirerope_mj.dynamics.sweep.envelope import AXES, Collector, FrequencySweep
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.progress import share_bar
@@ -173,8 +173,10 @@ def frequency_sweep(
         share_bar("sweeping", "Hz", enabled=progress) as update,
     ):
         step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
-        led, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
-        start = at_start(system, sweep, led)
+        warnings: tuple[str, ...] = ()
+        if wait is not None:
+            start, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
+        start = at_start(system, sweep, start)
         with stepping(system, sweep, start, step.timestep) as stepped:
             for first in range(0, instants.size - 1, CHUNK):
                 ends = instants[first : first + CHUNK + 1]
@@ -185,8 +187,11 @@ def frequency_sweep(
             collector.count(stepped.steps, stepped.largest_step)
             final = stepped.finish()
         return collector.finish(
-            payload=payload, response_direction=along, excitation=sweep.to_dict(), error=step.error, initial_state=start,
-            final_state=final, warnings=warnings,
+            {
+                "payload": payload, "response_direction": along, "estimated_error": step.error,
+                "excitation": sweep.to_dict(),
+            },
+            initial_state=start, final_state=final, warnings=warnings,
         )  # fmt: skip
 
 
@@ -196,13 +201,12 @@ def _lead_in(
     start: State,
     collector: Collector,
     timestep: float,
-    settled: float | None,
+    settled: float,
     largest_cycles: int,
 ) -> tuple[State, tuple[str, ...]]:
-    """Return the state after the steady sine at the start frequency, and a warning if it has not settled."""
-    if settled is None:
-        return start, ()
-    sine = sine_at_start(sweep)
+    """Shake the system by the steady sine at the start frequency: the state after that, a warning if it has not settled."""
+    acceleration = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
+    sine = Sine(frequency=sweep.start, acceleration=acceleration, direction=sweep.direction)
     lead = settle(system, sine, start, timestep=timestep, settled=settled, largest_cycles=largest_cycles)
     collector.count(lead.steps, lead.largest_step)
     if lead.settled:
@@ -218,12 +222,6 @@ def check_cycles(sweep: Sweep, timestep: float | None) -> None:
     remedy = "Sweep faster (a larger `rate`), or over a narrower range."
     require_memory(f"{what}, {cycles:.3g} cycles,", cycles * CYCLE, remedy)
     require_time(what, max(STEPS_PER_CYCLE * cycles, sweep.duration / (timestep or math.inf)), remedy)
-
-
-def sine_at_start(sweep: Sweep) -> Sine:
-    """Return the steady sine of the sweep's level at its start frequency."""
-    acceleration = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
-    return Sine(frequency=sweep.start, acceleration=acceleration, direction=sweep.direction)
 
 
 def stepped_sine(
@@ -290,7 +288,6 @@ def stepped_sine(
     tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
-    excitation = {"kind": KIND, quantity: level, "direction": plain_direction(base)}
     with (
         Collector(system, direction=base, out=out) as collector,
         share_bar("stepping", "Hz", enabled=progress) as update,
@@ -301,13 +298,21 @@ def stepped_sine(
         for number, sine in enumerate(sines):
             at = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
             state = at.state
-            _keep(collector, sine.frequency, at)
+            collector.count(at.steps, at.largest_step)
+            collector.add(
+                np.array([sine.frequency]), at.minimum[np.newaxis], at.maximum[np.newaxis], cycles=at.cycles,
+                remaining=at.remaining, settled=at.settled,
+            )  # fmt: skip
             if not at.settled:
                 unsettled.append(f"{sine.frequency:.5g} Hz ({at.remaining:.2g})")
             update((number + 1) / len(sines), sine.frequency)
+        warning = f"not settled to {tolerance:.2g} after {most} cycles (estimated distance from the limit): "
         return collector.finish(
-            payload=payload, response_direction=along, excitation=excitation, error=step.error, initial_state=start,
-            final_state=state, warnings=_warnings(unsettled, most, tolerance),
+            {
+                "payload": payload, "response_direction": along, "estimated_error": step.error,
+                "excitation": {"kind": KIND, quantity: level, "direction": plain_direction(base)},
+            },
+            initial_state=start, final_state=state, warnings=[f"{warning}{', '.join(unsettled)}."] if unsettled else [],
         )  # fmt: skip
 
 
@@ -326,20 +331,3 @@ def _pilot(sines: list[Sine], quantity: str, level: float, direction: Direction)
         return sines[0]
     rate = 60.0 / PILOT * float(np.log2(high / low))
     return Sweep(start=low, stop=high, rate=rate, direction=direction, **{quantity: level})
-
-
-def _keep(collector: Collector, frequency: float, at: Steady) -> None:
-    """Take a frequency into the table."""
-    collector.count(at.steps, at.largest_step)
-    collector.add(
-        np.array([frequency]), at.minimum[np.newaxis], at.maximum[np.newaxis], cycles=at.cycles, remaining=at.remaining,
-        settled=at.settled,
-    )  # fmt: skip
-
-
-def _warnings(unsettled: list[str], most: int, tolerance: float) -> tuple[str, ...]:
-    if not unsettled:
-        return ()
-    return (
-        f"not settled to {tolerance:.2g} after {most} cycles (estimated distance from the limit): {', '.join(unsettled)}.",
-    )

@@ -11,8 +11,8 @@ from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
 
-# mjCNSTR_CONTACT_FRICTIONLESS, _PYRAMIDAL and _ELLIPTIC: how the forces of a contact stand in efc_force
-FRICTIONLESS, PYRAMIDAL, ELLIPTIC = 5, 6, 7
+# mjCNSTR_CONTACT_FRICTIONLESS and _PYRAMIDAL: how the forces of a contact stand in efc_force, else as of an elliptic cone
+FRICTIONLESS, PYRAMIDAL = 5, 6
 
 
 @njit

@@ -71,14 +71,6 @@ def righting(e0, e1, e2, e3, roll, shear, axial):
     )
 
 
-@njit
-def turning_energy(lay, m, site_xquat):
-    """Return what the turned mount in row `m` has stored [J]."""
-    _, e1, e2, e3 = turned_by(lay, m, site_xquat)
-    k = m + at.TURNING
-    return 2.0 * (lay[k] * e1 * e1 + lay[k + 1] * e2 * e2 + lay[k + 2] * e3 * e3)
-
-
 AXIAL = 2  # index of the axial axis
 
 

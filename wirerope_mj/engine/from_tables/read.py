@@ -36,7 +36,7 @@ def read_layout(
     name: str, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
     forces: Path | None = None, positive_products: bool = False,
 ) -> Layout:  # fmt: skip
-    """Return what the tables of a model say, checked.
+    """Read and check the tables of a model.
 
     Args:
         name: of the model and its payload.

@@ -172,7 +172,7 @@ def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
     for i in range(RATE_NUMBERS):
         p[i] = numbers[first + i, number]
     for i in range(RATE_NUMBERS, LINE + 2):
-        p[i] = 0.0  # of work, which nobody asks for; a line is the same wherever it begins
+        p[i] = 0.0  # of work, which is not needed; a line is the same wherever it begins
     length = math.sqrt(dx * dx + dy * dy)
     p[LINE + 2], p[LINE + 3] = dx / length, dy / length
     z[0], z[1] = zx, zy

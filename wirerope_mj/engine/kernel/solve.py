@@ -88,7 +88,7 @@ def slide(lay, t, fix, num, y, work):
 
 @inlined
 def joint_passive_force(lay, d, dof, fix, y):
-    """Return what spring and damper of a joint push with."""
+    """Return the force of spring and damper of a joint [N or N m]."""
     f = lay[d + at.DOF_FIX]
     force = -fix[f + at.DAMPING] * y[lay[at.NQ] + dof]
     if lay[d + at.DOF_KIND] <= at.HINGE:

@@ -39,7 +39,7 @@ class ContactPeak:
         return self.touches > int(self.from_start)
 
     def called(self, name: str) -> str:
-        """Return what a text calls the contact of this name: a stop of a mount "stop s3", a pair of geoms by its name."""
+        """Name the contact in a text: a stop of a mount "stop s3", a pair of geoms by its name."""
         return f"stop {name}" if self.mount and not name.startswith("stop") else name
 
     def later(self, by: float) -> "ContactPeak":

@@ -171,7 +171,7 @@ class Lockstep:
         self._base_peaks = [table.peak for table in tables]
 
     def result(self, number: int, why: str) -> RunResult:
-        """Return what came of one of the systems that are live, and `why` it was not the kernel's."""
+        """Read the result of one of the systems that are live; `why` it was not the kernel's."""
         final = State(values=self._finals[number].copy(), time=float(self._finals[number, 0]))
         peaks = peaks_of(self.systems[number], self._user[number], self._base_peaks[self._which[number]])
         return RunResult(

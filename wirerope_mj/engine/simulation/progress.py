@@ -67,7 +67,7 @@ def share_bar(
 
 
 def _lines(word: str, text: Callable[[float, float], str], began: float, begun: float) -> Update:
-    """Return what prints a line now and then."""
+    """Make the update that prints a line now and then."""
     last, shown = began, begun
 
     def update(fraction: float, value: float) -> None:

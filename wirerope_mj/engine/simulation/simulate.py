@@ -24,8 +24,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.budget import require_disk, require_memory, require_time
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.plain_text import quoted
+from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.state import State
-from wirerope_mj.foundation.versions import version_of
 from wirerope_mj.motions import BaseMotion
 
 NUMBER = 8  # bytes of a number

@@ -1,5 +1,6 @@
 """The base motion for the steps of a grid, segment by segment, its peaks, and windows of it."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -175,7 +176,7 @@ def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], l
 
 
 def events_key(motion: BaseMotion) -> tuple[bytes, tuple[float, ...]]:
-    """Return what is equal for motions whose segments have the same events."""
+    """Return a key that motions share whose segments have the same events."""
     return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
 
 
@@ -200,7 +201,7 @@ def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: A
 
 
 def along_slides(drive: Array, vectors: Array) -> Array:
-    """Return what base vectors (n, 3) are for the driven slides, (n, n_driven).
+    """Map base vectors (n, 3) to the driven slides, (n, n_driven).
 
     Not a matrix product: its rounding depends on how many vectors are multiplied at once.
     """
@@ -234,25 +235,8 @@ class Later(BaseMotion):
         """Instants [s] and jumps of the velocity (3,) [m/s]."""
         return tuple((time - self.at, jump) for time, jump in self.motion.velocity_jumps)
 
-    @property
-    def description(self) -> str:
-        """One line for a human reader."""
-        return f"{self.motion.description}, from {self.at:.6g} s"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Events: instants [s] and texts."""
-        return tuple((time - self.at, text) for time, text in self.motion.events)
-
-    @property
-    def shortest_time(self) -> float:
-        """Shortest time scale [s]."""
-        return self.motion.shortest_time
-
-    @property
-    def directions(self) -> Array:
-        """Vectors that span the directions of the motion, (n, 3)."""
-        return self.motion.directions
+    # of a window, which is only stepped through, these say nothing
+    description, events, shortest_time, directions = "", (), math.inf, np.eye(3)
 
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         raise NotImplementedError("a window of a motion is not stored")

@@ -80,7 +80,7 @@ class ChosenStep:
 
 
 def limit_of_given(timestep: float, sample_rate: float) -> str:
-    """Return what limits the steps where `timestep` [s] was given: samples are ends of steps as well."""
+    """Name the limit of steps where `timestep` [s] was given: samples are ends of steps as well."""
     return GIVEN if timestep <= 1.0 / sample_rate else SAMPLES
 
 

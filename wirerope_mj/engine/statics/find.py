@@ -115,7 +115,7 @@ class EquilibriumSolver:
 
 @once_per_system
 def equilibrium_solver(system: System) -> EquilibriumSolver:
-    """Return what finds equilibria of a system and of variants of its structure."""
+    """Make the solver of a system's equilibria, and of those of variants of its structure; once."""
     return EquilibriumSolver(system, equations(system))
 
 

@@ -14,8 +14,7 @@ from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.foundation.json_values import json_values
-from wirerope_mj.foundation.summary import Brief
+from wirerope_mj.foundation.summary import Brief, json_values
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
 
 

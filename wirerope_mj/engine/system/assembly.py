@@ -38,7 +38,7 @@ class Scratch:
         else:
             mujoco.mj_resetData(model, data)
         yield data
-        self._free.append(data)  # not after an error: nobody knows what it left
+        self._free.append(data)  # not after an error, whatever that left
 
     def __reduce__(self) -> tuple[type["Scratch"], tuple[()]]:
         """Carry nothing to another process; a copy lends for itself."""

@@ -49,7 +49,7 @@ def check_names(spec: mujoco.MjSpec) -> None:
 
 
 def check_visible(model: mujoco.MjModel) -> None:
-    """Raise ModelError if a name holds a line break or another character that cannot be seen: nobody could write it again."""
+    """Raise ModelError if a name holds a line break or another character that cannot be seen and written again."""
     for name in model.names.decode("utf-8", "replace").split("\0"):
         if plain(name) != name:
             raise ModelError(

@@ -54,7 +54,7 @@ def write_model(system: System, folder: Path) -> Path:
 
 
 def model_table(system: System, model: Path) -> dict[str, str]:
-    """Return what a folder says of its model, which `write_model` wrote below it: the file, and that of a variant's changes."""
+    """Name the files of a model that `write_model` wrote below a folder: its own, and that of a variant's changes."""
     folder = model.parent.name
     return {"file": f"{folder}/{model.name}"} | ({"changes": f"{folder}/{CHANGES}"} if system.changes else {})
 

@@ -52,7 +52,7 @@ def untouched(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
 
 
 def contact_name(model: mujoco.MjModel, geoms: tuple[int, int]) -> str:
-    """Return what a pair of geoms is called, "stop_1 on pad_1"."""
+    """Name a pair of geoms, "stop_1 on pad_1"."""
     one, other = (geom_name(model, geom) for geom in geoms)
     return f"{one} on {other}"
 

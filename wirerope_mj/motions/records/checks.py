@@ -37,7 +37,7 @@ LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0  # sampling beyond which the unit of tim
 LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
 
 # of a record without a quiet part: final velocity over the range of what is left when a steady drift is taken off, from which
-# the drift rules; the velocity below which nobody minds [m/s]; the fraction of the peak above which a mean is that of a pulse
+# the drift rules; the velocity that does not matter [m/s]; the fraction of the peak above which a mean is that of a pulse
 # that fills its record
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
 

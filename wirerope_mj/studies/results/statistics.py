@@ -10,7 +10,6 @@ import pyarrow as pa
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of
@@ -39,8 +38,6 @@ class Exceedance:
     high: float
     failed: int = 0
     early: int = 0
-
-    share = Renamed("ratio")
 
     @property
     def ratio(self) -> float:

@@ -8,7 +8,6 @@ import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.simulation.recorder import scene_of
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.ended import why_early
 from wirerope_mj.studies.inputs.failure import acts
@@ -114,8 +113,6 @@ class SearchResult(StudyResult):
     def shown(self) -> tuple[str, ...]:
         """The measures that are displayed of a design: what was minimised, what is limited, and the number of mounts."""
         return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
-
-    word = Renamed("remark")
 
     def remark(self, variant: int) -> str:
         """Return "given", "knee", both or nothing."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK, WITHIN, MountPeak, Verdict, body_peaks, mount_peaks
 from wirerope_mj.content.numbers import ABSENT, fixed, with_unit
-from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.views.explore.curves import acceleration_curve, deflection_curve
 from wirerope_mj.views.explore.shown import ShownRun

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.colors import to_rgba
 
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -17,13 +17,15 @@ from wirerope_mj.views.thin import envelope, is_dense
 
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
+_LABEL = 0.5  # width of a number at a tick, and twice its height [in]
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
+_WIDE = 0.5  # of a picture, from which on a legend has two columns
 _LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
 _LETTER = 0.075  # width of a letter of a name, on the average [in]
 
 
 def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -> None:
-    """Write the panels of some charts below each other as one PNG, whole or not at all.
+    """Write the panels of some charts below each other as one picture, PNG, SVG or PDF, whole or not at all.
 
     Args:
         charts: of a result, those without panels left out.
@@ -49,15 +51,13 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
             draw_panel(figure.add_axes(box), panel)
         top -= tall
     with atomic_file(Path(path)) as beside:
-        figure.savefig(beside, format="png")
+        figure.savefig(beside)
 
 
 def draw_panel(axes: Any, panel: Panel) -> None:
     """Draw a panel on axes of matplotlib: curves, the first in front, limits, points and its ranges."""
     for number, curve in enumerate(panel.curves):
         _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
-    axes.set_xscale("log" if "x" in panel.log else "linear")
-    axes.set_yscale("log" if "y" in panel.log else "linear")
     if panel.field is not None:
         cells = [[to_rgba(colour or "white") for colour in row] for row in field_colours(panel.field)]
         axes.pcolormesh(panel.field.x, panel.field.y, np.array(cells))
@@ -80,10 +80,15 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
+    # After the limits: curves that are zero have none on a logarithmic axis.
+    axes.set_xscale("log" if "x" in panel.log else "linear")
+    axes.set_yscale("log" if "y" in panel.log else "linear")
+    _shade(axes, panel)
+    extent = axes.get_window_extent()
     if "x" in panel.log:
-        round_ticks(axes.xaxis, *axes.get_xlim())
+        round_ticks(axes.xaxis, *axes.get_xlim(), most=int(extent.width / (_LABEL * axes.figure.dpi)))
     if "y" in panel.log:
-        round_ticks(axes.yaxis, *axes.get_ylim())
+        round_ticks(axes.yaxis, *axes.get_ylim(), most=int(2.0 * extent.height / (_LABEL * axes.figure.dpi)))
     for ticks, set_ticks in ((panel.xticks, axes.set_xticks), (panel.yticks, axes.set_yticks)):
         if ticks:
             set_ticks([place for place, _ in ticks], [text for _, text in ticks])
@@ -99,12 +104,32 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     aside = bool(panel.notes or panel.yticks or panel.field)  # where texts stand among the curves
     place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False} if aside else {"loc": "upper right"}
     if named:
-        axes.legend(named.values(), named.keys(), fontsize=8, ncols=6 if aside else 2, **place)
+        at = (
+            {"fontsize": 8, "ncols": 6}
+            if aside
+            else {"fontsize": 8, "ncols": 2 if axes.get_position().width > _WIDE else 1}
+        )
+        if not aside and panel.xunit != "s":
+            place = {"loc": "best"}  # which takes long among the samples of a run
+        axes.legend(named.values(), named.keys(), **at, **place)
+
+
+def _shade(axes: Any, panel: Panel) -> None:
+    """Shade ranges across, with their names at the upper end, each below those that it overlaps."""
+    left, right = axes.get_xlim()
+    for number, (name, low, high) in enumerate(panel.bands):
+        first, last = max(low, left), min(high, right)
+        if first <= last:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            axes.axvspan(first, last, color="0.5", alpha=0.15, lw=1.0 if first == last else 0.0, zorder=1)
+            middle = (first * last) ** 0.5 if "x" in panel.log else 0.5 * (first + last)
+            place = {"xytext": (0.0, -12.0 * (1 + over)), "textcoords": "offset points", "ha": "center", "fontsize": 8}
+            axes.annotate(name, (middle, 1.0), xycoords=axes.get_xaxis_transform(), **place)
 
 
 def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
     """Draw a curve; what oscillates too often for a line as the band that it fills."""
-    look = {"color": curve_colour(curve), "label": curve.name, "zorder": zorder}
+    look = {"color": curve_colour(curve), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
     if curve.bars:
         axes.barh(curve.y, curve.x, height=curve.bars, **look)
         if curve.ends is not None:
@@ -114,17 +139,18 @@ def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
             )
         return
     if curve.marks:
-        axes.plot(curve.x, curve.y, ".", ms=4, **look)
+        axes.plot(curve.x, curve.y, ".", ms=4.0 * curve.weight, **look)
         return
     tolerance = _FINE * max(float(np.abs(curve.y).max(initial=0.0)), 1e-12)
     if lines and (np.diff(curve.x) > 0.0).all() and is_dense(curve.x, curve.y[:, None], tolerance):
         time, low, high = envelope(curve.x, curve.y[:, None])
-        axes.fill_between(time, low[:, 0], high[:, 0], alpha=0.45, lw=0.6, **look)
+        axes.fill_between(time, low[:, 0], high[:, 0], lw=0.6, **look | {"alpha": 0.45})
     else:
-        axes.plot(curve.x, curve.y, lw=0.9 if isinstance(curve.kind, str) else 1.2, **look)
+        width = curve.weight * (0.9 if isinstance(curve.kind, str) else 1.2)
+        axes.plot(curve.x, curve.y, lw=width, ls=curve.dash or "solid", **look)
 
 
 def curve_colour(curve: Curve) -> str:
     """Return the colour of a curve on a light ground, as matplotlib takes it."""
-    kind = curve.kind
-    return hexadecimal(LIGHT.base if kind == BASE else LIGHT.others if kind == OTHERS else LIGHT.series[int(kind)])
+    named = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
+    return hexadecimal(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])

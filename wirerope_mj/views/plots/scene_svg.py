@@ -18,7 +18,7 @@ from wirerope_mj.content.scene_outline import (
 )
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text

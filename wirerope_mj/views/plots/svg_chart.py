@@ -4,13 +4,13 @@ Written here and not by a library: matplotlib draws letters as outlines and take
 charts in a browser comes as a script of megabytes, which a PDF does not run.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from math import isfinite, log10
 
 import numpy as np
 
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel
+from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Field, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
@@ -28,6 +28,7 @@ _MARK = 3.6  # across a dot
 _MANY = 2000  # dots from which those that cover each other are drawn once
 _SWATCH_BAR = 9.0  # height of a bar or a colour in the legend
 _FINE = 1 / 500  # of a panel's height, that a line may be off
+_CLOSE = 0.1  # units that one on logarithmic axes may be off: the places are rounded to it
 _ROOM = 0.05  # of the range, left free above and below
 
 
@@ -84,7 +85,7 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
     logs = "x" in panel.log, "y" in panel.log
     across = _Scale(x0, x1, left, left + width, logs[0])
     upward = _Scale(y0, y1, top + height, top, logs[1])
-    parts = [_grid(across, upward, panel, labelled=labelled)]
+    parts = [*_bands(panel, across, top, height), _grid(across, upward, panel, labelled=labelled)]
     drawn = []
     if panel.field:
         parts.insert(0, _cells(panel.field, across, upward))
@@ -122,6 +123,17 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
     data = f'data-ranges="{ranges}" data-area="{area}" data-log="{panel.log}"'
     data += f' data-unit="{panel.unit}" data-xunit="{panel.xunit}"'
     return f'<g class="panel" {data}>{"".join(parts)}</g>'
+
+
+def _bands(panel: Panel, across: "_Scale", top: float, height: float) -> Iterator[str]:
+    """Yield shaded ranges across with their names at the upper end, each below those that it overlaps."""
+    for number, (name, low, high) in enumerate(panel.bands):
+        left, right = across(max(low, across.low)), across(min(high, across.high))
+        if left <= right:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            rect = f'x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 1.0):.1f}" height="{height:.1f}"'
+            yield f'<rect fill="#888" fill-opacity="0.18" {rect}/>'
+            yield _text(0.5 * (left + right), top + 12.0 * (1 + over), name, anchor="middle")
 
 
 class _Scale:
@@ -165,7 +177,7 @@ def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
 def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> str:
     left, right = across(across.low), across(across.high)
     bottom, top = upward(upward.low), upward(upward.high)
-    xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (38.0 if across.log else 62.0))))
+    xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (42.0 if across.log else 62.0))))
     ys = panel.yticks or _ticks(upward, most=max(3, int((bottom - top) / (16.0 if upward.log else 26.0))))
     lines = "".join(
         [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x, _ in xs]
@@ -217,7 +229,8 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
         return ["".join(f"M{a:g} {b:g}h0" for a, b in places)]
     tolerance = _FINE * abs(upward.high - upward.low)
     if upward.log or across.log:
-        rows = np.arange(x.size)
+        both = np.column_stack([across.of(x), upward.of(y)])
+        rows = rows_of_line(np.arange(x.size, dtype=np.float64), both, _CLOSE)
     elif (np.diff(x) > 0.0).all():
         if is_dense(x, y[:, None], tolerance):
             at, low, high = envelope(x, y[:, None])
@@ -238,6 +251,7 @@ def _points(x: Array, y: Array) -> list[list[float]]:
     return (np.round(np.column_stack([x, y]), 1) + 0.0).tolist()
 
 
+_DASHES = {"dashed": "6 3", "dotted": "1.5 2.5"}
 _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
 
 _LIMIT = f'class="limit" fill="none" stroke="{hexadecimal(LIGHT.limit)}" stroke-width="1.1" stroke-dasharray="5 4"'
@@ -246,11 +260,14 @@ _LIMIT = f'class="limit" fill="none" stroke="{hexadecimal(LIGHT.limit)}" stroke-
 def _look(curve: Curve, bar: float = 0.0) -> str:
     """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
     kind = curve.kind
-    color: Color = LIGHT.base if kind == BASE else _FAINT if kind == OTHERS else LIGHT.series[int(kind)]
+    named: dict[int | str, Color] = {BASE: LIGHT.base, OTHERS: _FAINT, LIMIT: LIGHT.limit}
+    color = named[kind] if kind in named else LIGHT.series[int(kind)]
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
-    width = round(bar, 1) or (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
+    width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
     cap = ' stroke-linecap="round"' if curve.marks else ""  # a mark is a line of no length with round ends
-    return f'class="{name}" fill="none" stroke="{hexadecimal(color)}" stroke-width="{width}"{cap}'
+    faint = f' stroke-opacity="{curve.opacity:.2g}"' if curve.opacity < 1.0 else ""
+    dash = f' stroke-dasharray="{_DASHES[curve.dash]}"' if curve.dash else ""
+    return f'class="{name}" fill="none" stroke="{hexadecimal(color)}" stroke-width="{width:g}"{cap}{dash}{faint}'
 
 
 def _text(

@@ -1,134 +1,171 @@
-"""Layout of the viewer for a run alone: scene and close-up beside tabs, scenario and events below, paused before the event."""
+"""Layout of the viewer, the same for one run and for several: the answer above scenes and tabs, texts and events below."""
 
 from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.content.panels import Panel
-from wirerope_mj.content.selection import Selection, main_direction
+from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.camera import whole_scene
-from wirerope_mj.views.recording.cursor import PATH as CURSOR
-from wirerope_mj.views.recording.documents import VERDICT
-from wirerope_mj.views.recording.drawn_runs import DrawnRun
-from wirerope_mj.views.recording.frame import GROUND
-from wirerope_mj.views.recording.graphs import Graphs
-from wirerope_mj.views.recording.histories import CONTACT, DIRECTIONS, UNITS, USED
+from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
+from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
+from wirerope_mj.views.recording.frame import GROUND, fitting_width
+from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
 from wirerope_mj.views.recording.lanes import lane_paths
-from wirerope_mj.views.recording.large import ROOT as LARGE
-from wirerope_mj.views.recording.large import large_factor
 from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
+from wirerope_mj.views.recording.now import CURSOR, PLAN, plan_bounds
 from wirerope_mj.views.recording.over_frequency import over_frequency_view
+from wirerope_mj.views.recording.panels import panel_view
 from wirerope_mj.views.recording.paths import entity
-from wirerope_mj.views.recording.plan import ROOT as PLAN
-from wirerope_mj.views.recording.plan import plan_bounds
-from wirerope_mj.views.recording.views import (
-    event_view,
-    graph_view,
-    layout,
-    loop_view,
-    scene_view,
-    tabs_with,
-    time_axis,
-    whole_scene_view,
-)
+from wirerope_mj.views.recording.texts import BANNER, BELOW
+from wirerope_mj.views.recording.views import event_view, layout, loop_view, scene_view, tabs_with, time_axis
+
+_SCENES = (870.0, 720.0)
+"""Width and height of the pane of the scenes on a full-HD screen [points]."""
+
+_TABS = (1040.0, 730.0)
+"""The same of the tabs beside them, without their titles."""
 
 
-def blueprint_of(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], panel: Panel | None, *, tab: str) -> Any:
-    """Return the layout of the viewer for a run alone, with `tab` in front.
+def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> Any:
+    """Return the layout with `tab` and `scene` in front, the first scene without one; `factor` enlarges the ghosts' motion.
 
     Raises:
-        ValueError: there is no such tab.
+        ValueError: there is no such tab or scene.
     """
     import rerun.blueprint as rrb
 
-    top = rrb.Horizontal(_scenes(run), _tabs(run, graphs, plots, panel, tab), column_shares=[5, 6], name="run")
-    banner = rrb.TextDocumentView(origin=entity(VERDICT), name="Verdict")
-    texts = rrb.Tabs(
-        rrb.TextDocumentView(origin=entity(*CURSOR), name="At the time cursor"),
-        rrb.TextDocumentView(origin=entity("scenario"), name="Scenario"),
-        active_tab=0,
-    )
-    below = rrb.Horizontal(texts, event_view(entity("events")), column_shares=[5, 6])
-    return layout(rrb.Vertical(banner, top, below, row_shares=[7, 74, 19]), run.selection.window)
+    scenes = _scenes(drawn, factor)
+    left: Any = tabs_with(scenes, "scene", scene or str(scenes[0].name))
+    if (run := drawn.alone) is not None and run.selection.governing is not None:
+        left = rrb.Vertical(left, _near(run, run.selection.governing, wide=True), row_shares=[3, 2])
+    top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
+    banner = [_text(text.path, text.name) for text in drawn.texts if text.place == BANNER]
+    texts = [_text(text.path, text.name) for text in drawn.texts if text.place == BELOW]
+    texts = [*([_text((CURSOR,), "At the time cursor")] if drawn.alone else []), *texts]
+    below = rrb.Horizontal(rrb.Tabs(*texts, active_tab=0), event_view(entity("events")), column_shares=[5, 6])
+    return layout(rrb.Vertical(*banner, top, below, row_shares=[6, 76, 18]), drawn.shared.window)
 
 
-def _scenes(run: DrawnRun) -> Any:
+def loop_widths(drawn: Drawn) -> dict[str, float]:
+    """Return the width of a loop's frame for every axis, so that the loops of an axis fill the pane."""
+    shared = drawn.shared
+    return {axis: fitting_width(_TABS, *grid_shape(len(shared.shown(axis)))) for axis in shared.axes}
+
+
+def _text(path: tuple[str, ...], name: str) -> Any:
     import rerun.blueprint as rrb
 
-    response, selection, frames = run.response, run.selection, run.frames
-    base = response.scene.base
-    origin = frames[base].path if base in response.bodies else entity("world")
-    everything = "+ " + entity("world") + "/**"
-    factor, camera = large_factor(run), whole_scene(response)
-    scenes = [whole_scene_view(response, frames, "True scale")]
-    if factor > 1.0:
-        below = entity(LARGE)
-        scenes.insert(0, scene_view(below + origin, [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera))
-    if selection.used and selection.mounts:
-        across, upward = plan_bounds(response)
-        bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
-        scenes.append(
-            rrb.Spatial2DView(
-                origin=entity(PLAN), name="Mounts from above, % used now", background=GROUND, visual_bounds=bounds
+    return rrb.TextDocumentView(origin=entity(*path), name=name)
+
+
+def _scenes(drawn: Drawn, factor: float) -> list[Any]:
+    """Return the scenes: of a run alone at true scale, from above and enlarged; of several first their worst mount."""
+    import rerun.blueprint as rrb
+
+    larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
+    largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
+    below = entity(GHOSTS)
+    if (run := drawn.alone) is not None:
+        scenes = [_scene(run, "True scale", whole_scene(run.response, mount=run.selection.governing))]
+        if run.selection.used and run.selection.mounts:
+            across, upward = plan_bounds(run.response)
+            bounds = rrb.VisualBounds2D(x_range=across, y_range=upward)
+            name = "Mounts from above, % used now"
+            scenes.append(rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds))
+        if factor > 1.0:
+            camera = whole_scene(run.response, mount=run.selection.governing)
+            scenes.append(
+                scene_view(below + _origin(run), [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera)
             )
-        )
-    whole = rrb.Tabs(*scenes, active_tab=0, name="Scenes")
-    name = selection.governing
-    if name is None:
-        return whole
-    camera = close_up_of(response, name)
-    worst = next((one for one in selection.used if one.subject == name), None)
+        return scenes
+    columns = 1 if len(drawn.runs) <= 3 else 2
+    aspect = _SCENES[0] / columns / (_SCENES[1] / -(-len(drawn.runs) // columns))
+    whole = [
+        _scene(run, f"{run.name}: {run.response.scene.name}", whole_scene(run.response, aspect=aspect))
+        for run in drawn.runs
+    ]
+    names = " and ".join(run.name for run in drawn.runs)
+    camera = whole_scene(largest.response)
+    ghosts = scene_view(below, [f"+ {below}/**"], f"{names}, seen from their bases{larger}", camera)
+    scenes = [rrb.Grid(*whole, grid_columns=columns, name="Side by side"), rrb.Vertical(ghosts, name="Ghosts")]
+    mount = drawn.shared.governing
+    if mount is not None:
+        near = [_near(run, mount) for run in drawn.having(mount)]
+        scenes.insert(0, rrb.Grid(*near, grid_columns=columns, name="Worst mount"))
+    return scenes
+
+
+def _origin(run: DrawnRun) -> str:
+    base = run.response.scene.base
+    return run.frames[base].path if base in run.response.bodies else entity("world")
+
+
+def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()) -> Any:
+    contents = [f"+ {run.root}{entity('world')}/**", *(f"- {run.root}{path}" for path in without)]
+    return scene_view(run.root + _origin(run), contents, name, camera)
+
+
+def _near(run: DrawnRun, mount: str, *, wide: bool = False) -> Any:
+    """Return a mount from near, without what belongs to others."""
+    bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
+    hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
+    worst = next((one for one in run.selection.used if one.subject == mount), None)
     used = f", {in_unit(worst.largest, '%'):.0f} % of its limit of {worst.governing.criterion}" if worst else ""
-    paths = [frames[body].path for body in {mount.base_body for mount in response.scene.mounts}]
-    without = [f"- {path}/{beside}" for path in paths for beside in BESIDE]
-    near = scene_view(origin, [everything, *without], f"Mount {name}{used}", camera)
-    return rrb.Vertical(whole, near, row_shares=[3, 2])
+    name = ": ".join(filter(None, (run.name, f"Mount {mount}{used}")))
+    return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
 
 
-def _tabs(run: DrawnRun, graphs: Graphs, plots: Sequence[LoopPlot], panel: Panel | None, tab: str) -> Any:
+def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Any]:
+    """Return the overview, a tab for each quantity over time, the loops of each axis, and the texts."""
     import rerun.blueprint as rrb
 
-    selection = run.selection
-    axes, window = selection.axes, selection.window
-    directions = [graph_view(graphs["acceleration", direction], window) for direction in DIRECTIONS]
-    tabs = [_overview(run, graphs), rrb.Vertical(*directions, name="Accelerations")]
-    if axes:
-        for quantity in UNITS:
-            views = [graph_view(graphs[quantity, axis], window) for axis in axes]
-            tabs.append(rrb.Vertical(*views, name=f"{quantity.capitalize()}s"))
-    if contacts := [graph_view(graph, window) for key, graph in graphs.items() if key[0] == CONTACT]:
-        tabs.append(rrb.Vertical(*contacts, name="Contacts"))
-    for axis in axes:
-        views = [_loop_view(selection, plot) for plot in plots if plot.axis == axis]
+    tabs = [_overview(drawn)]
+    for quantity in ("acceleration", "deflection", "force", "contact"):
+        name = f"{quantity.capitalize()}s"
+        along: dict[str, list[Any]] = {}
+        for key in drawn.panels:
+            if key[0] == quantity and not (drawn.alone and key[1] == TOTAL):
+                along.setdefault(key[1], []).append(_view(drawn, key))
+        if all(len(views) == 1 for views in along.values()):
+            tabs += [rrb.Vertical(*(views[0] for views in along.values()), name=name)] if along else []
+        else:
+            ordered = sorted(along, key=lambda one: one != TOTAL)
+            grids = [rrb.Grid(*along[one], grid_columns=min(2, len(along[one])), name=one) for one in ordered]
+            tabs.append(rrb.Tabs(*grids, active_tab=0, name=name))
+    for axis in drawn.shared.axes:
+        views = [_loop_view(drawn, plot) for plot in plots if plot.axis == axis]
         tabs.append(rrb.Grid(*views, grid_columns=grid_shape(len(views))[0], name=f"{axis.capitalize()} loops"))
-    if panel is not None:
-        tabs.append(rrb.Vertical(over_frequency_view(panel), name="Over frequency"))
-    tabs.append(rrb.TextDocumentView(origin=entity("peaks"), name="Peaks"))
-    tabs.append(rrb.TextDocumentView(origin=entity("verdicts"), name="Verdicts"))
-    return tabs_with(tabs, "tab", tab)
+    places = dict.fromkeys(text.place for text in drawn.texts if text.place not in (BANNER, BELOW))
+    for place in places:
+        texts = [_text(text.path, text.name) for text in drawn.texts if text.place == place]
+        tabs.append(texts[0] if len(texts) == 1 else rrb.Tabs(*texts, active_tab=0, name=place))
+    return tabs
 
 
-def _overview(run: DrawnRun, graphs: Graphs) -> Any:
+def _overview(drawn: Drawn) -> Any:
+    """Return what tells most: of a run alone what is used, what stands over frequency, and lanes; of several what differs."""
     import rerun.blueprint as rrb
 
-    selection = run.selection
-    keys: list[tuple[str, ...]] = [(USED,)] if selection.used else []
-    keys += [("deflection", axis) for axis in selection.axes[:1]]
-    keys.append(("acceleration", main_direction(run.response)))
-    views = [graph_view(graphs[key], selection.window) for key in keys]
-    lanes = lane_paths(run.response, selection)
-    views.append(
-        rrb.StateTimelineView(
-            origin=entity(), contents=lanes, name="Base, stops and limits", time_view=time_axis(selection.window)
-        )
-    )
-    return rrb.Vertical(*views, row_shares=[*([4.0] * (len(views) - 1)), 1.2 + 1.0 * len(lanes)], name="Overview")
+    views = [_view(drawn, key) for key in drawn.overview]
+    if (run := drawn.alone) is None:
+        return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")
+    shares = [3.0] * len(views)
+    if drawn.over_frequency is not None:
+        views.append(over_frequency_view(drawn.over_frequency))
+        shares.append(4.0)
+    lanes = lane_paths(run.response, run.selection)
+    name, window = "Base, stops, use of limits [%]", time_axis(run.selection.window)
+    views.append(rrb.StateTimelineView(origin=entity(), contents=lanes, name=name, time_view=window))
+    return rrb.Vertical(*views, row_shares=[*shares, 0.9 + 0.6 * len(lanes)], name="Overview")
 
 
-def _loop_view(selection: Selection, plot: LoopPlot) -> Any:
-    ratio = selection.utilisation(plot.mount, plot.axis)
-    used = "" if np.isnan(ratio) else f", {100 * ratio:.0f} % of rated travel"
+def _view(drawn: Drawn, key: tuple[str, ...]) -> Any:
+    return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window)
+
+
+def _loop_view(drawn: Drawn, plot: LoopPlot) -> Any:
+    ratio = drawn.shared.utilisation(plot.mount, plot.axis)
+    used = "" if np.isnan(ratio) or not drawn.alone else f", {100 * ratio:.0f} % of rated travel"
     return loop_view(plot.path, f"{plot.mount}: kN over mm{used}", width=plot.plot.width, trails=plot.trails)

@@ -16,15 +16,20 @@ _TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))
 _ASPECT = 1.75
 """Width over height of the pane of the whole scene on a full-HD screen, where a run is alone."""
 
+_WIDE = 3.0
+"""The same of the pane of the close-up below it."""
+
 _CLOSE = 1.4
-"""Distance of the close-up over the diagonal of the mount."""
+"""Distance over the diagonal of the mount from which what hides it is looked for."""
+
+_MARGIN = 1.3
+"""Size of what the close-up holds over that of the mount."""
 
 _AZIMUTHS = 24
-_ELEVATIONS = (3.0, 10.0, 22.0, 40.0)  # [deg]
-_SEE_THROUGH = 0.7
-"""Geoms less opaque than this do not hide what is behind them."""
+_ELEVATIONS = (-30.0, -12.0, 3.0, 10.0, 22.0, 40.0)  # [deg]
 
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
+_GRID = np.array([[x, y, z] for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0) for z in (-1.0, 0.0, 1.0)])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -35,10 +40,26 @@ class Camera:
     target: Array
 
 
-def whole_scene(response: Response, *, aspect: float = _ASPECT) -> Camera:
-    """Return a camera that sees everything, as near as its pane, `aspect` times as wide as high, allows."""
-    points = _seen_from_base(response.scene, _corners(response.scene))
+def whole_scene(response: Response, *, aspect: float = _ASPECT, mount: str | None = None) -> Camera:
+    """Return a camera that sees everything, as near as its pane, `aspect` times as wide as high, allows.
+
+    It looks from the front and the right, or from where a mount is hidden less.
+    """
+    scene = response.scene
+    points = _seen_from_base(scene, _corners(scene))
     back = _LOOK_FROM / np.linalg.norm(_LOOK_FROM)
+    if mount is not None:
+        at = next(entry for entry in scene.mounts if entry.name == mount)
+        base = next(body for body in scene.bodies if body.name == at.base_body)
+        middle = base.position + rotate(base.orientation, at.base_point)
+        backs = back * np.array([[x, y, 1.0] for y in (1.0, -1.0) for x in (1.0, -1.0)])
+        hidden = _hidden(scene, middle + scene_extent(scene)[1] * backs, middle[None])
+        back = backs[int(hidden.argmin())]
+    return _fitted(points, back, aspect)
+
+
+def _fitted(points: Array, back: Array, aspect: float) -> Camera:
+    """Return a camera that looks along -`back` at points (n, 3), as near as its pane allows."""
     right = np.cross([0.0, 0.0, 1.0], back)
     right /= np.linalg.norm(right)
     up = np.cross(back, right)
@@ -53,25 +74,28 @@ def whole_scene(response: Response, *, aspect: float = _ASPECT) -> Camera:
     return Camera(eye=target + distance * back, target=target)
 
 
-def close_up(response: Response, mount: str, *, height: float, width: float, row: int) -> Camera:
-    """Return a camera that sees a mount of the given size [m] past the bodies around it, as they stand at a sample."""
+def close_up(response: Response, mount: str, *, height: float, width: float, row: int, wide: bool = False) -> Camera:
+    """Return a camera that sees a mount of the given size [m] past the bodies around it, as they stand at a sample.
+
+    Of some directions the one is taken from which most of the device is seen, whatever is transparent counted by how much it
+    hides; where several show it alike, neither along the bars nor square to them, and from outside.
+    """
     scene = replace(response.scene, bodies=tuple(_posed(response, body, row) for body in response.scene.bodies))
     at = next(entry for entry in scene.mounts if entry.name == mount)
     base = next(body for body in scene.bodies if body.name == at.base_body)
     middle = base.position + rotate(base.orientation, at.base_point)
     axes = rotate(base.orientation, at.axes.T)
-    # Bars are about 1.9 times as long as the device is wide; what is looked at are its corners, drawn in a little.
-    corners = middle + 0.35 * (CORNERS * [width, 1.9 * width, height]) @ axes
-    distance = _CLOSE * float(np.linalg.norm([width, 1.9 * width, height]))
+    half = 0.5 * np.array([width, 1.9 * width, height])  # bars are about 1.9 times as long as the device is wide
+    distance = _CLOSE * float(np.linalg.norm(2.0 * half))
     directions = _directions()
-    hidden = _hidden(scene, middle + distance * directions, corners)
+    hidden = _hidden(scene, middle + distance * directions, middle + 0.8 * (_GRID * half) @ axes)
     center, _ = scene_extent(scene)
     outward = (middle - center) / max(float(np.linalg.norm(middle - center)), 1e-9)
-    # What is seen counts most; then a look neither along the bars nor square to them, and from outside.
     along_bars = np.abs(directions @ axes[1])
-    worth = -3.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.3 * directions @ outward
-    eye = middle + distance * directions[int(worth.argmax())]
-    return Camera(eye=_seen_from_base(scene, eye), target=_seen_from_base(scene, middle))
+    worth = -4.0 * hidden - 0.5 * np.abs(along_bars - 0.5) + 0.2 * directions @ outward
+    corners = _seen_from_base(scene, middle + _MARGIN * (CORNERS * half) @ axes)
+    back = _seen_from_base(scene, middle + directions[int(worth.argmax())]) - _seen_from_base(scene, middle)
+    return _fitted(corners, back, _WIDE if wide else _ASPECT)
 
 
 def _posed(response: Response, body: SceneBody, row: int) -> SceneBody:
@@ -126,17 +150,17 @@ def _directions() -> Array:
 
 
 def _hidden(scene: Scene, eyes: Array, targets: Array) -> Array:
-    """Return the fraction of the targets (m, 3) that something opaque hides from each eye (n, 3), (n,)."""
-    blocked = np.zeros((len(eyes), len(targets)), dtype=bool)
+    """Return how much of the targets (m, 3) is hidden from each eye (n, 3), 0 to 1, (n,)."""
+    clear = np.ones((len(eyes), len(targets)))
     for body in scene.bodies:
         for geom in body.geoms:
-            if geom.rgba[3] < _SEE_THROUGH or not np.isfinite(reach(geom)).all():
+            if not np.isfinite(reach(geom)).all():
                 continue
             back = conjugate(multiply(body.orientation, geom.orientation))
             center = body.position + rotate(body.orientation, geom.position)
             start, stop = rotate(back, targets - center), rotate(back, eyes - center)
-            blocked |= _cuts_box(start[None], stop[:, None], reach(geom))
-    return blocked.mean(axis=1)
+            clear = np.where(_cuts_box(start[None], stop[:, None], reach(geom)), clear * (1.0 - geom.rgba[3]), clear)
+    return 1.0 - clear.mean(axis=1)
 
 
 def _cuts_box(start: Array, stop: Array, half: Array) -> Array:
@@ -150,7 +174,7 @@ def _cuts_box(start: Array, stop: Array, half: Array) -> Array:
     return crossing
 
 
-def _seen_from_base(scene: Scene, point: Array) -> Array:
-    """Return a point in the frame of the base, if it has one that moves."""
+def _seen_from_base(scene: Scene, points: Array) -> Array:
+    """Return points (.., 3) in the frame of the base, if it has one that moves."""
     body = next((body for body in scene.bodies if body.name == scene.base and body.moves), None)
-    return point if body is None else rotate(conjugate(body.orientation), point - body.position)
+    return points if body is None else rotate(conjugate(body.orientation), points - body.position)

@@ -1,13 +1,25 @@
-"""Runs as they are drawn, one alone or several over each other: colours, selections and frames."""
+"""Runs as a recording draws them, one alone or several over each other: colours, frames, panels, texts and what is shared."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
-from wirerope_mj.content.selection import Selection, select
+from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.content.histories import (
+    TOTAL,
+    USED,
+    Histories,
+    difference_key,
+    differing,
+    overlay_histories,
+    run_histories,
+)
+from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.panels import Panel
+from wirerope_mj.content.selection import Selection, main_direction, select
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.paths import AXES, root_of
@@ -15,7 +27,7 @@ from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
 
 MOST_MOUNTS = 4
-"""Mounts of an axis whose histories and loops are drawn: each is a plot of its own, with a line for every run."""
+"""Mounts of an axis whose histories and loops are drawn for several runs: each is a plot of its own."""
 
 COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
 """Of the runs in every view. There are no more runs than colours that can be told apart."""
@@ -47,36 +59,93 @@ class DrawnRun(ComparedRun):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Overlay(Comparison):
-    """Runs that are laid over each other.
+class Text:
+    """A text of a recording: its entity, its name, and where it stands: "banner", "below", or the name of a tab."""
+
+    path: tuple[str, ...]
+    name: str
+    place: str
+    text: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawn:
+    """What a recording holds of one run or of several over each other.
 
     Attributes:
         runs: as they are drawn.
-        shared: mounts that two of them or more have, those shown in `ranked`, `utilisations` the largest of any run.
+        comparison: of the runs with the first; of one alone, what it has.
+        shared: what is shown: of one run its own selection; of several the mounts that two of them or more have, those shown
+            in `ranked`, `utilisations` the largest of any run.
+        panels: over time.
+        over_frequency: what stands over frequency; None for nothing.
+        texts: all of them.
     """
 
     runs: tuple[DrawnRun, ...]
+    comparison: Comparison
     shared: Selection
+    panels: Histories
+    over_frequency: Panel | None = None
+    texts: tuple[Text, ...] = field(default=())
+
+    @property
+    def alone(self) -> DrawnRun | None:
+        """The only run; None of several."""
+        return self.runs[0] if not self.runs[0].name else None
+
+    @property
+    def overview(self) -> tuple[tuple[str, ...], ...]:
+        """Keys of the panels that are seen first.
+
+        Of a run alone what is used of limits, the governing deflection and the accelerations, the first of them alone where
+        spectra stand below it. Of several their worst mount, what is shaken most, the base, and what is farthest apart.
+        """
+        if self.alone is not None:
+            keys: list[tuple[str, ...]] = [(USED,)] if self.shared.used else []
+            keys += [("deflection", axis) for axis in self.shared.axes[:1]]
+            keys.append(("acceleration", main_direction(self.alone.response)))
+            return tuple(keys if self.over_frequency is None else keys[:1])
+        mount = self.shared.governing or ""
+        axis = next((axis for axis in self.shared.axes if ("deflection", axis, mount) in self.panels), "")
+        keys = [(quantity, axis, mount) for quantity in ("deflection", "force")]
+        parts = [key for key in self.panels if key[:2] == ("acceleration", TOTAL)]
+        keys += [key for key in parts if key[2] != "base"][:1] + [key for key in parts if key[2] == "base"][:1]
+        keys += [difference_key(subject) for subject in differing(self.comparison)]
+        return tuple(key for key in keys if key in self.panels)
 
     def having(self, subject: Subject) -> list[DrawnRun]:
         """Return the runs that have a component, or a mount of that name."""
         return [run for run in self.runs if subject in subjects_of(run.response)]
 
 
-def run_alone(response: Response, selection: Selection) -> DrawnRun:
-    """Return a run that has a recording of its own, and what of it is shown."""
-    return DrawnRun(
+def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
+    """Return what a recording of a run alone draws."""
+    response, selection = run.response, run.selection
+    comparison = compare_runs({"": response}, verdicts={"": run.verdicts}) if subjects_of(response) else None
+    drawn = DrawnRun(
         name="",
         response=response,
         moved=0.0,
+        verdicts=run.verdicts,
         color=ARROW,
         selection=selection,
         frames=frames_of(response),
     )
+    nothing = Comparison(runs=(drawn,), components=(), mounts=(), alone={}, differences=())
+    return Drawn(
+        runs=(drawn,),
+        comparison=comparison or nothing,
+        shared=selection,
+        panels=run_histories(response, selection),
+        over_frequency=over_frequency,
+    )
 
 
-def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
-    """Return the runs laid over each other.
+def several_runs(
+    responses: Mapping[str, Response], align: Align, verdicts: Mapping[str, Sequence[Verdict]] | None = None
+) -> Drawn:
+    """Return what a recording draws of runs over each other; verdicts as `compare_runs` takes them.
 
     Raises:
         ValueError: there are too few or too many, or `align` is unknown.
@@ -84,14 +153,14 @@ def overlay_of(responses: Mapping[str, Response], align: Align) -> Overlay:
     """
     if not 2 <= len(responses) <= len(COLORS):
         raise ValueError(f"`responses` must be two to {len(COLORS)}, got {len(responses)}.")
-    comparison = compare_runs(responses, align)
+    comparison = compare_runs(responses, align, verdicts)
     runs = tuple(_overlaid(run, color) for run, color in zip(comparison.runs, COLORS, strict=False))
-    return Overlay(**vars(comparison) | {"runs": runs, "shared": _shared(runs, comparison.mounts)})
+    shared = _shared(runs, comparison.mounts)
+    return Drawn(runs=runs, comparison=comparison, shared=shared, panels=overlay_histories(comparison, shared))
 
 
 def _overlaid(run: ComparedRun, color: Color) -> DrawnRun:
-    selection = select(run.response)
-    selection = replace(selection, run_color=color)
+    selection = replace(select(run.response, run.verdicts), run_color=color)
     return DrawnRun(**vars(run), color=color, selection=selection, frames=frames_of(run.response))
 
 
@@ -107,10 +176,14 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
                 utilisations[row] = np.fmax(utilisations[row], own.utilisations[own.mounts.index(name)])
                 travel[row] = np.maximum(travel[row], peak.maximum - peak.minimum)
                 acting[row] |= [name in own.ranked[axis] for axis in AXES]
+    used = [one for run in runs for one in run.selection.used if one.subject in mounts]
+    used = sorted(used, key=lambda one: -one.largest)[:1]
+    worst = [one.subject for one in used]
     ranked = {}
     for number, axis in enumerate(AXES):
         order = np.lexsort([-travel[:, number], -np.nan_to_num(utilisations[:, number])])
-        ranked[axis] = tuple(mounts[row] for row in order if acting[row, number])[:MOST_MOUNTS]
+        names = [mounts[row] for row in order if acting[row, number]]
+        ranked[axis] = tuple(sorted(names, key=lambda name: name not in worst)[:MOST_MOUNTS])
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
     return replace(
         runs[0].selection,
@@ -120,6 +193,6 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
         ranked=ranked,
         bodies=(),
         points=(),
-        used=(),
+        used=tuple(used),
         numbers={},
     )

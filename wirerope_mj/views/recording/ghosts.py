@@ -1,14 +1,14 @@
-"""All runs in one scene: every body once for each run, transparent in the run's colour, as seen from the run's base."""
+"""Bodies drawn once more with their motion enlarged, as seen from their bases: of several runs as ghosts in one scene."""
 
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.engine.response.scene import SceneBody
+from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
-from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay
+from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
 from wirerope_mj.views.recording.enlarge import round_down
 from wirerope_mj.views.recording.paths import Below, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, grown, multiply, rotate
@@ -17,46 +17,51 @@ from wirerope_mj.views.recording.shapes import draw_geoms
 
 ROOT = "ghosts"
 
-_OPAQUE = 0.38
-"""Of a ghost: two of them can be told apart where they overlap, and edges are seen through both."""
+_OPAQUE, _AT_REST = 0.38, 0.12
+"""Of a ghost: two of them can be told apart where they overlap, and edges are seen through both; of where one began."""
 
 _SEEN = 0.04
 """Fraction of the scene's size that the largest motion is to have in the picture."""
 
 
-def ghost_factor(overlay: Overlay) -> float:
-    """Return the round factor by which motions are drawn larger; 1 where they are large enough."""
+def ghost_factor(drawn: Drawn) -> float:
+    """Return the round factor by which motions are enlarged; 1 where they are large enough."""
     travel, extent = 0.0, 0.0
-    for run in overlay.runs:
+    for run in drawn.runs:
         extent = max(extent, scene_extent(run.response.scene)[1])
         for body, frame in _riding(run):
-            travel = max(travel, float(np.abs(frame.position - _modelled(run, body)[0]).max()))
+            travel = max(travel, float(np.abs(frame.position - _start(run, body, frame)[0]).max()))
     if travel == 0.0 or _SEEN * extent <= travel:
         return 1.0
     return round_down(_SEEN * extent / travel)
 
 
-def log_ghosts(rec: Any, overlay: Overlay) -> None:
-    """Log the ghosts of all runs, and their names beside them."""
+def log_ghosts(rec: Any, drawn: Drawn, factor: float) -> None:
+    """Log the bodies of all runs, their names beside them; of a run alone in its own colours, over where it began."""
     import rerun as rr
 
     rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
-    factor = ghost_factor(overlay)
-    drawn: list[str] = []
-    for number, run in enumerate(overlay.runs):
-        below = Below(rec, entity(ROOT, run.name))
-        _, extent = scene_extent(run.response.scene)
-        rows = scene_rows(run.response, run.frames)
+    bases: list[str] = []
+    for number, run in enumerate(drawn.runs):
+        below, time = Below(rec, entity(ROOT, *run.names)), run.response.time
+        extent, rows = scene_extent(run.response.scene)[1], scene_rows(run.response, run.frames)
         base = next((body for body in run.response.scene.bodies if body.name == run.response.scene.base), None)
-        if base is not None and base.name != "world" and repr(base.geoms) not in drawn:
+        if base is not None and base.name != "world" and repr(base.geoms) not in bases:
             draw_geoms(below, run.frames[base.name].path, base.geoms, extent)
-            drawn.append(repr(base.geoms))  # the same base would flicker through itself
+            bases.append(repr(base.geoms))  # the same base would flicker through itself
         for body, frame in _riding(run):
-            pose = frame.position, frame.orientation
-            pose = pose if frame.fixed else grown(*pose, *_modelled(run, body), factor)
-            log_pose(below, frame.path, run.response.time, *pose, rows)
+            start, pose = _start(run, body, frame), (frame.position, frame.orientation)
+            pose = pose if frame.fixed else grown(*pose, *start, factor)
+            log_pose(below, frame.path, time, *pose, rows)
             draw_geoms(below, frame.path, _ghostly(body, run), extent)
-        _log_name(below, run, number, extent)
+            if drawn.alone and not frame.fixed:
+                began = frame.path + "_at_rest"
+                log_pose(below, began, time, start[0][None], start[1][None], rows)
+                draw_geoms(
+                    below, began, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent
+                )
+        if not drawn.alone:
+            _log_name(below, run, number, extent)
 
 
 def _riding(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
@@ -65,19 +70,22 @@ def _riding(run: DrawnRun) -> list[tuple[SceneBody, Frame]]:
     return [(body, run.frames[body.name]) for body in scene.bodies if body.moves and body.name != scene.base]
 
 
-def _modelled(run: DrawnRun, body: SceneBody) -> tuple[Array, Array]:
-    """Return position (3,) and quaternion of a body in the modelled geometry, in the frame that its own is in."""
-    scene, frame = run.response.scene, run.frames[body.name]
+def _start(run: DrawnRun, body: SceneBody, frame: Frame) -> tuple[Array, Array]:
+    """Return position (3,) and quaternion of a body where motion is enlarged from: among several runs, as it is modelled."""
+    if not run.name:
+        return frame.position[0], frame.orientation[0]
     parent = frame.path.rsplit("/", 1)[0]
     name = next((name for name, other in run.frames.items() if other.path == parent and name != "world"), None)
     if name is None:
         return body.position, body.orientation
-    carrier = next(other for other in scene.bodies if other.name == name)
+    carrier = next(other for other in run.response.scene.bodies if other.name == name)
     back = conjugate(carrier.orientation)
     return rotate(back, body.position - carrier.position), multiply(back, body.orientation)
 
 
-def _ghostly(body: SceneBody, run: DrawnRun) -> list[Any]:
+def _ghostly(body: SceneBody, run: DrawnRun) -> list[Geom]:
+    if not run.name:
+        return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, 1.5 * _OPAQUE]) for geom in body.geoms]
     rgba = np.array([*run.color, 255 * _OPAQUE]) / 255.0
     return [replace(geom, rgba=rgba) for geom in body.geoms]
 

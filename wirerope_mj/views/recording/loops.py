@@ -16,7 +16,7 @@ from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
-from wirerope_mj.views.recording.frame import LARGE, Color, Plot, fitting_width, log_frame
+from wirerope_mj.views.recording.frame import HEIGHT, LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
@@ -99,12 +99,6 @@ def grid_shape(plots: int) -> tuple[int, int]:
     return columns, -(-plots // columns)
 
 
-def frame_width(plots: int) -> float:
-    """Return the width of a plot's frame so that it fills its cell of the grid."""
-    columns, rows = grid_shape(plots)
-    return fitting_width((1040.0, 780.0), columns, rows)  # about the pane of the tabs on a full-HD screen
-
-
 def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
     """Return a loop for every mount and axis with a force, those of an axis in the order of their rank."""
     mounts = {mount.name: mount for mount in response.scene.mounts}
@@ -119,7 +113,7 @@ def loops_of(response: Response, selection: Selection) -> list[DrawnLoop]:
             loop = DrawnLoop(axis=axis, mount=name, outlines=tuple(values[part] for part in parts))
             if name in shown:
                 rows, joined = _trail_rows(response.time, values, parts)
-                plot = _plot(values, mounts[name], axis, frame_width(len(shown)))
+                plot = _plot(values, mounts[name], axis)
                 loop = replace(loop, plot=plot, time=response.time[rows], points=values[rows], joined=joined)
             loops.append(loop)
     return loops
@@ -222,15 +216,15 @@ def _tolerance(loop: Array, ratio: float) -> Array:
     return np.asarray(np.maximum(ratio * np.ptp(loop, axis=0), 1e-12))
 
 
-def _plot(loop: Array, mount: SceneMount, axis: str, width: float) -> Plot:
-    """Return ranges that hold the loop, zero, and the rated travel where the loop comes near it."""
+def _plot(loop: Array, mount: SceneMount, axis: str) -> Plot:
+    """Return a square plot whose ranges hold the loop, zero, and the rated travel where the loop comes near it."""
     low, high = loop.min(axis=0), loop.max(axis=0)
     for limit in travel_limits(mount, axis):
         if np.isfinite(limit):
             near = low[0] if limit < 0.0 else high[0]
             if near / in_unit(limit, "mm") > 0.5:
                 low[0], high[0] = min(low[0], in_unit(limit, "mm")), max(high[0], in_unit(limit, "mm"))
-    return Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), width)
+    return Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), HEIGHT)
 
 
 def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:

@@ -9,10 +9,11 @@ from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.colours import colour_of
-from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.colours import DARK, colour_of
+from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
+from wirerope_mj.views.recording.now import heat, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
-from wirerope_mj.views.recording.plan import heat, used_by
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
 
@@ -24,8 +25,11 @@ _FLAT = 0.08
 _MOST_LABELS = 12
 """With more mounts only those whose loops are shown first get a label."""
 
-BESIDE = ("labels", "forces", "acceleration", "stops")
-"""Entities of a base body that would stand in front of a mount seen from near."""
+BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
+"""Entities of a body that would stand in front of a mount seen from near."""
+
+_NEAR = (240, 180, 40)
+_RING = 48  # corners of the ring about the worst mount
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,12 +53,12 @@ def devices_of(response: Response, extent: float) -> list[Device]:
     return devices
 
 
-def close_up_of(response: Response, mount: str) -> Camera:
-    """Return a camera that sees a mount from near where it is deflected most."""
+def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera:
+    """Return a camera that sees a mount from near where it is deflected most; `wide` for a low pane."""
     devices = devices_of(response, scene_extent(response.scene)[1])
     device = next(device for device in devices if device.mount.name == mount)
     row = int(np.abs(response.mounts[mount].deflection).max(axis=1).argmax())
-    return close_up(response, mount, height=device.height, width=device.width, row=row)
+    return close_up(response, mount, height=device.height, width=device.width, row=row, wide=wide)
 
 
 def log_mounts(
@@ -68,7 +72,11 @@ def log_mounts(
     for base in dict.fromkeys(device.mount.base_body for device in devices):
         on_base = [device for device in devices if device.mount.base_body == base]
         path = frames[base].path
-        _log_labels(rec, path, selection, [device for device in on_base if device.mount.name in labelled])
+        others = [d for d in on_base if d.mount.name in labelled and d.mount.name != selection.governing]
+        _log_labels(rec, path, selection, others)
+        for device in on_base:
+            if device.mount.name == selection.governing:
+                _log_worst(rec, path, response, selection, device)
         _log_forces(rec, path, response, selection, on_base, rows, extent)
         for kind in dict.fromkeys((d.mount.isolator, d.height, d.width, d.rope) for d in on_base):
             same = [d for d in on_base if (d.mount.isolator, d.height, d.width, d.rope) == kind]
@@ -160,6 +168,30 @@ def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]
             ),
             static=True,
         )
+
+
+def _log_worst(rec: Any, path: str, response: Response, selection: Selection, device: Device) -> None:
+    """Log a ring about the worst mount as it is seen when the recording opens, and its name with its use, red beyond 100 %."""
+    import rerun as rr
+
+    mount = device.mount
+    used = next((one for one in selection.used if one.subject == mount.name), None)
+    color = DARK.limit if used is not None and used.largest > 1.0 else _NEAR
+    camera, extent = whole_scene(response, mount=mount.name), scene_extent(response.scene)[1]
+    toward = camera.eye - mount.base_point
+    across = np.cross([0.0, 0.0, 1.0], toward / np.linalg.norm(toward))
+    across /= np.linalg.norm(across)
+    up = np.cross(toward / np.linalg.norm(toward), across)
+    angle = np.linspace(0.0, 2.0 * np.pi, _RING)[:, None]
+    radius = max(1.1 * max(device.height, device.width), 0.03 * extent)
+    circle = mount.base_point + radius * (np.cos(angle) * across + np.sin(angle) * up)
+    ring = rr.LineStrips3D([circle], colors=color, radii=rr.Radius.ui_points(1.8))
+    rec.log(child(path, "ring"), ring, static=True)
+    name = mount.name if used is None else f"{mount.name} {in_unit(used.largest, '%'):.0f} %"
+    spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
+    rec.log(
+        child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True
+    )
 
 
 def _log_forces(

@@ -1,53 +1,36 @@
-"""Recordings of one response, or of two or more over each other, by one writer.
-
-The timeline is `sim_time` [s]. The entities of a run alone stand in `wirerope_mj.views.recording`; those of several are:
-
-```text
-/runs/NAME/world/...                          scene of a run, as in a recording of its own; mounts in the run's colour
-/runs/NAME/state/...                          its exact samples, if they are kept; `read_state(path, run=NAME)` reads them
-/ghosts/NAME/world/...                        its bodies in the base's frame, transparent in the run's colour
-/histories/acceleration/DIR/KIND/PART         base, bodies and points of several runs [g];  .../RANK/NAME/peak
-/histories/deflection|force/AXIS/MOUNT        mounts of several runs [mm, kN];  .../RANK/NAME/peak  .../rated
-/histories/difference/KIND/PART/NAME          how far a run is from the first [g, mm]
-/loops/AXIS/MOUNT                             frame of the plot;  .../data/NAME  the loop [mm, kN];  .../trail  .../cursor
-/events/NAME                                  log of events
-/differences  /peaks/...  /study              texts
-```
-
-RANK is 0 for the largest swing, which the viewer draws first and so behind the others.
-"""
+"""Recordings of one response, or of two or more over each other: one writer, one layout."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.assessment.comparison import Align, Inputs
-from wirerope_mj.assessment.criteria import Verdict
-from wirerope_mj.content.events import main_instants
+import numpy as np
+
+from wirerope_mj.assessment.comparison import Align
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, headline, judge
+from wirerope_mj.content.comparison_findings import Inputs
+from wirerope_mj.content.events import events_of, main_instants
+from wirerope_mj.content.histories import TOTAL
+from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.panels import Panel
-from wirerope_mj.content.selection import select
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.tables import Table
-from wirerope_mj.views.recording.blueprint import blueprint_of
-from wirerope_mj.views.recording.comparison_blueprint import loop_widths, overlay_blueprint
-from wirerope_mj.views.recording.comparison_text import overlay_texts
-from wirerope_mj.views.recording.cursor import log_cursor
-from wirerope_mj.views.recording.documents import texts_of
-from wirerope_mj.views.recording.drawn_runs import DrawnRun, Overlay, overlay_of, run_alone
-from wirerope_mj.views.recording.events import log_events
-from wirerope_mj.views.recording.ghosts import log_ghosts
-from wirerope_mj.views.recording.graphs import Graphs, log_graphs
-from wirerope_mj.views.recording.histories import graphs_of_overlay, graphs_of_run
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.blueprint import blueprint_of, loop_widths
+from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun, one_run, several_runs
+from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
 from wirerope_mj.views.recording.lanes import log_lanes
-from wirerope_mj.views.recording.large import large_factor, log_large
-from wirerope_mj.views.recording.loops import drawn_loops, frame_width, log_loops, loop_plots
+from wirerope_mj.views.recording.letters import known_letters
+from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
+from wirerope_mj.views.recording.now import log_cursor, log_plan
 from wirerope_mj.views.recording.over_frequency import log_over_frequency
-from wirerope_mj.views.recording.paths import AtEvents, Below
-from wirerope_mj.views.recording.plan import log_plan
-from wirerope_mj.views.recording.properties import send_properties
+from wirerope_mj.views.recording.panels import log_panel
+from wirerope_mj.views.recording.paths import AtEvents, Below, at, entity
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state
 from wirerope_mj.views.recording.target import atomic_recording, target_of
+from wirerope_mj.views.recording.texts import overlay_texts, run_texts
 
 OVERLAY_FILE = "overlay.rrd"
 
@@ -78,52 +61,33 @@ def record_rerun(
         ValueError: there is no such tab.
         RecordError: the environment variable RERUN switches recordings off.
     """
-    return write_alone(
-        run_alone(response, select(response, verdicts)),
-        path,
-        title=title,
-        scenario_text=scenario_text,
-        tab=tab,
-        state=state,
-    )
+    run = RunResult(response=response, verdicts=tuple(judge(response) if verdicts is None else verdicts))
+    return record_run(run, path, title=title, scenario_text=scenario_text, tab=tab, state=state)
 
 
-def write_alone(
-    run: DrawnRun,
+def record_run(
+    run: RunResult,
     path: str | Path,
     *,
-    title: str,
-    scenario_text: str,
+    title: str = "",
+    scenario_text: str = "",
     tab: str = "Overview",
     state: bool = False,
-    panel: Panel | None = None,
+    over_frequency: Panel | None = None,
 ) -> Path:
-    """Write a run alone, and return the path; the rest is as for `record_rerun`.
-
-    `panel` is what is drawn over frequency.
-    """
-    response = run.response
-    graphs, loops = graphs_of_run(run), drawn_loops([run], run.selection)
-    widths = {axis: frame_width(len(run.selection.shown(axis))) for axis in run.selection.axes}
-    plots = loop_plots(loops, run.selection, widths)
-    layout = blueprint_of(run, graphs, plots, panel, tab=tab)
-    texts = texts_of(run, title=title, scenario_text=scenario_text)
+    """Write a judged run, and return the path; `over_frequency` is what is drawn over frequency, the rest as `record_rerun`."""
+    drawn = one_run(run, over_frequency)
+    drawn = replace(drawn, texts=run_texts(run, title=title, scenario_text=scenario_text))
     target = target_of(path)
     with atomic_recording(target) as rec:
-        rec.send_blueprint(layout, make_active=True, make_default=True)
-        send_properties(rec, run, title)
-        shown = AtEvents(rec, main_instants(response, run.selection))
-        _write(shown, texts, [run], graphs)
-        log_lanes(shown, response, run.selection)
-        log_cursor(shown, response, run.selection)
-        log_plan(shown, response, run.selection)
-        if (factor := large_factor(run)) > 1.0:
-            log_large(shown, run, factor)
-        if panel is not None:
-            log_over_frequency(shown, response, run.selection, panel)
-        log_loops(shown, loops, plots)
-        if state:
-            log_state(rec, response)
+        shown = AtEvents(rec, main_instants(run.response, run.selection))
+        _write(rec, shown, drawn, tab=tab, scene="", state=state)
+        _send_properties(rec, drawn.runs[0], title)
+        log_lanes(shown, run.response, run.selection)
+        log_cursor(shown, run)
+        log_plan(shown, run.response, run.selection)
+        if over_frequency is not None:
+            log_over_frequency(shown, run, over_frequency)
     return target
 
 
@@ -135,7 +99,7 @@ def record_overlay(
     inputs: Inputs | None = None,
     tables: Sequence[Table] = (),
     tab: str = "Overview",
-    scene: str = "Side by side",
+    scene: str = "",
     state: bool = False,
 ) -> Path:
     """Write two or more responses as one recording in which they lie over each other, and return its path.
@@ -149,8 +113,8 @@ def record_overlay(
         align: "start": all begin together, as they were simulated; "shock": their first events fall together.
         inputs: what was given to each, as names and values; those that are not the same for all are shown.
         tables: of the study that the runs belong to, which get a tab of their own, "Study".
-        tab: which tab is in front: "Overview", "Accelerations", "Mounts", "Axial loops", ..., "Peaks".
-        scene: which scene is in front: "Side by side", "Ghosts" or "Worst mount".
+        tab: which tab is in front: "Overview", "Accelerations", "Deflections", "Forces", "Axial loops", ..., "Peaks".
+        scene: which scene is in front: "Worst mount", "Side by side" or "Ghosts"; the first that there is by default.
         state: whether the samples of all runs are kept, as `record_rerun` does.
 
     Raises:
@@ -158,44 +122,87 @@ def record_overlay(
         RecordError: they share nothing, or one has no shock to align; or the environment variable RERUN switches
             recordings off.
     """
-    overlay = overlay_of(responses, align)
-    return write_overlay(overlay, path, inputs=inputs or {}, tables=tables, tab=tab, scene=scene, state=state)
+    drawn = several_runs(responses, align)
+    return record_runs(drawn, path, inputs=inputs or {}, tables=tables, tab=tab, scene=scene, state=state)
 
 
-def write_overlay(
-    overlay: Overlay,
+def record_runs(
+    drawn: Drawn,
     path: str | Path,
     *,
     inputs: Inputs,
     tables: Sequence[Table] = (),
     tab: str = "Overview",
-    scene: str = "Side by side",
+    scene: str = "",
     state: bool = False,
 ) -> Path:
-    """Write what `overlay_of` made of the runs, and return the path; the rest is as for `record_overlay`."""
-    graphs, loops = graphs_of_overlay(overlay), drawn_loops(overlay.runs, overlay.shared)
-    plots = loop_plots(loops, overlay.shared, loop_widths(overlay))
-    layout = overlay_blueprint(overlay, graphs, plots, study=bool(tables), tab=tab, scene=scene)
+    """Write what `several_runs` made of the runs, and return the path; the rest is as for `record_overlay`."""
+    drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables))
     target = target_of(path, file=OVERLAY_FILE)
     with atomic_recording(target) as rec:
-        rec.send_blueprint(layout, make_active=True, make_default=True)
-        rec.send_recording_name(" and ".join(run.name for run in overlay.runs))
-        _write(rec, overlay_texts(overlay, inputs, tables), overlay.runs, graphs)
-        log_loops(rec, loops, plots)
-        log_ghosts(rec, overlay)
-        if state:
-            for run in overlay.runs:
-                log_state(Below(rec, run.root), run.response)
+        rec.send_recording_name(" and ".join(run.name for run in drawn.runs))
+        _write(rec, rec, drawn, tab=tab, scene=scene, state=state)
     return target
 
 
-def _write(rec: Any, texts: Mapping[str, str], runs: Sequence[DrawnRun], graphs: Graphs) -> None:
+def _write(rec: Any, shown: Any, drawn: Drawn, *, tab: str, scene: str, state: bool) -> None:
+    """Log what one run and several have in common, the layout first: the viewer then has it from the beginning."""
     import rerun as rr
 
-    for path, text in texts.items():
-        rec.log(path, rr.TextDocument(text, media_type=rr.MediaType.MARKDOWN), static=True)
-    for run in runs:
-        log_events(rec, run)
-        log_scene(Below(rec, run.root), run.response, run.selection, run.frames, arrow=run.color)
-    times = [run.response.time for run in runs]
-    log_graphs(rec, graphs, (min(time[0] for time in times), max(time[-1] for time in times)))
+    loops, factor = drawn_loops(drawn.runs, drawn.shared), ghost_factor(drawn)
+    plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
+    layout = blueprint_of(drawn, plots, factor, tab=tab, scene=scene)
+    rec.send_blueprint(layout, make_active=True, make_default=True)
+    for text in drawn.texts:
+        rec.log(entity(*text.path), rr.TextDocument(text.text, media_type=rr.MediaType.MARKDOWN), static=True)
+    for run in drawn.runs:
+        _log_events(shown, run)
+        log_scene(Below(shown, run.root), run.response, run.selection, run.frames, arrow=run.color)
+    times = [run.response.time for run in drawn.runs]
+    ends = min(time[0] for time in times), max(time[-1] for time in times)
+    for key, panel in drawn.panels.items():
+        if not drawn.alone or key[1:] != (TOTAL,) or key in drawn.overview:  # what no view shows only takes space
+            log_panel(rec, entity("histories", *key), panel, ends, every=not drawn.alone)
+    log_loops(shown, loops, plots)
+    if factor > 1.0 or not drawn.alone:
+        log_ghosts(shown, drawn, factor)
+    if state:
+        for run in drawn.runs:
+            log_state(Below(rec, run.root), run.response)
+
+
+def _log_events(rec: Any, run: DrawnRun) -> None:
+    """Log the events of a run."""
+    import rerun as rr
+
+    events = events_of(run.response, run.selection)
+    if events:
+        prefix, color = (f"{run.name}: ", {"color": [run.color] * len(events)}) if run.name else ("", {})
+        columns = rr.TextLog.columns(
+            text=[f"{event.time:.4f} s  {prefix}{event.text}" for event in events],
+            level=[event.level for event in events],
+            **color,
+        )
+        rec.send_columns(entity("events", *run.names), at([event.time for event in events]), columns)
+
+
+def _send_properties(rec: Any, run: DrawnRun, title: str) -> None:
+    """Send the recording's name and, for tables of several recordings, motion, level, verdict and the worst utilisation."""
+    import rerun as rr
+
+    response, used = run.response, run.selection.used
+    rec.send_recording_name(title or response.scene.name)
+    base = response.peaks.bodies.get(response.scene.base)
+    worst = used[0].governing if used else None
+    known = {
+        "model": response.scene.name,
+        "motion": str(response.motion.get("kind", "")),
+        "level_g": in_unit(base.acceleration.value, "g") if base else None,
+        "verdict": headline(run.verdicts),
+        "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
+        "worst": worst.subject if worst else None,
+        "criterion": worst.criterion if worst else None,
+        "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
+    }
+    said = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
+    rec.send_property("run", rr.AnyValues(**{name: value for name, value in said.items() if value is not None}))

@@ -22,6 +22,9 @@ _STILL = 1 / 50
 _MOST_POSES = 3000
 """Poses of a long run at the most; those of all peaks are among them."""
 
+_AXES = [(232, 110, 100), (120, 200, 110), (110, 160, 240)]
+"""Colours of x, y and z."""
+
 ARROW = (255, 196, 60)
 """Colour of the acceleration of the base of a run alone."""
 
@@ -49,7 +52,27 @@ def log_scene(
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
         log_stops(rec, response, frames, extent=extent)
-    _log_base_acceleration(rec, response, frames, extent, arrow)
+    if response.scene.base in frames:
+        corner = _corners(response, extent)[1] * [1.0, 1.0, 0.0]
+        _log_axes(rec, child(frames[response.scene.base].path, "axes"), corner, 0.07 * extent)
+        _log_base_acceleration(rec, response, frames, extent, arrow)
+
+
+def _corners(response: Response, extent: float) -> tuple[Array, Array]:
+    """Return the least and largest coordinates of the base's shapes about its centre of mass [m], (3,) each."""
+    body = next(body for body in response.scene.bodies if body.name == response.scene.base)
+    boxes = [(geom.position - reach(geom), geom.position + reach(geom)) for geom in body.geoms]
+    known = [box for box in boxes if np.isfinite(box).all()] or [(np.full(3, -0.5 * extent), np.full(3, 0.5 * extent))]
+    lows, highs = zip(*known, strict=True)
+    return np.min(lows, axis=0), np.max(highs, axis=0)
+
+
+def _log_axes(rec: Any, path: str, origin: Array, length: float) -> None:
+    """Log the axes of the world at a corner of the base."""
+    import rerun as rr
+
+    look = {"labels": ["x", "y", "z"], "show_labels": True, "radii": 0.02 * length}
+    rec.log(path, rr.Arrows3D(vectors=length * np.eye(3), origins=[origin] * 3, colors=_AXES, **look), static=True)
 
 
 def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
@@ -99,11 +122,10 @@ def _log_base_acceleration(
         return
     rows = rows_of_steps(response.time, acceleration, 0.01 * largest)
     back = conjugate(response.bodies[base].orientation[rows])
-    body = next(body for body in response.scene.bodies if body.name == base)
-    corner = np.max([np.abs(g.position) + reach(g) for g in body.geoms] or [np.full(3, 0.5 * extent)], axis=0)
+    corner = _corners(response, extent)[0]
     path = child(frames[base].path, "acceleration")
     look = rr.Arrows3D.from_fields(
-        origins=[[-corner[0], -corner[1], 0.0]], colors=[color], radii=[0.004 * extent], show_labels=True
+        origins=[[corner[0], corner[1], 0.0]], colors=[color], radii=[0.004 * extent], show_labels=True
     )
     rec.log(path, look, static=True)
     levels = in_unit(np.linalg.norm(acceleration[rows], axis=1), "g")

@@ -13,7 +13,6 @@ from wirerope_mj.views.recording.shapes import drawn_size, quaternion
 
 OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
 
-_MOST_LABELS = 12
 _COVER = 1.02  # of the radius of a ball that is covered: seen, and too thin to look like another size
 
 
@@ -38,7 +37,7 @@ def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent:
     import rerun as rr
 
     scene = response.scene
-    look: dict[str, Any] = {"show_labels": len(scene.stops) <= _MOST_LABELS, "fill_mode": "Solid"}
+    look: dict[str, Any] = {"show_labels": False, "fill_mode": "Solid"}  # the lanes and the report name them
     for stop in scene.stops:
         radius = _ball(scene, stop)
         shape = rr.Cylinders3D if radius is None else rr.Ellipsoids3D

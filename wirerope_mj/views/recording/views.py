@@ -6,7 +6,6 @@ from typing import Any
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT
-from wirerope_mj.views.recording.graphs import Graph
 from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.paths import TIMELINE, entity
 from wirerope_mj.views.recording.poses import Frame
@@ -84,19 +83,6 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
     camera = Camera(eye=camera.target + away * (camera.eye - camera.target), target=camera.target)
     origin = frames[base].path if base in response.bodies else entity("world")
     return scene_view(origin, ["+ " + entity("world") + "/**"], name, camera)
-
-
-def graph_view(graph: Graph, window: tuple[float, float]) -> Any:
-    """Return a plot over `window` [s]."""
-    import rerun.blueprint as rrb
-
-    return rrb.TimeSeriesView(
-        origin=graph.path,
-        name=known_letters(graph.title),
-        axis_x=time_axis(window),
-        background=rrb.archetypes.PlotBackground(color=GROUND),
-        plot_legend=rrb.PlotLegend(visible=True, corner=getattr(rrb.Corner2D, graph.emptiest_corner(window))),
-    )
 
 
 def time_axis(window: tuple[float, float]) -> Any:

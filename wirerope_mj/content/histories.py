@@ -1,0 +1,242 @@
+"""Histories over time: of the parts of one run, or of one part in several runs, as panels that every output draws."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.assessment.comparison import BASE as THE_BASE
+from wirerope_mj.assessment.comparison import Comparison, Component, difference
+from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
+from wirerope_mj.content.contacts import contact_panels
+from wirerope_mj.content.numbers import number
+from wirerope_mj.content.panels import BASE, Curve, Panel, short
+from wirerope_mj.content.selection import Selection, kind_of, or_other, travel_limits
+from wirerope_mj.engine.response import Peak, Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.mounts.isolator import AXES
+
+DIRECTIONS = ("x", "y", "z")
+TOTAL = "total"
+UNITS = {"acceleration": "g", "deflection": "mm", "force": "kN"}
+"""Quantities that have histories, and the units in which they are drawn."""
+
+USED, DIFFERENCE = "used", "difference"
+
+MOST_PARTS = 6
+"""Parts whose accelerations are drawn for several runs: the base and those with the largest peaks."""
+
+_NEAR = 0.5  # of a rated travel, from which it is drawn: otherwise it would only flatten the curves
+
+Histories = dict[tuple[str, ...], Panel]
+"""Panels by quantity, axis and, of several runs, kind and name of the part."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Line:
+    """A history to draw: of a part of a response, called `name`, in the colour `kind`.
+
+    `history` is its time [s] and acceleration (n_t, 3) where these are known better than by samples.
+    """
+
+    response: Response
+    subject: Subject
+    name: str
+    kind: int | str
+    history: tuple[Array, Array] | None = None
+
+
+def history_panel(
+    quantity: str, along: str, lines: Sequence[Line], window: tuple[float, float], *, part: str = ""
+) -> Panel:
+    """Draw a quantity along an axis, or the size of all together, one curve for each line, the first in front.
+
+    Args:
+        quantity: one of `UNITS`.
+        along: "x", "y", "z" or "total" of an acceleration; "roll", "shear" or "axial" of a mount.
+        lines: what is drawn; rated travels are those of the first.
+        window: first and last instant that are shown [s].
+        part: what all lines are of, in several runs; "" in one.
+    """
+    unit = UNITS[quantity]
+    curves = [_curve(line, quantity, along, unit) for line in lines]
+    if quantity == "acceleration":
+        what, label = ("Acceleration" if along == TOTAL else f"Acceleration along {along}"), f"along {along} [{unit}]"
+    else:
+        what, label = f"{along.capitalize()} {quantity}", f"{along} [{unit}]"
+    limits = _ratings(lines, along, named=not part) if quantity == "deflection" else []
+    title = f"{part}: {what[:1].lower()}{what[1:]} [{unit}]{_changes(curves)}" if part else f"{what} [{unit}]"
+    return Panel(curves=curves, ylabel=label, title=title, limits=limits, xlim=window, unit=unit)
+
+
+def run_histories(response: Response, selection: Selection) -> Histories:
+    """Draw what is used of limits, accelerations, deflections, forces and contacts of one run, all parts in each panel."""
+    window, panels = selection.window, Histories()
+    if selection.used:
+        panels[USED,] = used_panel(response, selection)
+    parts = [Component(kind="body", name=name) for name in selection.bodies]
+    parts += [Component(kind="point", name=name) for name in selection.points]
+    base = Line(response=response, subject=THE_BASE, name="base", kind=BASE)
+    for along in (*DIRECTIONS, TOTAL):
+        order = sorted(parts, key=lambda part: -abs(_extreme(part.peak(response), along)[1]))
+        names = {part.label: part for part in order}
+        panels["acceleration", along] = history_panel(
+            "acceleration", along, [*named_lines(response, selection, names), base], window
+        )
+    for axis in selection.axes:
+        for quantity in ("deflection", "force"):
+            mounts = {name: name for name in selection.leading[quantity, axis]}
+            panels[quantity, axis] = history_panel(quantity, axis, named_lines(response, selection, mounts), window)
+    for what, panel in zip(("force", "gap"), contact_panels(response, window), strict=False):
+        panels["contact", what] = panel
+    return panels
+
+
+def named_lines(response: Response, selection: Selection, subjects: Mapping[str, Subject]) -> list[Line]:
+    """Return a line for each part by its label: the first few with names and colours, the others in grey."""
+    lines = []
+    for rank, (label, subject) in enumerate(subjects.items()):
+        name = subject if isinstance(subject, str) else subject.name
+        called, kind = or_other(label, kind_of(selection, name, rank), rank, len(subjects))
+        lines.append(Line(response=response, subject=subject, name=called, kind=kind))
+    return lines
+
+
+def used_panel(response: Response, selection: Selection) -> Panel:
+    """Draw what mounts, bodies and points use of their limits; the largest are named."""
+    curves = []
+    for rank, one in enumerate(selection.used):
+        name, kind = or_other(short(one.subject), kind_of(selection, one.subject), rank, len(selection.used))
+        time = one.governing.time
+        peak = None if time is None else (time, in_unit(one.largest, "%"))
+        curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind, peak=peak))
+    worst = selection.used[0]
+    return Panel(
+        curves=curves,
+        ylabel="used of the limit [%]",
+        title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}",
+        limits=[("limit", 100.0)],
+        xlim=selection.window,
+        ylim=(0.0, 108.0 * max(1.0, worst.largest)),
+        unit="%",
+    )
+
+
+def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:
+    """Draw each shared part in a panel with a curve for every run, and how far the runs are from the first."""
+    window, panels = shared.window, Histories()
+    for part in comparison.components[:MOST_PARTS]:
+        for along in (*DIRECTIONS, TOTAL):
+            panels["acceleration", along, part.kind, part.name] = history_panel(
+                "acceleration", along, _lines_of(comparison, part), window, part=part.label
+            )
+    for axis in shared.axes:
+        for mount in shared.shown(axis):
+            for quantity in ("deflection", "force"):
+                panels[quantity, axis, mount] = history_panel(
+                    quantity, axis, _lines_of(comparison, mount), window, part=mount
+                )
+    for subject in differing(comparison):
+        panels[difference_key(subject)] = _difference_panel(comparison, subject, window)
+    return panels
+
+
+def differing(comparison: Comparison) -> list[Subject]:
+    """Return the part and the mount whose histories are farthest from those of the first run."""
+    apart = [entry.subject for entry in comparison.differences if np.isfinite(entry.ratio)]
+    parts = [subject for subject in apart if isinstance(subject, Component) and subject.kind != "base"]
+    mounts = [subject for subject in apart if isinstance(subject, str)]
+    return [*parts[:1], *mounts[:1]]
+
+
+def difference_key(subject: Subject) -> tuple[str, ...]:
+    """Return the key of the panel with the differences of a part or a mount."""
+    return (DIFFERENCE, "mount", subject) if isinstance(subject, str) else (DIFFERENCE, subject.kind, subject.name)
+
+
+def _lines_of(comparison: Comparison, subject: Subject) -> list[Line]:
+    return [
+        Line(response=run.response, subject=subject, name=run.name, kind=rank)
+        for rank, run in enumerate(comparison.runs)
+        if subject in subjects_of(run.response)
+    ]
+
+
+def _difference_panel(comparison: Comparison, subject: Subject, window: tuple[float, float]) -> Panel:
+    first = comparison.runs[0]
+    quantity = "deflection" if isinstance(subject, str) else "acceleration"
+    unit, label = UNITS[quantity], subject if isinstance(subject, str) else subject.label
+    curves = []
+    for rank, run in enumerate(comparison.runs[1:], start=1):
+        if all(subject in subjects_of(one.response) for one in (first, run)):
+            time, distance = difference(subject, first, run)
+            if time.size:
+                values, row = in_unit(distance, unit), int(distance.argmax())
+                peak = (float(time[row]), float(values[row]))
+                curves.append(Curve(x=time, y=values, name=f"{run.name} - {first.name}", kind=rank, peak=peak))
+    title = f"{label}: |{quantity} - that of {first.name}| [{unit}]"
+    return Panel(curves=curves, ylabel=f"difference [{unit}]", title=title, xlim=window, unit=unit)
+
+
+def _curve(line: Line, quantity: str, along: str, unit: str) -> Curve:
+    if isinstance(line.subject, str):
+        history = getattr(line.response.mounts[line.subject], quantity)
+        time, peak = line.response.time, getattr(line.response.peaks.mounts[line.subject], quantity)
+    else:
+        time, history = line.history or (line.response.time, line.subject.acceleration(line.response))
+        known = line.subject != THE_BASE or line.response.scene.base in line.response.peaks.bodies
+        peak = line.subject.peak(line.response) if known else None
+    values = np.linalg.norm(history, axis=1) if along == TOTAL else history[:, _number(along)]
+    found = None
+    if peak is not None:
+        instant, value = _extreme(peak, along)
+        found = instant, in_unit(value, unit)
+    return Curve(x=time, y=in_unit(np.asarray(values), unit), name=short(line.name), kind=line.kind, peak=found)
+
+
+def _number(along: str) -> int:
+    return AXES.index(along) if along in AXES else DIRECTIONS.index(along)
+
+
+def _extreme(peak: Peak, along: str) -> tuple[float, float]:
+    """Return instant and value of the size, or of the extreme of a component that is farther from zero."""
+    if along == TOTAL:
+        return peak.time, peak.value
+    axis = _number(along)
+    high = peak.maximum[axis] >= -peak.minimum[axis]
+    value, time = (peak.maximum, peak.maximum_time) if high else (peak.minimum, peak.minimum_time)
+    return float(time[axis]), float(value[axis])
+
+
+def _ratings(lines: Sequence[Line], axis: str, *, named: bool) -> list[tuple[str, float]]:
+    """Return the rated travels [mm] that deflections come near: of the first mount, or of one mount in all runs."""
+    levels: dict[tuple[str, float], None] = {}
+    for line in lines[:1] if named else lines:
+        mount = next(entry for entry in line.response.scene.mounts if entry.name == line.subject)
+        peak = line.response.peaks.mounts[mount.name].deflection
+        for limit, reached in zip(travel_limits(mount, axis), (peak.minimum, peak.maximum), strict=True):
+            if reached[_number(axis)] / limit >= _NEAR:  # NaN: unrated
+                name = f"rated travel of {short(mount.name)}" if named else "rated travel"
+                levels[name, in_unit(float(limit), "mm")] = None
+    return list(levels)
+
+
+def _changes(curves: Sequence[Curve]) -> str:
+    """Return how the peaks change from the first run that has them to each other."""
+    first, *others = [(curve.name, abs(curve.peak[1])) for curve in curves if curve.peak is not None] or [("", 0.0)]
+    if not first[1]:
+        return ""
+    texts = [
+        f"{name} {100.0 * (size / first[1] - 1.0):+.1f} %" if size != first[1] else f"{name} the same"
+        for name, size in others
+    ]
+    return f": {', '.join(texts)}" if texts else ""
+
+
+def peak_text(curve: Curve, unit: str) -> str:
+    """Return a curve's name with its largest value and the instant, as a legend has room for it."""
+    if curve.peak is None:
+        return curve.name
+    time, value = curve.peak
+    return f"{curve.name} {number(value)} {unit} at {time:.3f} s"

@@ -1,0 +1,46 @@
+"""Content as Markdown, as the viewer of recordings and files of text show it."""
+
+from collections.abc import Iterable
+
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.foundation.plain_text import markdown
+from wirerope_mj.foundation.tables import Table
+
+_SIGNS = ("-", "=")
+"""Cells that would begin a list or a heading elsewhere, and nothing here."""
+_BOLD = ("exceeded", "strong")
+
+
+def markdown_blocks(blocks: Iterable[Block | None]) -> str:
+    """Write statements and tables below each other; charts and scenes have views of their own."""
+    parts = []
+    for block in blocks:
+        if isinstance(block, Statement):
+            parts.append(markdown_statement(block))
+        elif isinstance(block, Table):
+            parts.append(markdown_table(block))
+    return "\n\n".join(filter(None, parts))
+
+
+def markdown_statement(statement: Statement) -> str:
+    """Write a sentence and the list below it."""
+    items = "\n".join(f"- {markdown(item)}" for item in statement.items)
+    return "\n\n".join(filter(None, (_toned(markdown(statement.text), statement.tone), items)))
+
+
+def markdown_table(table: Table) -> str:
+    """Write a table below its title; "" without rows."""
+    if not table.rows:
+        return ""
+    lines = [
+        [markdown(column.title().replace("\n", " ")) for column in table.columns],
+        ["--:" if column.align == "right" else ":--" for column in table.columns],
+        *([_toned(text if text in _SIGNS else markdown(text), tone) for text, tone in row] for row in table.marks()),
+    ]
+    parts = [f"### {markdown(table.title)}"] if table.title else []
+    parts.append("\n".join(f"| {' | '.join(line)} |" for line in lines))
+    return "\n".join(parts) + (f"\n\n{markdown(table.note)}" if table.note else "")
+
+
+def _toned(text: str, tone: str) -> str:
+    return f"**{text}**" if text and tone in _BOLD else text

@@ -1,0 +1,101 @@
+"""What holds at the time cursor: a table of mounts and accelerations, and the mounts from above in the colours of their use."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.now import at_cursor
+from wirerope_mj.content.selection import Selection
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.colours import DARK, Color
+from wirerope_mj.views.markdown import markdown_blocks
+from wirerope_mj.views.recording.paths import Rows, at, child, entity
+
+CURSOR, PLAN = "cursor", "plan"
+
+_ROWS, _PLAN_ROWS = 1000, 200
+"""Instants at which the table, and the plan, are made anew."""
+
+_SCALE: tuple[tuple[float, Color], ...] = (
+    (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
+)  # fmt: skip
+"""Utilisations and the colours of what is used as much; between them colours blend, and nothing is redder than the limit."""
+
+_STEP = 0.1
+"""Of utilisations that are told apart by colour."""
+
+
+def log_cursor(rec: Any, run: RunResult) -> None:
+    """Log a table for every sample of what follows from the event, of a long run for intervals that have no gaps."""
+    import rerun as rr
+
+    time = run.response.time
+    rows = cursor_rows(time, run.selection, _ROWS)
+    texts = [
+        markdown_blocks(at_cursor(run, int(row), int(stop)))
+        for row, stop in zip(rows, np.append(rows[1:], time.size), strict=True)
+    ]
+    rec.log(entity(CURSOR), rr.TextDocument.from_fields(media_type=rr.MediaType.MARKDOWN), static=True)
+    rec.send_columns(entity(CURSOR), at(time[rows]), rr.TextDocument.columns(text=texts))
+
+
+def cursor_rows(time: Array, selection: Selection, most: int = _PLAN_ROWS) -> Rows:
+    """Return the samples at which values change: most of them from where the event begins to where it is over."""
+    within = np.linspace(*selection.window, most)
+    outside = np.linspace(time[0], time[-1], most // 4)
+    rows = np.searchsorted(time, np.concatenate([within, outside])).clip(0, time.size - 1)
+    return np.unique(rows)
+
+
+def heat(used: Array) -> Array:
+    """Return the colours of utilisations (...), (..., 3) from 0 to 255; grey where nothing is judged."""
+    levels, colors = zip(*_SCALE, strict=True)
+    rounded = _STEP * np.round(np.nan_to_num(used) / _STEP)
+    parts = [np.interp(rounded, levels, part) for part in np.array(colors, dtype=np.float64).T]
+    known = np.isfinite(used)[..., None]
+    return np.where(known, np.stack(parts, axis=-1), DARK.others).astype(np.uint8)
+
+
+def used_by(selection: Selection, names: list[str]) -> Array:
+    """Return what mounts use of their limits at every sample, (n_t, n); NaN for one without limits."""
+    courses = {one.subject: one.course for one in selection.used}
+    some = next(iter(courses.values()), np.zeros(0))
+    return np.column_stack([courses.get(name, np.full(some.size, np.nan)) for name in names])
+
+
+def log_plan(rec: Any, response: Response, selection: Selection) -> None:
+    """Log every mount that is no stop at its place on the base, x to the right and y upwards."""
+    import rerun as rr
+
+    mounts = response.scene.isolating
+    if not mounts or not selection.used:
+        return
+    places = np.array([mount.base_point[:2] for mount in mounts]) * [1.0, -1.0]  # the view's y points down
+    low, high = places.min(axis=0), places.max(axis=0)
+    size = max(float(np.max(high - low)), 1e-3)
+    rec.log(entity(PLAN), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
+    corners = [[low[0], low[1]], [high[0], low[1]], [high[0], high[1]], [low[0], high[1]], [low[0], low[1]]]
+    outline = rr.LineStrips2D([corners], colors=[DARK.others], radii=rr.Radius.ui_points(0.5), draw_order=-1.0)
+    rec.log(entity(PLAN, "outline"), outline, static=True)
+    rows = cursor_rows(response.time, selection)
+    used = used_by(selection, [mount.name for mount in mounts])[rows]
+    path = child(entity(PLAN), "mounts")
+    rec.log(path, rr.Points2D.from_fields(positions=places, radii=0.022 * size, show_labels=True), static=True)
+    labels = [
+        mount.name if np.isnan(value) else f"{mount.name} {in_unit(float(value), '%'):.0f}"
+        for row in used
+        for mount, value in zip(mounts, row, strict=True)
+    ]
+    columns = rr.Points2D.columns(colors=heat(used).reshape(-1, 3), labels=labels)
+    rec.send_columns(path, at(response.time[rows]), columns.partition(np.full(rows.size, len(mounts))))
+
+
+def plan_bounds(response: Response) -> tuple[list[float], list[float]]:
+    """Return what the view of the plan shows, across and upward."""
+    places = np.array([mount.base_point[:2] for mount in response.scene.isolating]) * [1.0, -1.0]
+    low, high = places.min(axis=0), places.max(axis=0)
+    room = 0.12 * max(float(np.max(high - low)), 1e-3)
+    return [low[0] - room, high[0] + room], [low[1] - room, high[1] + room]

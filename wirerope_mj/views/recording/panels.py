@@ -1,0 +1,141 @@
+"""Panels of content over time as plots of the viewer: curves thinned to what is drawn, marked peaks, limits as levels."""
+
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.content.histories import peak_text
+from wirerope_mj.content.panels import BASE, OTHERS, Curve, Panel
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.recording.drawn_runs import COLORS
+from wirerope_mj.views.recording.frame import GROUND, Color
+from wirerope_mj.views.recording.letters import known_letters
+from wirerope_mj.views.recording.paths import at, child
+from wirerope_mj.views.recording.views import time_axis
+from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
+
+_FINE = 1 / 400
+"""Fraction of a panel's range that a line may be off; below a pixel of a plot of 200."""
+
+_BAND_ROWS, _OTHER_ROWS = 1400, 300
+"""Rows of what oscillates too often for a line: as many as pixels of a plot, which fill a band; fewer of the grey others."""
+
+_OTHERS = (104, 110, 118)
+"""Darker than a text must be, so that what is named stands in front."""
+
+_COLUMNS = 90
+_CORNERS = {
+    "RightTop": (True, True),
+    "RightBottom": (True, False),
+    "LeftTop": (False, True),
+    "LeftBottom": (False, False),
+}
+
+
+def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, every: bool) -> None:
+    """Log the curves of a panel, the first in front, and its limits between the instants `ends` [s].
+
+    The viewer draws entities in the order of their paths: the others, then named curves from the last to the first, each
+    thinner than the one before, so that what coincides is not hidden. The peak of the first is marked, or of `every` one.
+    """
+    import rerun as rr
+
+    reach = max((float(np.ptp(curve.y)) for curve in panel.curves if curve.y.size), default=0.0)
+    tolerance = _FINE * max(reach, 1e-9)
+    others = [curve for curve in panel.curves if curve.kind == OTHERS]
+    named = [curve for curve in panel.curves if curve.kind != OTHERS]
+    if others:
+        _log_others(rec, child(path, "0"), others, tolerance)
+    step = min(0.6, 2.4 / max(len(named) - 1, 1))
+    for rank, curve in enumerate(reversed(named), start=1):
+        width = 1.0 if curve.kind == BASE else 1.5 + step * (len(named) - rank)
+        below = child(path, str(rank), curve.name)
+        name = _log_curve(rec, below, curve, panel.unit, tolerance, width)
+        if curve.peak is not None and (every or curve is named[0]):
+            instant, value = curve.peak
+            look = rr.SeriesPoints(names=name, markers="Diamond", marker_sizes=6.0, colors=color_of(curve))
+            rec.log(child(below, "peak"), look, static=True)
+            rec.send_columns(child(below, "peak"), at(instant), rr.Scalars.columns(scalars=[value]))
+    for name, level in panel.limits:
+        below, text = child(path, "limit", f"{level:+.4g}"), f"{name} {level:.4g} {panel.unit}"
+        rec.log(below, rr.SeriesLines(names=text, colors=DARK.limit, widths=1.0), static=True)
+        rec.send_columns(below, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
+
+
+def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> Any:
+    """Return the plot of a panel over `window` [s], with its legend where it hides least."""
+    import rerun.blueprint as rrb
+
+    corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
+    return rrb.TimeSeriesView(
+        origin=path,
+        name=known_letters(panel.title or panel.ylabel),
+        axis_x=time_axis(window),
+        background=rrb.archetypes.PlotBackground(color=GROUND),
+        plot_legend=rrb.PlotLegend(visible=True, corner=corner),
+    )
+
+
+def color_of(curve: Curve) -> Color:
+    """Return the colour of a curve on the viewer's dark ground."""
+    if isinstance(curve.kind, int):
+        return COLORS[curve.kind % len(COLORS)]
+    return DARK.base if curve.kind == BASE else _OTHERS
+
+
+def _log_curve(rec: Any, path: str, curve: Curve, unit: str, tolerance: float, width: float) -> str:
+    """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
+    import rerun as rr
+
+    dense = is_dense(curve.x, curve.y[:, None], tolerance)
+    name = f"{peak_text(curve, unit)}{' (band)' if dense else ''}"
+    rows = (
+        rows_of_extremes(curve.y[:, None], _BAND_ROWS) if dense else rows_of_line(curve.x, curve.y[:, None], tolerance)
+    )
+    # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
+    look = rr.SeriesLines(
+        names=name, colors=color_of(curve), widths=1.0 if dense else width, aggregation_policy="MinMax"
+    )
+    rec.log(path, look, static=True)
+    rec.send_columns(path, at(curve.x[rows]), rr.Scalars.columns(scalars=curve.y[rows]))
+    return name
+
+
+def _log_others(rec: Any, path: str, curves: list[Curve], tolerance: float) -> None:
+    """Log curves that nobody looks at closely, all in one entity and with one name."""
+    import rerun as rr
+
+    time, values = curves[0].x, np.stack([curve.y for curve in curves], axis=1)
+    if is_dense(time, values, 3.0 * tolerance):
+        rows = rows_of_extremes(values, _OTHER_ROWS * len(curves))
+    else:
+        rows = rows_of_line(time, values, 3.0 * tolerance)
+    many = len(curves)
+    look = rr.SeriesLines(
+        names=[curve.name for curve in curves],
+        colors=[_OTHERS] * many,
+        widths=[1.0] * many,
+        aggregation_policy=["MinMax"] * many,
+    )
+    rec.log(path, look, static=True)
+    rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
+
+
+def _emptiest_corner(panel: Panel, window: tuple[float, float]) -> str:
+    """Return the corner in which a legend would hide the least that happens, as rerun calls it."""
+    levels = [level for _, level in panel.limits]
+    low = min([float(curve.y.min()) for curve in panel.curves] + levels)
+    high = max([float(curve.y.max()) for curve in panel.curves] + levels)
+    across, upward = np.linspace(*window, _COLUMNS), max(high - low, 1e-12)
+    hidden = {}
+    for corner, (right, top) in _CORNERS.items():
+        instants = across[-_COLUMNS // 3 :] if right else across[: _COLUMNS // 3]
+        hidden[corner] = sum(_hidden(curve, instants, low, upward, top=top) for curve in panel.curves)
+    return min(hidden, key=lambda corner: hidden[corner])
+
+
+def _hidden(curve: Curve, instants: Array, low: float, upward: float, *, top: bool) -> float:
+    values = np.interp(instants, curve.x, curve.y)
+    covered = (values - low) / upward > 0.3 if top else (values - low) / upward < 0.7
+    return float(np.abs(values - np.median(curve.y))[covered].sum())

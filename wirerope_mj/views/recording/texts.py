@@ -1,0 +1,79 @@
+"""Texts of a recording, all of them content as Markdown: of a run alone, and of several over each other."""
+
+import re
+import tomllib
+from collections.abc import Sequence
+
+from wirerope_mj.assessment.comparison import Comparison
+from wirerope_mj.content.blocks import Block
+from wirerope_mj.content.comparison import comparison_content
+from wirerope_mj.content.comparison_findings import Inputs
+from wirerope_mj.content.contacts import contact_blocks
+from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.mounts import mount_blocks
+from wirerope_mj.content.payload import acceleration_blocks
+from wirerope_mj.content.run import numerics_statement
+from wirerope_mj.content.verdicts import answer_blocks, full_table, headline, most_critical
+from wirerope_mj.foundation.plain_text import markdown, plain_lines
+from wirerope_mj.foundation.tables import Table
+from wirerope_mj.views.markdown import markdown_blocks
+from wirerope_mj.views.recording.drawn_runs import Text
+
+BANNER, BELOW = "banner", "below"
+
+
+def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, ...]:
+    """Return verdict, scenario, peaks and all verdicts of a run; `scenario_text` is Markdown, or TOML, set as such."""
+    first = [headline(run.verdicts), most_critical(run.verdicts)]
+    peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
+    peaks += [*acceleration_blocks(run), *mount_blocks(run), *contact_blocks(run)]
+    body = _fenced(scenario_text) if _is_toml(scenario_text) else scenario_text.strip()
+    numerics = markdown(numerics_statement(run.response.numerics).text)
+    scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
+    banner = "  ".join(filter(None, (markdown_blocks([block]) for block in first)))
+    return (
+        Text(path=("verdict",), name="Verdict", place=BANNER, text=banner),
+        Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
+        Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
+        Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),
+    )
+
+
+def overlay_texts(comparison: Comparison, inputs: Inputs, tables: Sequence[Table]) -> tuple[Text, ...]:
+    """Return which run is better, what differs, the peaks side by side, and the tables of the study that they belong to."""
+    content = comparison_content(comparison, inputs)
+    sections = {section.id: markdown_blocks(section.blocks) for section in content.sections}
+
+    def of(*names: str) -> str:
+        return "\n\n".join(filter(None, (sections[name] for name in names)))
+
+    study = [Text(path=("study",), name="Study", place="Study", text=markdown_blocks(tables))] if tables else []
+    return (
+        Text(path=("verdict",), name="Which is better", place=BANNER, text=f"**{markdown(content.verdict.text)}**"),
+        Text(path=("differences",), name="What differs", place=BELOW, text=of("differences", "headlines", "findings")),
+        Text(
+            path=("peaks", "accelerations"), name="Accelerations", place="Peaks", text=of("accelerations", "components")
+        ),
+        Text(
+            path=("peaks", "mounts"),
+            name="Mounts",
+            place="Peaks",
+            text=of("travel", "mounts") or "There are no mounts.",
+        ),
+        Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=of("apart")),
+        *study,
+    )
+
+
+def _fenced(text: str) -> str:
+    """Return TOML as a block of code, whose fence is longer than any row of backticks in it."""
+    longest = max(map(len, re.findall("`+", text)), default=0)
+    fence = "`" * max(longest + 1, 3)
+    return f"{fence}toml\n{plain_lines(text.strip())}\n{fence}"
+
+
+def _is_toml(text: str) -> bool:
+    try:
+        return bool(tomllib.loads(text))
+    except tomllib.TOMLDecodeError:
+        return False
