@@ -29,10 +29,10 @@ from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names, unjudged_limits
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
+from wirerope_mj.studies.results.measure import unknown_measure
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
-from wirerope_mj.studies.unknown_measure import unknown_measure
 from wirerope_mj.views.terminal import console, print_block, print_headline, print_warnings, show
 
 _RUN = (

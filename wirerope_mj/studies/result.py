@@ -22,8 +22,7 @@ from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.sampling import LISTED
-from wirerope_mj.studies.inputs_file import STUDY
-from wirerope_mj.studies.old_names import todays_table
+from wirerope_mj.studies.inputs_file import STUDY, todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
 from wirerope_mj.studies.results.measure import ALL, checked_measure, measure_of, unit_of, values_of
 from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, worst

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from types import MappingProxyType
 
 import numpy as np
@@ -11,7 +12,6 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.unknown_measure import unknown_measure
 
 COMBINED = "combined_travel"
 
@@ -41,6 +41,9 @@ _QUANTITIES = {
     "displacement": ("largest displacement relative to the base", *shown_in("m"), None),
     "force": ("largest force", *shown_in("N"), None),
 }
+
+_ALIKE = 12
+"""Measures that are named because they begin alike: those of all mounts of a floor would fill the screen."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -134,3 +137,31 @@ def values_of(table: pa.Table, name: str) -> Array:
     names = [one for one in table.column_names if one.startswith(name[:-1])] if name == ALL else [name]
     values = np.fmax.reduce([np.asarray(table[one], dtype=np.float64) for one in names])
     return np.where(np.asarray(table["status"]) == DONE, values, np.nan)
+
+
+def unknown_measure(name: str, known: Sequence[str]) -> str:
+    """Return what is wrong with the name of a measure, and what there is, as a sentence without a capital.
+
+    Args:
+        name: no measure; it may be a pattern that matches none.
+        known: all measures.
+    """
+    first = name.partition("/")[0].rstrip("*?")
+    alike = [one for one in known if first and one.startswith(first)]
+    alike.sort(key=lambda one: -SequenceMatcher(None, one, name).ratio())
+    rest = ", ..." if len(alike) > _ALIKE else ""
+    begin = f"; alike are {', '.join(alike[:_ALIKE])}{rest}" if alike else ""
+    return f"there is no measure {name!r}{begin}; there are {kinds_of(known)}."
+
+
+def kinds_of(known: Sequence[str]) -> str:
+    """Return measures as a list with NAME in place of mounts, bodies and points."""
+    return ", ".join(dict.fromkeys(map(_kind, known)))
+
+
+def _kind(name: str) -> str:
+    """Return a measure with NAME in place of a mount, a body or a point: "deflection/NAME/roll"."""
+    first, *rest = name.split("/")
+    if not rest:
+        return name
+    return "/".join([first, "NAME", *(rest[-1:] if first == "deflection" else [])])
