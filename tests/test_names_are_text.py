@@ -28,12 +28,12 @@ from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.panels import short
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines, plain, plain_lines
 from wirerope_mj.views import terminal as screen
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import short
 
 
 def printed(*arguments, code=0) -> str:
