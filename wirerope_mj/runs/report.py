@@ -49,7 +49,5 @@ def _run_folder(folder: Path) -> Path:
             f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote."
         )
     if all((folder / mark).is_file() for mark in MARKS):
-        raise RecordError(
-            f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs."
-        )
+        raise RecordError(f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs.")
     return folder

@@ -18,13 +18,12 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import measures_of, values_of
+from wirerope_mj.studies.results.measure import measures_of, unknown_measure, values_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_in
-from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
-    "travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
+    "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
     "clearance": {"%": 0.01},
 }  # fmt: skip
 KEY = "stated_limits"
