@@ -32,7 +32,7 @@ def main() -> None:
     parser.add_argument("--tab", default="Overview", help="tab in front")
     parser.add_argument("--title", default="", help="heading of the scenario of a single run")
     parser.add_argument("--names", nargs="+", help="names of several runs; those of their folders if not given")
-    parser.add_argument("--scene", default="Side by side", help="scene in front, of several runs")
+    parser.add_argument("--scene", default="", help="scene in front, of several runs; the worst mount if not given")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         os.environ.setdefault("XDG_RUNTIME_DIR", scratch)

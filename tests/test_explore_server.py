@@ -69,7 +69,7 @@ def test_a_slider_changes_the_verdict(server):
     assert start["answer"]["now"]["headline"].startswith("PASS: all")
     status, answer = run(server, {"values": {"level": 2.0}})
     assert status == 200
-    assert answer["now"]["headline"].startswith("Exceeded")
+    assert answer["now"]["headline"].startswith("FAIL")
     assert answer["before"]["headline"] == start["answer"]["now"]["headline"]
 
 

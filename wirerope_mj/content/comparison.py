@@ -1,11 +1,13 @@
 """What a comparison of runs says: which is better and why, what differs, and peaks side by side, by both rulers of travel."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 
 from wirerope_mj.assessment.comparison import (
     BASE,
+    ComparedRun,
     Comparison,
     PeakRow,
     acceleration_rows,
@@ -14,7 +16,8 @@ from wirerope_mj.assessment.comparison import (
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK, WITHIN
+from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.comparison_findings import (
     Inputs,
@@ -40,13 +43,13 @@ SINGLE, TOGETHER = "Travel along single axes", "Combined travel"
 """The two rulers of a mount's travel: each axis against its rating, and all axes at once (in-house rule)."""
 
 
-def comparison_content(comparison: Comparison, inputs: Inputs, headlines: Mapping[str, str] | None = None) -> Content:
-    """Compose what a comparison says; `headlines` are those that were written with the runs, where there are any."""
+def comparison_content(comparison: Comparison, inputs: Inputs) -> Content:
+    """Compose what a comparison says: which run is better, what differs, and peaks side by side."""
     return Content(
         title=" and ".join(run.name for run in comparison.runs),
         verdict=better_run(comparison),
         sections=(
-            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(comparison, headlines or {})),
+            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(comparison)),
             Section(
                 id="differences", title="What differs", depth="headline", build=lambda: _summary(comparison, inputs)
             ),
@@ -55,7 +58,7 @@ def comparison_content(comparison: Comparison, inputs: Inputs, headlines: Mappin
                 id="accelerations",
                 title="Peak accelerations",
                 depth="summary",
-                build=lambda: [_accelerations(comparison)],
+                build=lambda: [accelerations_table(comparison)],
             ),
             Section(id="travel", title="Mounts", depth="summary", build=lambda: travel_tables(comparison)),
             Section(id="components", title="Along the axes", build=lambda: _components(comparison)),
@@ -99,12 +102,28 @@ def figures_table(comparison: Comparison) -> Table:
 
 
 def accelerations_table(comparison: Comparison, axis: int | None = None) -> Table:
-    """Tabulate peak accelerations, sizes or along an axis; with limits of any axis, what is used of them by each run."""
-    rows = acceleration_rows(comparison, axis)
-    title = "Peak accelerations" if axis is None else f"Peak accelerations along {'xyz'[axis]}"
-    return _peaks(
-        f"accelerations{'' if axis is None else '-' + 'xyz'[axis]}", title, comparison, rows, ("g", "z.2f"), times=True
-    )
+    """Tabulate peak accelerations, sizes or along an axis; of the sizes also what is used of the most critical limit."""
+    rows, where = acceleration_rows(comparison, axis), "" if axis is None else "xyz"[axis]
+    title = f"Peak accelerations along {where}" if where else "Peak accelerations"
+    table = _peaks(f"accelerations{where and '-'}{where}", title, comparison, rows, ("g", "z.2f"), times=True)
+    limits = [_limits(run) for run in comparison.runs]
+    if where or not any(limits):
+        return table
+    columns, body = list(table.columns), [list(row) for row in table.rows]
+    columns += [Column(f"{run.name}, used" if len(limits) > 1 else "used", "%", "z.0f") for run in comparison.runs]
+    columns += [Column("limit", "g"), Column("of", align="left")]
+    for row, cells in zip(rows, body, strict=True):
+        found = [of_run.get(row.label.removeprefix("point ")) for of_run in limits]
+        stated = next((one for one in found if one), None)
+        cells += [used_mark(one.utilisation if one else None) for one in found]
+        cells += [stated.limit if stated else None, stated.criterion.axis if stated else ""]
+    return replace(table, columns=columns, rows=body)
+
+
+def _limits(run: ComparedRun) -> dict[str, Verdict]:
+    """Return the most critical verdict on the acceleration of each body and point that has a limit."""
+    judged = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
+    return {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
 
 
 def travel_tables(comparison: Comparison) -> Iterator[Table]:
@@ -119,9 +138,8 @@ def travel_tables(comparison: Comparison) -> Iterator[Table]:
                 combined_rows(comparison),
             ),
         ):
-            most = largest_of(rows)
-            if most is not None:
-                yield _peaks(name, title, comparison, [most, *rows], ("%", "z.0f"), shown=1 + _MOST_MOUNTS)
+            if rows:
+                yield _peaks(name, title, comparison, rows, ("%", "z.0f"), shown=_MOST_MOUNTS)
     elif single:
         rows = mount_rows(comparison, "deflection", None)
         yield _peaks(
@@ -129,11 +147,10 @@ def travel_tables(comparison: Comparison) -> Iterator[Table]:
         )
 
 
-def _headlines(comparison: Comparison, written: Mapping[str, str]) -> Iterator[Block]:
+def _headlines(comparison: Comparison) -> Iterator[Block]:
     for run in comparison.runs:
         one = headline(run.verdicts)
-        text = f"{run.name}: {written.get(run.name) or one.text}"
-        yield Statement(id=f"headline-{run.name}", text=text, tone=one.tone, values=one.values)
+        yield replace(one, id=f"headline-{run.name}", text=f"{run.name}: {one.text}")
 
 
 def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
@@ -150,10 +167,6 @@ def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
             if max(map(len, values)) > _WIDEST
         ]
         yield Statement(id="long-inputs", items=tuple(items))
-
-
-def _accelerations(comparison: Comparison) -> Table:
-    return accelerations_table(comparison)
 
 
 def _components(comparison: Comparison) -> Iterator[Table]:

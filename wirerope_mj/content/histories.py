@@ -47,6 +47,11 @@ class Line:
     history: tuple[Array, Array] | None = None
 
 
+def subject_called(response: Response, name: str) -> Component:
+    """Return the body, or else the point, of a name."""
+    return Component(kind="body" if name in response.bodies else "point", name=name)
+
+
 def history_panel(
     quantity: str, along: str, lines: Sequence[Line], window: tuple[float, float], *, part: str = ""
 ) -> Panel:

@@ -6,12 +6,11 @@ from dataclasses import replace
 import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
-from wirerope_mj.assessment.comparison import Component
 from wirerope_mj.assessment.criteria import Verdict, body_peaks
 from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import Block, Statement
-from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel
+from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
@@ -111,7 +110,7 @@ def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
     base = base_acceleration(run.response, run.motion)
     lines = []
     for rank, name in enumerate(names[:MOST]):
-        part = Component(kind="body" if name in run.response.bodies else "point", name=name)
+        part = subject_called(run.response, name)
         lines.append(Line(response=run.response, subject=part, name=name, kind=kind_of(run.selection, name, rank)))
     lines.append(Line(response=run.response, subject=THE_BASE, name="base", kind=BASE, history=base))
     return stacked([history_panel("acceleration", along, lines, run.selection.window) for along in DIRECTIONS])

@@ -48,7 +48,7 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
     return Statement(id="headline", text=text, tone=tone, values=values)
 
 
-def answer_blocks(run: RunResult) -> Iterator[Block | None]:
+def answer_blocks(run: RunResult) -> Iterator[Statement | None]:
     """Yield the verdicts in a few sentences, and whose rule is exceeded where it is our own."""
     lines = [*verdict_lines(run.response, run.verdicts), *rule_lines(run.verdicts)]
     yield Statement(id="verdicts", items=tuple(lines))

@@ -2,6 +2,7 @@
 
 import warnings
 from collections.abc import Mapping
+from dataclasses import replace
 from itertools import count
 from time import perf_counter
 from typing import Any
@@ -12,6 +13,7 @@ from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.judging import judged_by
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.write import checked_arguments
@@ -41,7 +43,9 @@ class Exploration:
         self._scenario = scenario
         self._arguments = checked_arguments(scenario)
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
-        self._system = with_changes(system, scenario.changes)
+        self._system = judged_by(
+            with_changes(system, scenario.changes), combined_travel=scenario.combined_travel, limits=scenario.limits
+        )
         self.sliders = sliders_of(self._system, scenario.motion)
         self._numbers = count(1)
         self._recorder: Recorder | None = None
@@ -75,7 +79,7 @@ class Exploration:
         last = self._shown[-1]
         same = dict(last.values) == checked
         if same and (last.exact or not exact):
-            run = ShownRun(**vars(last) | {"passing": passing and last.passing})
+            run = replace(last, passing=passing and last.passing)
         else:
             run = self._simulated(checked, passing=passing, exact=exact)
         # The run that is checked, or that a slider was passing, is not one of its own.
@@ -127,7 +131,8 @@ class Exploration:
             motion=motion.description,
             response=response,
             verdicts=judged.verdicts,
-            headline=judged.headline,
+            random=judged.random,
+            untested=judged.untested,
             seconds=perf_counter() - began,
             exact=exact,
             passing=passing,

@@ -65,7 +65,7 @@ def travel_rows(comparison: Comparison) -> list[PeakRow]:
 
 
 def combined_rows(comparison: Comparison) -> list[PeakRow]:
-    """Return the utilisation of the travel along all axes at once of every mount, the largest of single axes first."""
+    """Return the utilisation of the travel along all axes at once of every mount, the largest first."""
     by_run = [
         {row.subject: row for row in run.verdicts if row.criterion == COMBINED and row.utilisation is not None}
         for run in comparison.runs
@@ -77,7 +77,7 @@ def combined_rows(comparison: Comparison) -> list[PeakRow]:
             values = tuple(row.utilisation if row else None for row in found)
             times = tuple(row.time if row else None for row in found)
             rows.append(PeakRow(label=name, values=values, times=times, notes=("",) * len(found)))
-    return rows
+    return sorted(rows, key=lambda row: -max(value or 0.0 for value in row.values))
 
 
 def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:

@@ -29,6 +29,14 @@ SAMPLES_PER_PERIOD = 10.0
 HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
 LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
 
+_QUANTITIES = (
+    ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
+    ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),
+    ("acceleration/maximax", "m/s^2", lambda s: s.acceleration.maximax),
+    ("relative_displacement/maximax", "m", lambda s: s.displacement.maximax),
+    ("pseudo_velocity/maximax", "m/s", lambda s: 2.0 * np.pi * s.frequencies[:, None] * s.displacement.maximax),
+)
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Extremes(Brief):
@@ -268,15 +276,6 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     within = np.abs(coarse - fine) <= 0.01 * np.abs(fine)
     within = within if within.ndim == 1 else (within | (fine <= 1e-6 * fine.max())).all(axis=1)
     return float(lines[np.flatnonzero(~within)[0] - 1] if not within.all() else lines[-1]) if within[0] else 0.0
-
-
-_QUANTITIES = (
-    ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
-    ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),
-    ("acceleration/maximax", "m/s^2", lambda s: s.acceleration.maximax),
-    ("relative_displacement/maximax", "m", lambda s: s.displacement.maximax),
-    ("pseudo_velocity/maximax", "m/s", lambda s: 2.0 * np.pi * s.frequencies[:, None] * s.displacement.maximax),
-)
 
 
 def exported_spectra(spectrum: ShockResponseSpectrum, axes: Sequence[str] = "xyz") -> Exported:

@@ -38,7 +38,7 @@ function chart(curve, width) {
 
   const figure = document.createElement("figure");
   const caption = document.createElement("figcaption");
-  caption.textContent = `${curve.title} [${curve.unit}]`;
+  caption.textContent = curve.title;
   const peaks = curve.lines.map((line) => {
     const extreme = line.y.reduce((most, value) => (Math.abs(value) > Math.abs(most) ? value : most), 0);
     return `${line.name}: at most ${shown(extreme, 2)} ${curve.unit}`;

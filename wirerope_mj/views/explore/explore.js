@@ -130,35 +130,33 @@ function fail(error) {
   at("state").textContent = "";
 }
 
-function rows(table, lists) {
-  at(table).tBodies[0].replaceChildren(...lists.map((cells) => {
-    const row = element("tr");
-    row.append(...cells);
-    return row;
-  }));
-}
-
-function heading(text) {
-  const cell = element("th", text);
-  cell.scope = "row";
-  return cell;
-}
-
-function figure(row) {
-  const cell = element("td", row ? row.value : "–");
-  if (row?.where) cell.append(element("small", row.where));
-  return cell;
+// A table of content: its cells are text and tone, the first of a row its heading.
+function tableOf({ id, title, note, columns, rows }) {
+  const box = element("div", "", "wide"), table = element("table"), head = table.createTHead().insertRow();
+  const body = table.createTBody(), sides = columns.map((column) => (column.align === "right" ? "r" : ""));
+  table.id = id;
+  table.createCaption().textContent = title;
+  columns.forEach((column, n) => {
+    const cell = element("th", column.title, sides[n]);
+    cell.scope = "col";
+    head.append(cell);
+  });
+  for (const cells of rows) {
+    const row = body.insertRow();
+    cells.forEach(([text, tone], n) => {
+      const cell = element(n ? "td" : "th", text, `${sides[n]} ${tone}`.trim());
+      if (!n) cell.scope = "row";
+      row.append(cell);
+    });
+  }
+  box.append(table);
+  if (note) box.append(element("p", note, "note"));
+  return box;
 }
 
 function changesOf(run) {
   const changes = Object.entries(run.changes).map(([label, value]) => `${label} ${value}`);
   return changes.length ? changes : ["as in the scenario"];
-}
-
-function changed(run) {
-  const cell = element("td");
-  cell.append(...(run ? changesOf(run) : ["–"]).map((text) => element("span", text)));
-  return cell;
 }
 
 function draw(answer) {
@@ -173,24 +171,9 @@ function draw(answer) {
   at("warnings").replaceChildren(...now.warnings.map((line) => element("li", line)));
   at("now-name").textContent = `now: ${now.name}`;
   at("before-name").textContent = before ? `before: ${before.name}` : "before: none yet";
-  const labels = [...new Set([...now.figures, ...(before?.figures ?? [])].map((row) => row.label))];
-  rows("figures", [
-    [heading("Changed"), changed(now), changed(before)],
-    ...labels.map((label) => [
-      heading(label),
-      ...[now, before].map((run) => figure(run?.figures.find((row) => row.label === label))),
-    ]),
-  ]);
-  at("mounts").parentElement.hidden = answer.mounts.length === 0;
-  rows("mounts", answer.mounts.map((row) => [
-    heading(row.name), element("td", row.isolator), element("td", row.governing), element("td", row.deflection, "r"),
-    element("td", row.rated, "r"), element("td", row.used, row.exceeded ? "r exceeded" : "r"),
-    element("td", row.before, "r"),
-  ]));
-  rows("parts", answer.parts.map((row) => [
-    heading(row.name), element("td", row.kind), element("td", row.peak, row.exceeded ? "r exceeded" : "r"),
-    element("td", row.before, "r"), element("td", row.limit, "r"),
-  ]));
+  at("changed-now").textContent = changesOf(now).join(", ");
+  at("changed-before").textContent = before ? changesOf(before).join(", ") : "";
+  at("tables").replaceChildren(...answer.tables.map(tableOf));
   curves = answer.curves;
   drawCurves();
 }

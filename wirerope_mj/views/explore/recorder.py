@@ -42,15 +42,17 @@ def _prepare() -> None:
 
 
 def _recording(runs: tuple[ShownRun, ...], title: str) -> bytes:
-    from wirerope_mj.views.recording import record_overlay, record_rerun
+    from wirerope_mj.views.recording.drawn_runs import several_runs
+    from wirerope_mj.views.recording.record import record_run, record_runs
 
     with TemporaryDirectory(prefix="wirerope-explore-") as folder:
         target = Path(folder) / "run.rrd"
         if len(runs) == 1:
-            record_rerun(runs[0].response, target, title=title, verdicts=runs[0].verdicts)
+            record_run(runs[0], target, title=title)
         else:
             responses = {run.name: run.response for run in runs}
             names = dict.fromkeys(name for run in runs for name in run.changes)
             inputs = {run.name: {name: run.changes.get(name, "as in the scenario") for name in names} for run in runs}
-            record_overlay(responses, target, inputs=inputs)
+            verdicts = {run.name: run.verdicts for run in runs}
+            record_runs(several_runs(responses, "start", verdicts), target, inputs=inputs)
         return target.read_bytes()

@@ -97,22 +97,17 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     axes.set_title(panel.title, loc="left", fontsize=10)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
-    handles, labels = axes.get_legend_handles_labels()
     named: dict[str, Any] = {}
-    for label, handle in zip(labels, handles, strict=True):
+    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
         named.setdefault(label, handle)  # each name once
     named.pop("", None)
-    aside = bool(panel.notes or panel.yticks or panel.field)  # where texts stand among the curves
-    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False} if aside else {"loc": "upper right"}
+    # The emptiest place takes long to find among the samples of a run.
+    place: dict[str, Any] = {"loc": "upper right" if panel.xunit == "s" else "best"}
+    place["ncols"] = 2 if axes.get_position().width > _WIDE else 1
+    if panel.notes or panel.yticks or panel.field:  # where texts stand among the curves
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False, "ncols": 6}
     if named:
-        at = (
-            {"fontsize": 8, "ncols": 6}
-            if aside
-            else {"fontsize": 8, "ncols": 2 if axes.get_position().width > _WIDE else 1}
-        )
-        if not aside and panel.xunit != "s":
-            place = {"loc": "best"}  # which takes long among the samples of a run
-        axes.legend(named.values(), named.keys(), **at, **place)
+        axes.legend(named.values(), named.keys(), fontsize=8, **place)
 
 
 def _shade(axes: Any, panel: Panel) -> None:

@@ -30,7 +30,8 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     body = _fenced(scenario_text) if _is_toml(scenario_text) else scenario_text.strip()
     numerics = markdown(numerics_statement(run.response.numerics).text)
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
-    banner = "  ".join(filter(None, (markdown_blocks([block]) for block in first)))
+    critical = markdown_blocks(first[1:])
+    banner = f"**{markdown(run.headline)}**  {critical}".strip()
     return (
         Text(path=("verdict",), name="Verdict", place=BANNER, text=banner),
         Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
