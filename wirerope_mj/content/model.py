@@ -41,7 +41,8 @@ def _summary(run: JudgedRun) -> str:
     scene = run.response.scene
     driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
     weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
-    return f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}. {driven}, {weight}. Coordinates are those of the model's world frame, z up."
+    start = f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}."
+    return f"{start} {driven}, {weight}. Coordinates are those of the model's world frame, z up."
 
 
 def mounts_and_stops(mounts: Sequence[SceneMount]) -> str:
