@@ -1,6 +1,5 @@
 """Pictures and report of a study, and its worst variants as runs."""
 
-import json
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content, SceneView
@@ -9,14 +8,13 @@ from wirerope_mj.content.search import front_table, search_content
 from wirerope_mj.content.study import study_content
 from wirerope_mj.content.study_tables import measures_table, worst_table
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
-from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import input_names
+from wirerope_mj.studies.results.stated_limits import add_to_summary
 from wirerope_mj.studies.results.statistics import worst
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
@@ -61,10 +59,7 @@ def write_content(content: Content, folder: Path) -> None:
     from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes a while
     from wirerope_mj.views.plots.scene_plan import save_scenes
 
-    text = json.loads((folder / SUMMARY).read_text(encoding="utf-8"))
-    said = text | {"content": plain_content(content, "answer", "results", "inputs", "worst")}
-    with atomic_file(folder / SUMMARY) as beside:
-        beside.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    add_to_summary(folder, {"content": plain_content(content, "answer", "results", "inputs", "worst")})
     blocks = list(content.blocks())
     for chart in blocks:
         if isinstance(chart, Chart):

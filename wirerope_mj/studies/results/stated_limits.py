@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -99,9 +100,14 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     Raises:
         RecordError: the summary is damaged.
     """
-    content = _content(result) | {KEY: [_exceeded(result, one) for one in limits]}
-    with atomic_file(result.folder / SUMMARY) as temporary_path:
-        temporary_path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    add_to_summary(result.folder, {KEY: [_exceeded(result, one) for one in limits]})
+
+
+def add_to_summary(folder: Path, content: dict[str, Any]) -> None:
+    """Write more into the summary of a study; RecordError if it is damaged."""
+    whole = _content(folder) | content
+    with atomic_file(folder / SUMMARY) as temporary_path:
+        temporary_path.write_text(json.dumps(whole, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
@@ -113,15 +119,15 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
     path = result.folder / SUMMARY
     if not path.is_file():
         return ()
-    stated = _content(result).get(KEY, [])
+    stated = _content(result.folder).get(KEY, [])
     try:
         return tuple(limit_of_text(one["text"], measures_of(result.table)) for one in stated)
     except (KeyError, TypeError, ValueError) as error:
         raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None
 
 
-def _content(result: StudyResult) -> dict[str, Any]:
-    path = result.folder / SUMMARY
+def _content(folder: Path) -> dict[str, Any]:
+    path = folder / SUMMARY
     try:
         content = json.loads(regular(path).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:

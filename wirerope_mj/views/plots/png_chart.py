@@ -66,7 +66,7 @@ def draw_panel(axes: Any, panel: Panel) -> None:
             axes.plot([], [], "s", color=colour, label=text)
     low, high = axes.get_ylim()
     for name, level in panel.limits:
-        if 1.5 * low < level < 1.5 * high:  # farther away it would only flatten the curves
+        if min(low, 1.5 * low) < level < max(high, 1.5 * high):  # farther away it would only flatten the curves
             axes.axhline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
     for name, level in panel.xlimits:
         axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
