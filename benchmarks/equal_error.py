@@ -22,7 +22,7 @@ from scipy.integrate import solve_ivp
 import wirerope_mj as wr
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.motions import BaseMotion
 
 Array = npt.NDArray[np.float64]

@@ -17,9 +17,8 @@ from rerun.experimental import ViewerClient
 
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.runs.inputs import run_inputs
 from wirerope_mj.runs.scenario_file import scenario_content
-from wirerope_mj.runs.sources import system_and_motion
+from wirerope_mj.runs.sources import run_inputs, system_and_motion
 from wirerope_mj.views.recording import record_overlay, record_rerun
 from wirerope_mj.views.recording.viewer import free_port, viewer_binary
 

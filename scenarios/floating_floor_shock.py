@@ -8,7 +8,7 @@ import wirerope_mj as wr
 
 def scenario(
     *,
-    level_g: float = 15.0,
+    level_g: float = 9.0,
     direction: str = "xyz",
     pulse_ms: float = 11.0,
     duration: float = 2.0,
@@ -17,7 +17,7 @@ def scenario(
     """Return the shock of the floating floor.
 
     Args:
-        level_g: peak acceleration along each axis [g].
+        level_g: peak acceleration along each axis [g]; 9 leaves a margin, 15 exceeds the travel of most mounts.
         direction: axes along which the deck is struck: x, y, z, xy, xyz, ...
         pulse_ms: length of the half-sine [ms].
         duration: simulated time [s].

@@ -43,5 +43,5 @@ def genset_study(centre, *, variants=500, **others):
     }
     travel = Travel(compression=TRAVEL, tension=TRAVEL, shear=TRAVEL, roll=TRAVEL)
     rope = replace(wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml"), limits=Limits(travel=travel))
-    given = {"model": genset_text(), "isolators": {"rope": rope}, "motion": SHOCK, "duration": 0.3, "timestep": 1e-3}
+    given = {"model": genset_text(), "isolators": {"rope": rope}, "motion": SHOCK, "duration": 1.0, "timestep": 1e-3}
     return wr.Study(vary=vary, variants=variants, **{**given, **others})

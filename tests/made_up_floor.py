@@ -3,8 +3,7 @@
 import numpy as np
 
 from wirerope_mj.engine.response import Numerics, Peak, Response
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.histories import MemorySamples
+from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peaks, PointPeaks
 from wirerope_mj.engine.response.response import response_of
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount

@@ -34,7 +34,7 @@ def beam_study(*, text=None, travel=0.025, **given):
         "model": beam_text() if text is None else text,
         "isolators": {"a": wr.Isolator(name="a", axial=law, limits=limits)},
         "motion": wr.HalfSine(peak=60.0, duration=0.011, direction="z"),
-        "duration": 0.25,
+        "duration": 1.2,
         "timestep": 1e-3,
         "vary": {"mount/*/fitted": wr.Choice(False, True, each=True)},
     }

@@ -13,9 +13,8 @@ from test_equilibrium import floor_on_stops
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, contact_verdicts
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control.state import STATE
-from wirerope_mj.engine.simulation.contacts import OTHERS
-from wirerope_mj.engine.system import contact_pairs
+from wirerope_mj.engine.control.install import STATE
+from wirerope_mj.engine.simulation.run import OTHERS
 from wirerope_mj.foundation.resources import models_folder, scenarios_folder
 
 G = wr.STANDARD_GRAVITY
@@ -169,7 +168,6 @@ def test_every_declared_stop_has_a_verdict_struck_or_not(table, struck):
 
 
 def test_pairs_beyond_the_memory_are_told_together_and_nothing_is_called_untouched(monkeypatch):
-    monkeypatch.setattr(contact_pairs, "contact_capacity", lambda model: 2)
     monkeypatch.setattr("wirerope_mj.engine.system.tables.contact_capacity", lambda model: 2)
     system = wr.load_system(models_folder() / "shock_table_contacts.xml")
     with pytest.warns(wr.AccuracyWarning):

@@ -72,6 +72,22 @@ def test_every_amplitude_of_a_long_record_comes_back_as_its_steady_loop(record, 
     assert (np.abs(area[2:]) < 0.01).all(), area
 
 
+@pytest.mark.quick
+@pytest.mark.parametrize("points", [23.7, 37.3, 61.9])
+def test_few_samples_of_a_cycle_make_no_drift(points, monkeypatch):
+    """Of a steady device with a constant offset: what is taken out over the whole record, of half of the force range."""
+    from wirerope_mj.mounts.test_rig import cycles
+
+    time, deflection, force = rig_record(LAW, [3e-3, 8e-3], points=4000.0, zero=12.0, noise=0.0)
+    taken, drift = [], cycles._drift
+    monkeypatch.setattr(cycles, "_drift", lambda *given: taken.append(drift(*given)) or taken[-1])
+    for late in (0.0, 0.3, 0.7):
+        even = np.arange(late / points, time[-1] - 0.1, 1.0 / points)
+        steady_loops(np.interp(even, time, deflection), np.interp(even, time, force), time=even)
+    assert len(taken) == 6
+    assert np.abs(taken).max() * time[-1] < 0.005 * 0.5 * np.ptp(force)
+
+
 def test_drift_of_the_zero_changes_nothing_but_the_mean():
     plain, drifting = (
         steady_loops(*record[1:], time=record[0])

@@ -1,4 +1,4 @@
-"""What the deck bears: sums over areas against Newton's law, loads of bolts against a rigid plate's, and what is refused."""
+"""Loads on the deck: sums over areas against Newton's law, loads of bolts against a rigid plate's, and what is refused."""
 
 from dataclasses import replace
 

@@ -8,8 +8,8 @@ import scipy
 from scipy.signal import lfilter
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.durability.mission import mission_damage, read_mission
 from wirerope_mj.cli import main
-from wirerope_mj.runs.mission import mission_damage, read_mission
 
 
 @pytest.mark.quick
@@ -119,6 +119,7 @@ def test_the_command_counts_every_mount_and_axis_of_a_run(tmp_path, capsys):
     assert f"{worst.mount} " in printed
     assert f"{1e3 * worst.cycles.ranges.max():.3g}" in printed
     assert "30 counted" in printed
+    assert f"Most damaged: {worst.mount} {worst.axis}. Its life is not known" in printed
     assert main(["durability", str(tmp_path / "run"), "--exponent", "0"]) == 2
     assert main(["durability", str(tmp_path / "nothing"), "--exponent", "5"]) == 2
 
@@ -172,22 +173,45 @@ def test_a_damage_spectrum_of_random_vibration_is_that_of_its_density():
 
 def test_a_service_life_is_the_sum_of_its_stages(tmp_path, capsys):
     system = wr.load_system("cabinet")
-    for name, peak in (("hard", 150.0), ("soft", 60.0)):
-        pulse = wr.HalfSine(peak=peak, duration=0.011, direction="z", start=0.01)
-        wr.simulate(system, pulse, duration=0.36, timestep=5e-4).save(tmp_path / name)
+    pulse = wr.HalfSine(peak=150.0, duration=0.011, direction="z", start=0.01)
+    wr.simulate(system, pulse, duration=0.36, timestep=5e-4).save(tmp_path / "hard")
+    sweep = wr.Sweep(start=8.0, stop=16.0, rate=120.0, acceleration=1.0, direction="z")  # an octave in half a second
+    wr.simulate(system, sweep, duration=0.8, timestep=5e-4).save(tmp_path / "soft")
     life = 'exponent = 4.0\nconstant = 1e-3\n[[stage]]\nrun = "hard"\nrepetitions = 20\n[[stage]]\nrun = "soft"\nhours = 2\n'
     (tmp_path / "life.toml").write_text(life)
     hard, soft = (wr.mount_cycles(wr.load_response(tmp_path / name)) for name in ("hard", "soft"))
     damages = {(d.mount, d.axis): d for d in mission_damage(read_mission(tmp_path / "life.toml"))}
     for one, other in zip(hard, soft, strict=True):
-        expected = 20.0 * one.cycles.damage(4.0, 1e-3), 7200.0 / 0.36 * other.cycles.damage(4.0, 1e-3)
+        expected = 20.0 * one.cycles.damage(4.0, 1e-3), 7200.0 / 0.5 * other.cycles.damage(4.0, 1e-3)
         assert damages[one.mount, one.axis].stages == pytest.approx(expected, rel=1e-12)
     assert main(["durability", str(tmp_path / "life.toml"), "--rows", "1"]) == 0
     printed = " ".join(capsys.readouterr().out.split())
     worst = max(damages.values(), key=lambda one: one.total)
     assert f"{worst.mount} {worst.axis}" in printed
-    assert f"The worst lasts {1.0 / worst.total:.3g} such lives." in printed
+    most = f"Most damaged: {worst.mount} {worst.axis}: damage {worst.total:.3g} in one such life"
+    assert f"{most}; it lasts {1.0 / worst.total:.3g} such lives." in printed
     assert "20 x hard + 2 h of soft" in printed
+
+
+def test_hours_are_of_what_goes_on_and_not_of_shocks(tmp_path):
+    """The damage of an hour does not depend on how long a run rings on; an hour of shocks is refused."""
+    system = wr.load_system("cabinet")
+    pulse = wr.HalfSine(peak=150.0, duration=0.011, direction="z", start=0.01)
+    wr.simulate(system, pulse, duration=0.36, timestep=5e-4).save(tmp_path / "shock")
+    life = 'exponent = 4.0\nconstant = 1e-3\n[[stage]]\nrun = "{}"\nhours = 2\n'
+    (tmp_path / "life.toml").write_text(life.format("shock"))
+    with pytest.raises(wr.RecordError, match="a half-sine is over once it has happened.*`repetitions`"):
+        mission_damage(read_mission(tmp_path / "life.toml"))
+    time = np.arange(0.0, 2.0, 1e-3)
+    rows = np.column_stack([time, 2.0 * np.sin(2 * np.pi * 9.0 * time) * np.sin(np.pi * time / 2.0)])
+    np.savetxt(tmp_path / "road.csv", rows, delimiter=",", header="time [s],z [m/s^2]", comments="")
+    record = wr.load_record(tmp_path / "road.csv", baseline="velocity")
+    found = []
+    for duration in (2.6, 5.0):
+        wr.simulate(system, record, duration=duration, timestep=5e-4).save(tmp_path / f"road-{duration}")
+        (tmp_path / "life.toml").write_text(life.format(f"road-{duration}"))
+        found.append(mission_damage(read_mission(tmp_path / "life.toml"))[0].total)
+    assert found[0] == pytest.approx(found[1], rel=0.01)
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria import headline, judge, judge_random, verdict_lines
+from wirerope_mj.assessment.criteria import headline, judge, judge_random
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
 from wirerope_mj.cli import main
@@ -42,8 +42,8 @@ def test_a_run_that_ends_inside_the_answer_is_not_judged_and_longer_ones_agree(c
                 assert row.utilisation == pytest.approx(whole.utilisation, abs=0.01)
         if duration < 0.18:
             assert f"the run ends at {1e3 * duration:.4g} ms, before its peaks are over" in headline(verdicts)
-            assert headline(verdicts).startswith("Not judged: ")
-            assert "run at least 188 ms" in verdict_lines(response, verdicts)[0]
+            assert headline(verdicts).startswith("NOT JUDGED: ")
+            assert "run at least 188 ms" in headline(verdicts)
             assert all(row.utilisation is None for row in mount_peaks(response))
         else:
             assert headline(verdicts) == headline(reference)
@@ -52,7 +52,7 @@ def test_a_run_that_ends_inside_the_answer_is_not_judged_and_longer_ones_agree(c
 def test_what_is_exceeded_already_is_said(cabinet):
     limit = PayloadLimit(kind="acceleration", name="rack", values=(0.5,))
     _, verdicts = judged(cabinet, PULSE, 0.03, [limit])
-    assert headline(verdicts).startswith("Exceeded: 1 of ")
+    assert headline(verdicts).startswith("FAIL: 1 of ")
     assert "the run ends at 30 ms" in headline(verdicts)
 
 

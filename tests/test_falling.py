@@ -6,7 +6,7 @@ from house import sdof_text
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.tested import falling_line
-from wirerope_mj.cli.modes_tables import below_tests
+from wirerope_mj.content.modes import below_tests
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.mounts.identification.isolator_file import identified_isolator
 from wirerope_mj.mounts.isolator.falling import falling_from, falling_text

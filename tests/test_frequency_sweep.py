@@ -290,8 +290,8 @@ def test_a_sweep_comes_back_from_its_file_and_is_replaced_whole(short, tmp_path)
 
 
 def test_a_sweep_that_streams_to_disk_is_the_same(system, short, tmp_path, monkeypatch):
-    monkeypatch.setattr("wirerope_mj.dynamics.sweep.collector.STREAM_ROWS", 10)  # several blocks
-    monkeypatch.setattr("wirerope_mj.dynamics.sweep.continuous.CHUNK", 4)
+    monkeypatch.setattr("wirerope_mj.dynamics.sweep.envelope.STREAM_ROWS", 10)  # several blocks
+    monkeypatch.setattr("wirerope_mj.dynamics.sweep.sweeps.CHUNK", 4)
     options = {"timestep": 1e-3, "settled": None, **MOUNT}
     same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), out=tmp_path, **options), short)
     same(wr.load_frequency_sweep(tmp_path), short)

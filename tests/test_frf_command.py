@@ -40,8 +40,8 @@ def written(both):
 def test_every_level_is_shown_with_its_resonance_and_what_the_sweeps_say(written):
     code, out, folder = written
     assert code == 0
-    assert "base along z, acceleration of mass along z, 34 to 39 Hz (given)" in out
-    assert out.index("Level 2 m/s^2") < out.index("Level 5 m/s^2")
+    assert "Base: along z Response: acceleration of mass along z Range: 34 to 39 Hz (given)" in out
+    assert out.index("Level 2 m/s²") < out.index("Level 5 m/s²")
     assert out.count("resonance peak") == 2
     assert out.count("all motions are stable") == 2
     assert out.count("peak of the sweep down") == 2
@@ -82,6 +82,26 @@ def test_tables_hold_every_point_of_the_branches_and_every_cycle_of_the_sweeps(w
     np.testing.assert_array_equal(sweeps["amplitude"], sweeps["bodies/mass/acceleration/z"])
 
 
+def test_one_table_and_one_headline_stand_on_screen_page_and_in_the_file(written):
+    _, out, folder = written
+    content = json.loads((folder / "frequency_response.json").read_text())
+    page = (folder / "report.html").read_text(encoding="utf-8")
+    assert f" {content['headline']} " in out
+    assert content["headline"] in page
+    rows = content["tables"]["peaks"]["rows"]
+    assert [row[1] for row in rows] == 2 * ["resonance peak", "peak of the sweep up", "peak of the sweep down"]
+    peaks = [level["continuation"]["peaks"][0] for level in content["levels"]]
+    assert [row[2:5] for row in rows[::3]] == [
+        [peak["frequency"], peak["amplitude"], peak["transmissibility"]] for peak in peaks
+    ]
+    for _, name, frequency, amplitude, *_ in rows:
+        assert f" {name} {frequency:.5g} {amplitude:.4g} " in out
+        assert f">{frequency:.5g}</td>" in page
+    assert 'data-id="amplitude"' in page
+    assert page.count("<svg") == 3
+    assert {row[2] for row in content["tables"]["orbits"]["rows"]} == {"stable"}
+
+
 def test_pictures_show_amplitudes_transmissibilities_and_loops(written):
     for name in ("frequency_response", "transmissibility", "loops"):
         assert (written[2] / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -116,9 +136,9 @@ def test_a_result_is_replaced_only_by_force(written, both, capsys):
         (("--start", "-1"), "`start` must be > 0, got -1.0"),
         (("--stop", "0"), "`stop` must be > 0, got 0.0"),
         (("--payload", "deck"), "`payload` must be one of 'mass', got 'deck'"),
-        (("--direction", "up"), "`--direction` must be x, y, z or a vector such as 1,0,1; got 'up'"),
+        (("--direction", "up"), "`--direction` must be x, y, z, -x, -y, -z or a vector such as 1,1,0, got 'up'"),
         (("--direction", "x"), "x"),
-        (("--response-direction", "1,0"), "`--response-direction` must be x, y, z or a vector"),
+        (("--response-direction", "1,0"), "`--response-direction` must be x, y, z, -x, -y, -z or a vector"),
         (
             ("--largest-step", "1e-6"),
             "`smallest_step` must be below `largest_step`, and that below 1, got 1e-05 and 1e-06",
@@ -213,7 +233,7 @@ def test_sweeps_alone_have_envelopes_and_no_recording(tmp_path, capsys, monkeypa
     assert "peak of the sweep up" in out
     assert "continuation" not in out
     names = {path.name for path in (tmp_path / "r").iterdir() if path.is_file()}
-    pictures = {"frequency_response.png", "transmissibility.png"}
+    pictures = {"frequency_response.png", "transmissibility.png", "report.html"}
     assert names == {"sweeps.parquet", "settings.toml", "frequency_response.json", *pictures}
 
 

@@ -5,12 +5,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
-from wirerope_mj.dynamics.frequency_response.comparison import compare
-from wirerope_mj.dynamics.frequency_response.curve import curve_of
-from wirerope_mj.dynamics.frequency_response.samples import along_branch, along_resonance
+from wirerope_mj.dynamics.frequency_response.curve import along_branch, along_resonance, curve_of
+from wirerope_mj.dynamics.frequency_response.summary import compare
 from wirerope_mj.dynamics.periodic import Jump
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 
@@ -125,16 +124,23 @@ def test_ticks_are_inside_the_range_rise_and_are_neither_few_nor_many(low, ratio
     assert ticks[-1] <= low * ratio * (1 + 1e-6)
 
 
-@pytest.mark.parametrize(
-    ("low", "high", "most"), [(5, 1000, 3), (5, 2000, 4), (100, 900, 3), (100, 900, 6), (5, 60, 3)]
-)
-def test_labels_of_a_logarithmic_axis_name_every_decade_and_stand_apart(low, high, most):
+@given(low=st.floats(1e-3, 1e4), ratio=st.floats(1.02, 1e4), most=st.integers(4, 18))
+@example(low=100.0, ratio=9.0, most=3)
+@example(low=5.0, ratio=200.0, most=3)
+@example(low=150.0, ratio=6.7, most=4)  # were 200, 400, 600, 800, one into the other
+@example(low=8.2, ratio=5.2, most=4)  # were 20, 40, without 10
+def test_labels_of_a_logarithmic_axis_name_every_decade_and_stand_apart(low, ratio, most):
+    high = low * ratio
     ticks = log_ticks(low, high, most=most)
-    decades = [10.0**n for n in range(1, 4) if low <= 10.0**n <= high]
-    assert set(decades) <= set(ticks.tolist())
-    # of the axis' length: a label needs 1 / most of it, and 1, 3, 10 share a decade as 0.48 to 0.52
-    assert (np.diff(np.log(ticks)) >= 0.9 * np.log(high / low) / (most + 1)).all()
+    decades = [10.0**n for n in range(-3, 9) if low <= 10.0**n <= high]
+    assert all(np.isclose(ticks, decade, rtol=1e-9).any() for decade in decades)
     assert ticks.size >= 2
+    if ratio > 2.0:  # in a narrower range two round numbers may have to do, wherever they are
+        assert np.diff(np.log(ticks)).min() >= 0.9 * np.log(ratio) / most * (1.0 - 1e-9)
+
+
+def test_of_more_decades_than_fit_every_third_is_named():
+    np.testing.assert_allclose(log_ticks(1e-6, 1e4, most=3), [1e-6, 1e-3, 1.0, 1e3])
 
 
 def test_ticks_of_a_narrow_range_are_round_numbers():

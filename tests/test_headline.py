@@ -8,22 +8,26 @@ import pytest
 from test_cli import wirerope
 from test_recording import column, entities
 
-from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Verdict, headline
+from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Criterion, Verdict, headline
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.summary import read_headline
 
+HALF = "most critical m1, 50 % of rated travel in roll"
+
 
 def row(value=1.0, limit=2.0, **changes):
-    return Verdict(criterion="travel in roll", subject="m1", value=value, limit=limit, unit="m", **changes)
+    return Verdict(
+        criterion=Criterion("travel", sense="roll"), subject="m1", value=value, limit=limit, unit="m", **changes
+    )
 
 
 def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(tmp_path):
     done = wirerope("run", "floating_floor_shock", "--duration", "0.4", "--out", "here", cwd=tmp_path)
     sentence = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))["headline"]
-    assert re.match(r"Exceeded: \d+ of \d+ limits; .*\.$", sentence)
+    assert re.match(r"FAIL: \d+ of \d+ checks exceeded; worst \w+, \d+ % of .*\.$", sentence)
     assert sentence in [line.strip() for line in done.stdout.splitlines()]
     page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
-    assert re.findall(r'<p class="verdict exceeded">(.*?)</p>', page) == [sentence]
+    assert re.findall(r'<p id="headline" class="verdict exceeded">(.*?)</p>', page) == [sentence]
     (text,) = column(entities(tmp_path / "here" / "run.rrd")["/peaks"], "TextDocument:text").to_pylist()
     assert f"- {sentence}\n" in text[0]
     shutil.copytree(tmp_path / "here", tmp_path / "there")
@@ -51,9 +55,8 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
     over, judged = told.count("exceeded"), told.count("exceeded") + told.count("within")
     struck, pairs = told.count("struck"), sum(row["criterion"] == "stop" for row in summary["judged"])
     rest = len(told) - judged - pairs
-    assert summary["headline"] == (
-        f"Exceeded: {over} of {judged} limits; {struck} of {pairs} stops struck; {rest} figures are not judged."
-    )
+    assert summary["headline"].startswith(f"FAIL: {over} of {judged} checks exceeded; worst ")
+    assert summary["headline"].endswith(f"; {struck} of {pairs} stops struck; {rest} values have no limit.")
     assert struck == pairs == 4
 
 
@@ -61,20 +64,26 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
 @pytest.mark.parametrize(
     ("rows", "said"),
     [
-        ([], "Nothing is judged: no limit is stated for anything in this run."),
-        ([row()], "Within its limit."),
-        ([row(), row(3.0)], "Exceeded: 1 of 2 limits."),
-        ([row(limit=None)], "Nothing is judged: no limit is stated for anything in this run."),
-        ([row(), row(limit=None)], "Within its limit; 1 figure is not judged."),
+        ([], "NOT JUDGED: no limit is stated for anything in this run."),
+        ([row()], f"PASS: the only check is within limits; {HALF}."),
+        ([row(), row(3.0)], "FAIL: 1 of 2 checks exceeded; worst m1, 150 % of rated travel in roll."),
+        ([row(limit=None)], "NOT JUDGED: no limit is stated for anything in this run."),
+        (
+            [row(), row(limit=None)],
+            f"PASS: the only check is within limits; {HALF}; 1 value has no limit.",
+        ),
         (
             [row(limit=None, contact=STRUCK)],
-            "Nothing is judged: no limit is stated for anything in this run; 1 of 1 contact pair struck.",
+            "NOT JUDGED: no limit is stated for anything in this run; 1 of 1 contact pair struck.",
         ),
         (
             [row(), row(), *(row(limit=None, contact=word) for word in (STRUCK, TOUCHING, CLEAR))],
-            "Within all 2 limits; 1 of 3 contact pairs struck.",
+            f"PASS: all 2 checks are within limits; {HALF}; 1 of 3 contact pairs struck.",
         ),
-        ([row(), row(limit=None, contact=CLEAR)], "Within its limit."),
+        (
+            [row(), row(limit=None, contact=CLEAR)],
+            f"PASS: the only check is within limits; {HALF}.",
+        ),
     ],
 )
 def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):

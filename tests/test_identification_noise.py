@@ -97,12 +97,12 @@ def test_a_noise_that_is_given_is_that_of_all_loops():
         assert left.parameters[name].standard_error == pytest.approx(2.0 * known.parameters[name].standard_error)
 
 
-def test_terms_that_the_device_does_not_have_are_not_told_from_zero():
+def test_terms_that_the_device_does_not_have_are_not_significant():
     loops = [
         measured([loop], points_per_cycle=200, force_noise=12.0, seed=place)[0]
         for place, loop in enumerate(cyclic_test(TRUTH, AMPLITUDES))
     ]
     found = wr.identify(loops, law=wr.AsymmetricBoucWen, profiles=False)
-    assert set(found.not_told_from_zero) == {"k2", "k3", "c_ln_b"}
-    assert "not told from zero: k2, k3, c_ln_b" in str(found)
-    assert wr.identify(loops, law=wr.BoucWen, profiles=False).not_told_from_zero == ()
+    assert set(found.insignificant) == {"k2", "k3", "c_ln_b"}
+    assert "not significant: k2, k3, c_ln_b" in str(found)
+    assert wr.identify(loops, law=wr.BoucWen, profiles=False).insignificant == ()

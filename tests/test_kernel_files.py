@@ -6,7 +6,7 @@ import sys
 
 import pytest
 
-from wirerope_mj.foundation import cpu_level, kernel_files, own_files
+from wirerope_mj.foundation import kernel_files
 
 KERNELS = """
 from wirerope_mj.foundation.jit import inlined, njit
@@ -116,9 +116,9 @@ def test_another_numba_another_python_and_another_processor_compile(use):
     assert use(NUMBA_OPT="1") == (7.0, 2.5, ALL)
 
 
-@pytest.mark.skipif(cpu_level.level() is None, reason="no code is shipped for this machine's processor")
+@pytest.mark.skipif(kernel_files.level() is None, reason="no code is shipped for this machine's processor")
 def test_code_for_a_level_of_processors_is_used_by_those_that_have_its_features_and_no_others(use):
-    assert cpu_level.level() == "x86-64-v3"  # the machine of these tests has it
+    assert kernel_files.level() == "x86-64-v3"  # the machine of these tests has it
     use(NUMBA_CPU_NAME="x86-64-v3", NUMBA_CPU_FEATURES="")
     lacking = (
         "import llvmlite.binding as llvm; features = llvm.get_host_cpu_features();"
@@ -186,7 +186,7 @@ def test_a_relative_folder_of_the_environment_is_not_used(use, tmp_path):
     assert use(**relative) == (7.0, 2.5, [])
 
 
-owned = pytest.mark.skipif(not own_files._KNOWN, reason="this system has no owners and modes")
+owned = pytest.mark.skipif(not kernel_files._KNOWN, reason="this system has no owners and modes")
 
 
 @owned
@@ -229,7 +229,7 @@ def test_a_link_is_no_kernel(use, tmp_path):
 
 
 @owned
-@pytest.mark.skipif(not own_files._KNOWN or os.geteuid() != 0, reason="only root may give files away")
+@pytest.mark.skipif(not kernel_files._KNOWN or os.geteuid() != 0, reason="only root may give files away")
 @pytest.mark.parametrize("what", ["cache", "files"])
 def test_what_belongs_to_another_user_is_not_used(use, tmp_path, what):
     use()

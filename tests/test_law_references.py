@@ -4,6 +4,7 @@ Nothing of the references comes from the library. Paths are random turning point
 of one unless they say otherwise.
 """
 
+import itertools
 import math
 
 import numpy as np
@@ -329,3 +330,17 @@ def test_work_of_an_unloading_that_bends_near_its_pole_is_that_of_fine_steps():
     path = np.concatenate([np.linspace(0.0, 2.5, 5000), np.linspace(2.5, 0.0, 5000)[1:]])
     # 10.54 J: adaptive panels of the whole way against closed forms over 10 000 short ones.
     assert law.trace([0.0, 2.5, 0.0]).work[-1] == pytest.approx(law.trace(path).work[-1], rel=1e-10)
+
+
+@pytest.mark.quick
+def test_pinching_whose_width_begins_at_zero_is_integrated_in_finite_steps():
+    """Without `lam` the first step was as long as the width: nothing. In one stroke and in many it comes to the same."""
+    law = laws.LAWS["bouc-wen-baber-noori"](
+        alpha=1e5, beta=250.0, gamma=100.0, n=1.0, k=4e4, delta_nu=0.1, zeta=0.6, q=0.1, p=1.0, psi=60.0, delta_psi=5.0
+    )
+    stroke = np.concatenate([np.linspace(0.0, -3e-4, 2), np.linspace(-3e-4, 5e-3, 4)[1:]])
+    fine = np.concatenate(
+        [np.linspace(a, b, 60, endpoint=False) for a, b in itertools.pairwise(stroke)] + [stroke[-1:]]
+    )
+    # Each of the few strokes is known to 1e-8, and the widths of the pinching to as much.
+    assert law.trace(stroke).force[-1] == pytest.approx(law.trace(fine).force[-1], rel=1e-7)

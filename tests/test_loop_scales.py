@@ -9,13 +9,13 @@ from house import deck, mjcf
 from laws_for_tests import path_through
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.modes.plane import loop_cycle, plane_cycle, plane_tangents
+from wirerope_mj.dynamics.modes.mount import loop_cycle, plane_cycle, plane_tangents
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
-from wirerope_mj.engine.kernel.held import equations
-from wirerope_mj.engine.kernel.numbers import Numbers
-from wirerope_mj.engine.statics.side_by_side import rester
+from wirerope_mj.engine.kernel.equations import equations
+from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.mounts import laws
 
@@ -133,7 +133,7 @@ def test_rests_that_are_found_together_are_those_of_one_model():
     system = mass_on(device(shear=parts(2.0, k1=4e4)[0]))
     numbers = Numbers(system, equations(system))
     every = np.array([numbers.of(Changes(masses={"mass": factor})) for factor in (1.0, 1.5)])
-    rests = rester(system).rests(every, "virgin")
+    rests = equilibrium_solver(system).solve(every, "virgin")
     assert rests.found.all()
     own = wr.equilibrium(system).mounts["m"].deflection
     # Either ends where the force is within 1e-7 of the weight or so.

@@ -34,7 +34,7 @@ EXPECTED = {
     "shock_table": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1, stops=4),
     "shock_table_contacts": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1),
     "shock_table_frame": Expected("table", "block", 50.0, (0.0, 0.0, 0.1035), 0.0401, None, 1, 1, "frame", 4),
-    "floating_floor": Expected("deck", "floor", 3300.0, (0.2755, 0.1600, 0.4995), 0.0432, 0.0401, 16, 24, stops=16),
+    "floating_floor": Expected("deck", "floor", 3300.0, (0.2488, 0.1067, 0.4995), 0.0432, 0.0401, 16, 24, stops=16),
     "cabinet": Expected("deck", "rack", 850.0, (0.0319, 0.0264, 0.7962), 0.03556, 0.03556, 6, 10, stops=6),
 }
 
@@ -280,7 +280,7 @@ def static_forces(name):
 @pytest.mark.parametrize(
     ("name", "lowest", "mean", "highest"),
     # the percentages stated in the comments
-    [("floating_floor", 0.46, 0.68, 0.90), ("cabinet", 0.27, 0.29, 0.32)],
+    [("floating_floor", 0.51, 0.68, 0.86), ("cabinet", 0.27, 0.29, 0.32)],
 )
 def test_every_upright_mount_carries_its_stated_share_of_its_rating(name, lowest, mean, highest):
     forces = static_forces(name)

@@ -35,9 +35,12 @@ def test_the_command_prints_every_mode_and_writes_a_folder(capsys, tmp_path, rec
     shown = capsys.readouterr().out
     system = wr.load_system(models_folder() / "shock_table.xml")
     small, *large = (modes(system, amplitude=size) for size in (None, 1e-3, 5e-3))
-    figures = [f"{found.frequencies[2]:.3f} ({found.damping_ratio[2]:.3f})" for found in large]
-    for expected in ("bounce z", f"{small.frequencies[2]:.3f}", *figures, "far from tipping over"):
-        assert expected in shown
+    rows = [f"{1e3 * m.amplitude:g} {m.frequencies[2]:.3f} {100 * m.damping_ratio[2]:.1f}" for m in large]
+    rows.append(f"small {small.frequencies[2]:.3f} 0.0")
+    words = " ".join(shown.split())
+    for expected in (*(f"3 bounce z {row}" for row in rows), "Quote the small-amplitude natural frequency"):
+        assert expected in words
+    assert "Stability: stable, large margin." in shown
     assert {path.name for path in folder.iterdir()} == {"settings.toml", "modes.json", "run.rrd", "model"}
     results = json.loads((folder / "modes.json").read_text())["results"]
     assert [result["amplitude_m"] for result in results] == [None, 0.001, 0.005]
@@ -61,13 +64,12 @@ def test_amplitudes_beyond_a_rated_travel_are_said(capsys, tmp_path, recordable)
     assert "\n  5 mm takes" not in shown
 
 
-def test_two_equal_modes_show_equal_damping_and_none_that_rounds_to_nothing(capsys, tmp_path, recordable):
+def test_two_equal_modes_show_equal_damping_in_percent(capsys, tmp_path, recordable):
     assert main(["modes", "shock_table_frame", "--out", str(tmp_path / "modes")]) == 0
-    shown = capsys.readouterr().out
-    assert "(0.000)" not in shown
+    shown = " ".join(capsys.readouterr().out.split())
     found = modes(wr.load_system(models_folder() / "shock_table_frame.xml"))
     assert found.descriptions[3] == "frame: bounce z"
-    assert f"{found.frequencies[3]:.3f} ({found.damping_ratio[3]:.3f})" in shown
+    assert f"frame: bounce z {found.frequencies[3]:.3f} {100 * found.damping_ratio[3]:.1f} " in shown
     assert 0.01 < found.damping_ratio[3] < 0.03  # the frame's own 2 %; that of the block's rope is none in small cycles
 
 
@@ -133,7 +135,7 @@ def test_the_text_of_a_mode_has_its_figures(cabinet):
     bounce = found.descriptions.index("bounce z")
     text = mode_text(found, bounce)
     frequencies = [f"{values[bounce]:.3f} Hz" for values in (found.frequencies, found.loading, found.unloading)]
-    share = f"{100 * found.participation[bounce, 2]:.1f} %"
-    for expected in ("bounce z", *frequencies, share, "| m01 |"):
+    mass = f"{100 * found.participation[bounce, 2]:.1f} % z"
+    for expected in ("bounce z", *frequencies, mass, "| m01 |"):
         assert expected in text
     assert found.loading[bounce] < found.frequencies[bounce] < found.unloading[bounce]

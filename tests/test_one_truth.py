@@ -1,4 +1,4 @@
-"""Terminal, summary.json, report and recording of every shipped scenario give the same verdicts."""
+"""Terminal, page, recording and summary of every shipped scenario say the same under the same ids."""
 
 import html
 import json
@@ -9,137 +9,101 @@ import sys
 from pathlib import Path
 
 import pytest
+from finished_runs import finished_of, tables_of
 from rerun.chunk import RrdReader
-from wirerope_mj.content.verdict_table import full_table
 
-from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, Verdict
-from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.content.blocks import Statement
+from wirerope_mj.content.numbers import ABSENT, MINUS
+from wirerope_mj.content.run import SUMMARY_SECTIONS, run_content
 from wirerope_mj.runs.scenario import shipped_scenarios
+from wirerope_mj.views.json_content import plain_content
+from wirerope_mj.views.markdown import markdown_statement, markdown_table
 
 pytestmark = pytest.mark.slow
 
 SHORT = {"floating_floor_sweep": ["--rate", "120"], "sdof_sweep": ["--rate", "60"]}
 """Options with which the long ones last seconds."""
 
+RECORDED = ("peak-accelerations", "random", "mounts", "contacts", "all-verdicts")
+"""Tables that the texts of a recording hold."""
+
 
 @pytest.fixture(scope="module", params=sorted(shipped_scenarios()))
 def run(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "out"
-    command = [
-        Path(sys.executable).with_name("wirerope"),
-        "run",
-        request.param,
-        "--out",
-        folder,
-        *SHORT.get(request.param, []),
-    ]
+    command = [Path(sys.executable).with_name("wirerope"), "run", request.param, "--out", folder]
+    command += SHORT.get(request.param, [])
     done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "200"})
-    return folder, done.stdout
+    return folder, done.stdout, run_content(finished_of(folder))
 
 
-def verdicts_of(folder) -> list[Verdict]:
-    judged = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["judged"]
-    words = {"struck", "touching from the start", "not touched"}
+def in_summary(content):
+    """Return the ids of what terminal and summary show."""
+    blocks = [block for section in content.sections if section.id in SUMMARY_SECTIONS for block in section.blocks]
+    return [block.id for block in blocks]
+
+
+def cells_of(page, name):
+    """Return the texts of the cells of a table on a page, row by row, those that are folded away too."""
+    (table,) = re.findall(rf'<div class="table[^"]*" data-id="{re.escape(name)}">(.*?)</div>\s*(?=<|$)', page, re.S)[:1]
+    rows = [row for row in re.split(r"<tr[^>]*>", table) if "<td" in row]
     return [
-        Verdict(
-            criterion=row["criterion"],
-            subject=row["subject"],
-            value=float("nan") if row["value"] is None else row["value"],
-            limit=row["limit"],
-            unit=row["unit"],
-            time=row["time_s"],
-            note=row["note"],
-            contact=row["verdict"] if row["verdict"] in words else "",
-        )
-        for row in judged
+        [html.unescape(re.sub("<[^>]*>", "", c)) for c in re.findall(r"<td[^>]*>(.*?)</td>", r, re.S)] for r in rows
     ]
 
 
-def shown_rows(verdicts) -> list[list[str]]:
-    """Return criterion, verdict, subject, value, limit and unit of every verdict as text, in order."""
-    return sorted(plain(text for text, _ in marks)[:6] for marks in full_table(verdicts).marks())
-
-
-def plain(cells) -> list[str]:
-    """Return texts without what HTML and Markdown put around them, and without signs for nothing."""
-    return [
-        re.sub(r"\\(.)", r"\1", cell).replace("**", "").strip().replace("−", "-").replace("–", "") for cell in cells
-    ]
-
-
-def text_in(folder, path) -> str:
-    for chunk in RrdReader(str(folder / "run.rrd")).stream():
-        if str(chunk.entity_path) == path:
-            batch = chunk.to_record_batch()
-            return batch["TextDocument:text"].flatten()[0].as_py()
-    raise AssertionError(path)
-
-
-def test_summary_and_report_give_the_same_set(run):
-    folder, _ = run
+def test_the_page_holds_every_table_to_the_last_cell(run):
+    folder, _, content = run
     page = (folder / "report.html").read_text(encoding="utf-8")
-    table = page[page.rindex('<p class="caption">Every figure against its limit') :].split("</section>")[
-        0
-    ]  # and what is folded
-    rows = [
-        [html.unescape(re.sub("<[^>]*>", "", cell)).strip() for cell in re.findall(r"<td[^>]*>(.*?)</td>", row, re.S)]
-        for row in table.split("<tr>")
-        if "<td" in row
-    ]
-    assert sorted(plain(row)[:6] for row in rows) == shown_rows(verdicts_of(folder))
+    tables = tables_of(content)
+    assert {"peak-accelerations", "worst-of-criteria", "all-verdicts", "settings"} <= tables.keys()
+    for name, table in tables.items():
+        shown = [[text for text, _ in row] for row in table.marks(absent=ABSENT, minus=MINUS)]
+        assert cells_of(page, name) == shown, name
 
 
-def test_summary_and_recording_give_the_same_set(run):
-    folder, _ = run
-    rows = markdown_rows(text_in(folder, "/verdicts"))
-    assert sorted(row[:6] for row in rows[2:]) == shown_rows(verdicts_of(folder))
+def test_the_summary_holds_the_values_of_the_tables_in_si(run):
+    folder, _, content = run
+    written = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["content"]
+    assert written == json.loads(json.dumps(plain_content(content, *SUMMARY_SECTIONS)))
+    assert written["headline"]["text"] == content.verdict.text
+    assert set(in_summary(content)) <= written.keys()
 
 
-def markdown_rows(text) -> list[list[str]]:
-    return [plain(line[2:-2].split(" | ")) for line in text.splitlines() if line.startswith("| ")]
+def test_the_terminal_prints_the_rows_of_every_summary_table(run):
+    _, printed, content = run
+    lines = [line.split() for line in printed.splitlines()]
+    for name, table in tables_of(content).items():
+        if name in in_summary(content):
+            for row in table.marks()[: table.shown]:
+                assert " ".join(text for text, _ in row).split() in lines, (name, row)
 
 
-def test_terminal_gives_the_same_use_of_every_rated_travel(run):
-    folder, printed = run
-    verdicts = {(row.criterion, row.subject): row for row in verdicts_of(folder)}
-    if "Peaks of the mounts" not in printed:
-        assert not any(criterion.startswith("travel") for criterion, _ in verdicts)
-        return
-    table = printed.split("Peaks of the mounts")[1].split("─\n")[1].split("\n\n")[0]
-    names = {subject for criterion, subject in verdicts if criterion == COMBINED}
-    ratings = [r for r in RATINGS if any(verdicts[f"travel in {r}", name].utilisation is not None for name in names)]
-    seen = set()
-    for line in table.splitlines():
-        name, *cells = line.split()
-        expected = [verdicts[f"travel in {rating}", name].utilisation for rating in ratings]
-        expected += [verdicts[COMBINED, name].utilisation] if ratings else []
-        texts = ["-" if used is None else f"{100.0 * used:.0f}" for used in expected]
-        words = cells[7:]
-        assert words[: len(texts)] == texts, line
-        over = any(used is not None and used > 1.0 for used in expected)
-        judged = any(used is not None for used in expected[:-1])
-        assert " ".join(words[len(texts) :]) == ("exceeded" if over else "within" if judged else NOT_JUDGED), line
-        seen.add(name)
-    assert seen == names
+def test_the_recording_holds_the_same_tables_and_sentences(run):
+    folder, _, content = run
+    texts = "\n".join(texts_in(folder))
+    tables = tables_of(content)
+    for name in RECORDED:
+        if name in tables:
+            assert markdown_table(tables[name]) in texts, name
+    (said,) = [block for block in content.blocks() if isinstance(block, Statement) and block.id == "verdicts"]
+    assert markdown_statement(said) in texts
+
+
+def texts_in(folder):
+    """Return all texts of a run's recording."""
+    found = []
+    for chunk in RrdReader(str(folder / "run.rrd")).stream():
+        batch = chunk.to_record_batch()
+        if "TextDocument:text" in batch.schema.names:
+            found += batch["TextDocument:text"].flatten().to_pylist()
+    return found
 
 
 def test_all_give_the_same_headline(run):
-    folder, printed = run
-    sentence = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["headline"]
+    folder, printed, content = run
+    sentence = content.verdict.text
+    assert json.loads((folder / "summary.json").read_text(encoding="utf-8"))["headline"] == sentence
     assert sentence in [line.strip() for line in printed.splitlines()]
     assert html.escape(sentence) in (folder / "report.html").read_text(encoding="utf-8")
-    assert text_in(folder, "/verdict").startswith(f"**{sentence}**")
-
-
-def test_peaks_are_the_same_to_the_last_digit_shown(run):
-    folder, printed = run
-    summary = json.loads((folder / "summary.json").read_text(encoding="utf-8"))
-    recorded = {row[0]: row[1] for row in markdown_rows(text_in(folder, "/peaks"))}
-    page = (folder / "report.html").read_text(encoding="utf-8")
-    for row in summary["accelerations"]:
-        name, kind, value = row["name"], row["kind"], f"{row['peak_g']:.2f}"
-        assert recorded[{"base": f"{name} (base)", "point": f"point {name}"}.get(kind, name)] == value
-        label = name if kind == "body" else f"{name} ({kind})"
-        (line,) = [line for line in printed.splitlines() if line.startswith(f"{label}  ")][:1]
-        assert line.removeprefix(label).split()[0] == value
-        assert re.search(rf">{name}</t[hd]>\s*<td[^>]*>{kind}</td>\s*<td[^>]*>{value}</td>", page)
+    assert any(sentence in text.replace("\\", "") for text in texts_in(folder))

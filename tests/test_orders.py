@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from wirerope_mj.cli import main
-from wirerope_mj.dynamics.frequency_response.orders import order_bands, order_statements
+from wirerope_mj.dynamics.frequency_response.summary import order_bands, order_statements
 
 
 @pytest.mark.quick

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.engine.response.peaks import Peak
-from wirerope_mj.engine.simulation.running_peak import RunningPeak
+from wirerope_mj.engine.simulation.stages import RunningPeak
 
 pytestmark = pytest.mark.quick
 

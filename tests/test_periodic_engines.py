@@ -5,10 +5,9 @@ import pytest
 from house import deck, mjcf, sdof
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic import kernel_flow
+from wirerope_mj.dynamics.periodic import flow as flows
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.kernel_flow import KernelFlow
-from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
+from wirerope_mj.dynamics.periodic.flow import KernelFlow, MujocoFlow
 from wirerope_mj.dynamics.periodic.shooting import close, monodromy, shot
 from wirerope_mj.dynamics.periodic.variational import variational_of
 
@@ -23,7 +22,7 @@ def by_both(monkeypatch):
     def both(compute):
         own = compute()
         with monkeypatch.context() as patched:
-            patched.setattr(kernel_flow, "unfit", lambda system: "MuJoCo is asked for")
+            patched.setattr(flows, "unsupported_system", lambda system: "MuJoCo is asked for")
             return own, compute()
 
     return both

@@ -5,7 +5,7 @@ import pytest
 from house import sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic.multipliers import MARGIN
+from wirerope_mj.dynamics.periodic.shooting import MARGIN
 
 pytestmark = pytest.mark.quick
 

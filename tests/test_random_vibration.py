@@ -8,8 +8,8 @@ from scipy.signal import cont2discrete, csd, lfilter, lsim, welch
 from scipy.stats import chi2
 
 from wirerope_mj.motions import RandomVibration, motion_from_dict, psd_from_g, psd_level, psd_rms
-from wirerope_mj.motions.random_phases import random_phases
-from wirerope_mj.motions.spline import UniformSpline
+from wirerope_mj.motions.envelope import random_phases
+from wirerope_mj.motions.piecewise import UniformSpline
 
 G = 9.80665
 SHAPE = ((20.0, 0.5), (60.0, 2.0), (120.0, 2.0), (200.0, 0.3))

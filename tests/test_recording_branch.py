@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
+from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 from wirerope_mj.foundation.resources import models_folder
@@ -31,7 +32,7 @@ def findings(result):
 
 @pytest.fixture(scope="module")
 def recording(result, findings, tmp_path_factory):
-    return record_branches(result, findings, tmp_path_factory.mktemp("branch"))
+    return record_branches(result, findings, response_content(result, findings), tmp_path_factory.mktemp("branch"))
 
 
 @pytest.fixture(scope="module")
@@ -129,15 +130,29 @@ def test_the_text_says_amplitude_stability_and_multipliers(chunks, animation):
     *_, texts = rows_of(chunks, "/motion", "TextDocument:text")
     text = texts[30][0].as_py()
     assert "5 m/s²: stable" in text
-    assert f"Amplitude **{animation.strip.amplitude[30]:.4g} m/s²**" in text
+    assert f"Amplitude {animation.strip.amplitude[30]:.4g} m/s²" in text
     assert "Floquet multiplier" in text
     assert "Mount m1, axial:" in text
     *_, labels = rows_of(chunks, "/response/data/here/level_1", "Points2D:labels")
     assert labels[30][0].as_py().startswith("2 m/s²: ")
 
 
+def test_curves_and_tables_are_those_of_the_content(chunks, result, findings):
+    content = response_content(result, findings)
+    (chart,) = [block for block in content.blocks("headline") if getattr(block, "id", "") == "amplitude"]
+    curve = next(curve for curve in chart.rows[0][0].curves if curve.name == "5 m/s²")
+    ((static, batch),) = chunks["/response/data/5\\ m\\/s²"]
+    assert static
+    drawn = batch["LineStrips2D:strips"][0].values.flatten().flatten().to_numpy().reshape(-1, 2)
+    np.testing.assert_allclose(10.0**drawn, np.column_stack([curve.x, curve.y]), rtol=1e-5)  # float32
+    ((_, about),) = chunks["/about"]
+    text = about["TextDocument:text"][0][0].as_py()
+    for level, _, frequency, *_ in content.table("peaks").rows:
+        assert f"| {level:.4g} | resonance peak | {frequency:.5g} |" in text
+
+
 def test_sweeps_alone_are_no_branches_to_record(result, findings, tmp_path):
     empty = type(result)(system=result.system, name="", options=result.options, levels=())
     with pytest.raises(ValueError, match="there is no branch to record"):
-        record_branches(empty, [], tmp_path)
+        record_branches(empty, [], response_content(result, findings), tmp_path)
     assert not list(tmp_path.iterdir())

@@ -12,27 +12,31 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from finished_runs import finished_of
+from finished_runs import finished_of, tables_of, with_parts
 from house import sdof_text
-from wirerope_mj.content.response_charts import accelerations_chart, deflections_chart
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN, judge
-from wirerope_mj.content.blocks import Drawing, Folded, Picture
-from wirerope_mj.content.model import model_section
+from wirerope_mj.content.blocks import SceneView
+from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.numbers import ABSENT, MINUS, fixed
+from wirerope_mj.content.panels import Chart, short
+from wirerope_mj.content.payload import accelerations_chart
+from wirerope_mj.content.run import run_content
 from wirerope_mj.content.run_spectra import run_spectra
 from wirerope_mj.content.scene_outline import crowded_label
+from wirerope_mj.content.selection import worst_names
+from wirerope_mj.content.verdicts import unjudged
 from wirerope_mj.engine.response import Peak
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.errors import Absent, RecordWarning
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.views import report as report_package
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.report import judged, report_content, report_html, worst_names
+from wirerope_mj.views.plots.svg_chart import chart_svg
+from wirerope_mj.views.report import report_html
 
 HOSTILE = "<script>alert('deck')</script>"
 
@@ -92,7 +96,7 @@ def finished(table):
 @pytest.fixture(scope="module")
 def content(finished):
     """Return that report before it is set."""
-    return report_content(finished)
+    return run_content(finished)
 
 
 def run_of(place, *, name="run", question="How far?", gravity=9.80665, motion=None, isolator="a", **arguments):
@@ -112,8 +116,7 @@ def run_of(place, *, name="run", question="How far?", gravity=9.80665, motion=No
 
 def table_called(content, title):
     """Return the table whose title begins so, of the answer or of a section."""
-    blocks = [*content.answer, *(block for section in content.sections for block in section.blocks)]
-    return next(block for block in blocks if isinstance(block, Table) and block.title.startswith(title))
+    return next(table for table in tables_of(content).values() if table.title.startswith(title))
 
 
 def rows_of(table):
@@ -128,17 +131,14 @@ def record_of(place, *, values, rate=4000.0, name="deck.csv"):
     return place / name
 
 
+def system_with(run, names):
+    """Return the system of a run as if all of some mounts were its only one."""
+    mount = run.system.mounts["m1"]
+    return replace(run.system, mounts=dict.fromkeys(names, mount))
+
+
 def words_of(folder):
     return Page((folder / "report.html").read_text(encoding="utf-8")).words
-
-
-def tables_in(section):
-    blocks = [block.table if isinstance(block, Folded) else block for block in section.blocks]
-    return [block for block in blocks if isinstance(block, Table)]
-
-
-def tables_of(content):
-    return [table for section in content.sections for table in tables_in(section)]
 
 
 def test_every_run_folder_holds_a_report_of_well_formed_html(page):
@@ -168,7 +168,7 @@ def test_the_question_and_the_verdict_come_first(page, table):
     over = [row for row in verdicts if row.verdict == EXCEEDED]
     judged_ones = [row for row in verdicts if row.verdict in (WITHIN, EXCEEDED)]
     assert over
-    headline = f"Exceeded: {len(over)} of {len(judged_ones)} limits"
+    headline = f"FAIL: {len(over)} of {len(judged_ones)} checks exceeded"
     assert words.index("How far does one catalogue mount") < words.index(headline) < words.rindex("Model and mounts")
 
 
@@ -176,7 +176,7 @@ def test_the_words_of_every_verdict_are_those_of_the_criteria(content, finished,
     verdicts = finished.verdicts
     found = [row for row in judge(wr.load_response(table)) if not row.criterion.startswith("static load")]
     assert verdicts[: len(found)] == tuple(found)
-    rows = tables_of(content)[-1].rows
+    rows = tables_of(content)["all-verdicts"].rows
     assert len(rows) == len(verdicts)
     told = sorted((row[0], row[2], row[1].content) for row in rows)
     assert told == sorted((v.criterion, v.subject, v.verdict) for v in verdicts)
@@ -226,11 +226,11 @@ def test_the_peak_of_a_record_that_falls_between_the_samples_is_reported(tmp_pat
     values = np.where(inside, 10.0 * wr.STANDARD_GRAVITY * np.sin(math.pi * (time - 0.0103) / 0.002), 0.0)
     motion = wr.load_record(record_of(tmp_path, values=values, rate=1e4))
     run = finished_of(run_of(tmp_path, motion=motion, duration=0.04, timestep=1e-4))
-    content = report_content(run)
+    content = run_content(run)
     sampled = np.abs(run.response.base.acceleration[:, 2]).max() / wr.STANDARD_GRAVITY
     assert sampled < 9.0  # 0.3 ms beside the peak of a pulse of 2 ms: cos(0.15 pi) = 0.89 of it
     assert rows_of(table_called(content, "Extremes of the base"))[0][:3] == ("z", "0", "10.0")
-    assert rows_of(table_called(content, "Largest absolute"))[0][:3] == ("deck", "base", "10.00")
+    assert rows_of(tables_of(content)["peak-accelerations"])[0][:2] == ("deck (base)", "10.00")
 
 
 def test_warnings_of_a_record_are_in_the_answer_in_the_motion_and_in_the_summary(tmp_path):
@@ -251,8 +251,12 @@ def test_warnings_of_a_record_are_in_the_answer_in_the_motion_and_in_the_summary
     assert (folder / "report.html").read_bytes() == before
     words = words_of(folder)
     assert words.count(told) == 2
-    assert words.index(told) < words.index("The worst of every criterion") < words.index("4 Base motion")
-    assert words.index("4 Base motion") < words.rindex(told) < words.index("5 What reaches the payload")
+    assert words.index(told) < words.index("The worst of every criterion") < words.index("Base motion: record ", 2000)
+    assert (
+        words.index("Base motion: record ", 2000)
+        < words.rindex(told)
+        < words.index("What reaches the payload Absolute")
+    )
     assert "After the end of the run at 0.1 s, and not simulated: record deck.csv ends." in words
     assert "record deck.csv begins" in words
     assert "0.1998 record" not in words
@@ -275,12 +279,12 @@ def test_the_baseline_correction_stands_in_the_motion_with_its_picture(tmp_path)
         warnings.simplefilter("ignore", RecordWarning)
         motion = wr.load_record(record_of(tmp_path, values=signal + offset), baseline="mean")
         folder = run_of(tmp_path, motion=motion)
-        content = report_content(finished_of(folder))
+        content = run_content(finished_of(folder))
     section = next(section for section in content.sections if section.title == "Base motion")
-    captions = [block.caption for block in section.blocks if isinstance(block, Picture)]
+    captions = [block.caption for block in section.blocks if isinstance(block, Chart)]
     assert len(captions) == 3  # motion, correction, spectrum
-    assert captions[1] == (
-        "The whole record deck.csv along z, as measured and as it is played, baseline: the mean taken off."
+    assert captions[1].startswith(
+        "The whole record deck.csv along z, as measured and as it is played, baseline: the mean taken off. At its end "
     )
     measured, played = rows_of(table_called(content, "What the baseline correction changes"))
     assert (measured[:2], played[:2]) == (("z", "as measured"), ("z", "as played"))
@@ -296,7 +300,7 @@ def test_a_record_that_is_not_doubted_is_reported_as_it_is(tmp_path):
     assert json.loads((folder / "summary.json").read_text(encoding="utf-8"))["record_warnings"] == []
     words = words_of(folder)
     assert "Said of the measured record" not in words
-    assert "Record deck.csv, no baseline correction." in words
+    assert "as it is played, no baseline correction." in words
 
 
 def test_static_loads_are_judged_after_either_history(finished):
@@ -307,7 +311,7 @@ def test_static_loads_are_judged_after_either_history(finished):
     }
     missing = replace(finished.statics, sags={"virgin": finished.statics.virgin}, missing={"relaxed": "it slips."})
     verdicts = judge(finished.response, statics=missing)
-    assert judged.unjudged([verdicts[-1]]) == ("static load in compression, relaxed of every mount: it slips.",)
+    assert unjudged([verdicts[-1]]) == ("static load in compression, relaxed of every mount: it slips.",)
     assert verdicts[-1].verdict == NOT_JUDGED
 
 
@@ -323,8 +327,7 @@ def test_bodies_with_limits_are_drawn_before_larger_accelerations(finished):
 
 
 def test_the_first_of_several_lines_lies_over_the_others_and_the_base_behind_them(finished):
-    base = finished.response.time, finished.response.base.acceleration
-    svg = accelerations_chart(finished.response, ["block", "block_top"], base, finished.selection).svg()
+    svg = chart_svg(accelerations_chart(finished, ["block", "block_top"]))
     panel = svg[svg.index('class="panel"') :]
     assert re.findall('data-name="([^"]*)"', panel) == ["base", "block_top", "block"]  # drawn one over the other
 
@@ -349,7 +352,8 @@ def test_only_the_script_of_the_page_itself_may_run(table):
 
 def test_values_are_read_back_from_a_chart_as_they_are(finished):
     """What the script computes from places and ranges is the deflection, to a tenth of a unit of a panel's 110."""
-    svg = deflections_chart(finished.response, ["m1"], finished.selection).svg()
+    (chart,) = [block for block in run_content(finished).blocks() if getattr(block, "id", "") == "deflections"]
+    svg = chart_svg(chart)
     panel = svg[svg.rindex('class="panel"') :]
     x0, x1, y0, y1 = map(float, re.search('data-ranges="([^"]*)"', panel)[1].split())
     left, top, width, height = map(float, re.search('data-area="([^"]*)"', panel)[1].split())
@@ -401,9 +405,9 @@ def test_a_label_is_explained_only_where_it_is_drawn(finished):
     )  # seen along y, the longer extent to the right
     for place, words in ((corners, False), ([*corners, (3.0, 0.0)], True)):
         response = replace(finished.response, scene=mounts_at(*place))
-        isolators = {f"m{n}": finished.isolators["m1"] for n in range(len(place))}
-        section = model_section(replace(finished, response=response, isolators=isolators, modes={}))
-        caption = next(block for block in section.blocks if isinstance(block, Drawing)).caption
+        isolators = [f"m{n}" for n in range(len(place))]
+        run = with_parts(finished, response=response, system=system_with(finished, isolators), modes={})
+        caption = next(block for block in model_blocks(run) if isinstance(block, SceneView)).caption
         assert ('"m1 +2": 3 mounts behind each other.' in caption) == words
         assert ("behind" in caption) == words
 
@@ -455,7 +459,7 @@ def test_random_vibration_is_shown_by_its_density(tmp_path):
     )
     folder = run_of(tmp_path, motion=motion, duration=6.0)
     page = Page((folder / "report.html").read_text(encoding="utf-8"))
-    assert "power spectral densities stand for shock response spectra" in page.words
+    assert "PSDs are shown instead of SRS" in page.words
     caption = "Power spectral densities of mass and of the base while the response is stationary: "
     length = float(page.words.split(caption)[1].split()[0])
     assert 3.5 < length < 5.0  # [s]: of the 5 that are stationary, what the response needs to settle is left out
@@ -464,7 +468,7 @@ def test_random_vibration_is_shown_by_its_density(tmp_path):
     assert abs(rms / (math.sqrt(40.0 * level) / wr.STANDARD_GRAVITY) - 1.0) < 0.11
     # Where there is no density along an axis, the samples give the rms: as if the base had moved along x alone.
     run = finished_of(folder)
-    content = report_content(replace(run, densities={"x": run.densities["z"]}))
+    content = run_content(with_parts(run, spectra=replace(run.spectra, densities={"x": run.spectra.densities["z"]})))
     turned = rows_of(table_called(content, "Root mean squares"))
     plain = {(row[0], row[1]): row[2] for row in turned}
     assert turned[1][4] == "–"
@@ -492,8 +496,8 @@ def test_a_record_is_reported_from_the_copy_in_the_folder(tmp_path):
 def test_what_cannot_be_found_is_said_instead(finished):
     reason = "there is no relaxed equilibrium: mount 'm1' carries nothing."
     statics = replace(finished.statics, sags={"virgin": finished.statics.virgin}, missing={"relaxed": reason})
-    run = replace(finished, statics=statics, modes={"relaxed": Absent(reason=reason)})
-    words = Page(report_html(report_content(run))).words
+    run = with_parts(finished, statics=statics, modes={"relaxed": Absent(reason=reason)})
+    words = Page(report_html(run_content(run))).words
     assert words.count(reason) == 2
     assert f"Relaxed: {reason}" in words
 
@@ -501,12 +505,12 @@ def test_what_cannot_be_found_is_said_instead(finished):
 def test_a_response_without_mounts_has_no_sections_about_them(finished):
     response = finished.response
     bare = replace(response, scene=replace(response.scene, mounts=()), mounts={})
-    run = replace(finished, response=bare, isolators={}, modes={}, verdicts=())
-    content = report_content(run)
-    titles = [section.title for section in content.sections if section.blocks]
-    shown = ["Model and mounts", "Base motion", "What reaches the payload", "Stops and contacts"]
+    run = with_parts(finished, response=bare, modes={}, verdicts=())
+    content = run_content(run)
+    titles = [section.title for section in content.sections if section.title and section.blocks]
+    shown = ["Peak accelerations", "Stops and contacts", "Model and mounts", "Base motion", "What reaches the payload"]
     assert titles == [*shown, "Numerics, options and versions"]
-    assert content.verdict.content == "Nothing is judged: no limit is stated for anything in this run."
+    assert content.verdict.text == "NOT JUDGED: no limit is stated for anything in this run."
     Page(report_html(content))
 
 
@@ -516,17 +520,14 @@ def test_long_names_are_numbered_in_the_drawing(finished):
     long = "A-starboard_quarter_mount_1"
     mounts = (replace(scene.mounts[0], name=long),)
     response = replace(finished.response, scene=replace(scene, mounts=mounts))
-    run = replace(finished, response=response, isolators={long: finished.isolators["m1"]}, modes={})
-    section = model_section(run)
-    mount_table = next(table for table in tables_in(section) if table.title == "Mounts")
+    blocks = list(model_blocks(with_parts(finished, response=response, system=system_with(finished, [long]), modes={})))
+    mount_table = next(block for block in blocks if isinstance(block, Table) and block.id == "mount-places")
     assert mount_table.columns[0].heading == "no."
     assert mount_table.rows[0][:2] == ("1", long)
-    assert "numbers" in next(block for block in section.blocks if isinstance(block, Drawing)).caption
+    assert "numbers" in next(block for block in blocks if isinstance(block, SceneView)).caption
 
 
 def test_long_names_in_legends_keep_what_tells_them_apart():
-    from wirerope_mj.views.plots.report_image import short
-
     names = [short(f"starboard_quarter_mount_number_{place}") for place in range(3)]
     assert names[0] == "starboard_qua…mount_number_0"
     assert len(set(names)) == 3
@@ -536,8 +537,6 @@ def test_long_names_in_legends_keep_what_tells_them_apart():
 @pytest.mark.quick
 def test_pictures_show_samples_column_by_column(finished, monkeypatch):
     """A response of ten minutes is larger than memory: no more than a vector may be asked for at once."""
-    from wirerope_mj.content.motion import mounts_section, response_section
-
     widths = []
 
     class Narrow:
@@ -547,7 +546,7 @@ def test_pictures_show_samples_column_by_column(finished, monkeypatch):
             widths.append(last - first)
             return finished.response.samples.columns(first, last)
 
-    run = replace(finished, response=replace(finished.response, samples=Narrow()))
-    response_section(run)
-    mounts_section(run)
+    run = with_parts(finished, response=replace(finished.response, samples=Narrow()), spectra=finished.spectra)
+    content = run_content(with_parts(run, selection=finished.selection))
+    assert [section.blocks for section in content.sections if section.id in ("payload", "mounts-in-motion")]
     assert max(widths) <= 3

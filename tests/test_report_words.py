@@ -4,13 +4,11 @@ import math
 from dataclasses import replace
 
 import pytest
-from wirerope_mj.content.verdict_table import full_table
 
 from wirerope_mj.assessment.criteria import Verdict
-from wirerope_mj.content.blocks import Paragraph
 from wirerope_mj.content.numbers import fixed, listed, number, shown, shown_unit, title_of
+from wirerope_mj.content.verdicts import full_table, headline, most_critical, unjudged, worst_table
 from wirerope_mj.foundation.tables import Column, Mark, Table
-from wirerope_mj.views.report import judged
 
 pytestmark = pytest.mark.quick
 
@@ -21,19 +19,20 @@ def verdict(**changes):
     )
 
 
-def test_the_answer_names_the_smallest_margins_and_the_exceeded():
+def test_the_answer_counts_the_exceeded_and_names_the_worst():
     rows = [
         verdict(),
         verdict(subject="m2", value=0.05),
         verdict(criterion="acceleration", limit=None, note="nobody knows"),
     ]
-    paragraph = next(block for block in judged.answer(rows) if isinstance(block, Paragraph))
-    assert paragraph.text.startswith("Exceeded: travel in roll of m2, 50.0 mm of 40.0 mm (margin −20 %).")
+    assert most_critical(rows).text == "Most critical: travel in roll of m2, 50 of 40 mm (125 %)."
+    assert unjudged(rows) == ("acceleration of m1: nobody knows.",)
+    found = headline(rows)
     assert (
-        "Elsewhere the smallest margins are: travel in roll of m1, 20.0 mm of 40.0 mm (margin 100 %)." in paragraph.text
+        found.text
+        == "FAIL: 1 of 2 checks exceeded; worst m2, 125 % of the limit of travel in roll; 1 value has no limit."
     )
-    assert judged.unjudged(rows) == ("acceleration of m1: nobody knows.",)
-    assert judged.headline(rows) == Mark(content="Exceeded: 1 of 2 limits; 1 figure is not judged.", tone="exceeded")
+    assert (found.tone, found.values["utilisation"]) == ("exceeded", 1.25)
 
 
 def test_the_worst_of_what_is_not_judged_is_the_largest():
@@ -44,7 +43,7 @@ def test_the_worst_of_what_is_not_judged_is_the_largest():
         verdict(criterion="acceleration", subject="floor", value=1.0, limit=2.0),
         verdict(criterion="acceleration", subject="rack", value=5.0, limit=None),
     ]
-    told = {row[0]: row[2] for row in judged.worst_table(rows).rows}
+    told = {row[0]: row[2] for row in worst_table(rows).rows}
     assert told == {"travel in roll": "m2", "acceleration": "floor"}  # what is judged comes before what is not
 
 
@@ -53,16 +52,21 @@ def test_a_sum_of_shares_of_which_none_is_rated_is_no_figure(value):
     row = verdict(criterion="travel combined", unit="", value=value, limit=None, time=0.0, note="no travel is rated")
     (shown_row,) = full_table([row]).marks()
     assert [shown_row[number][0] for number in (3, 7)] == ["–", "-"]
-    assert judged.worst_table([row]).rows[0][3] == "–"
+    assert worst_table([row]).rows[0][3] == "–"
     bound = replace(row, value=0.3, time=0.012)  # of those axes that are rated
     assert [text for text, _ in full_table([bound]).marks()[0][3:8:4]] == ["0.300", "0.0120"]
 
 
 def test_nothing_judged_is_never_passed():
     rows = [verdict(limit=None), verdict(value=math.nan)]
-    assert judged.headline(rows).tone == "unjudged"
-    assert "within" not in str(judged.answer(rows)).lower().replace("'within'", "")
-    assert judged.headline([verdict()]) == Mark(content="Within its limit.", tone="within")
+    assert headline(rows).tone == "unjudged"
+    assert "within" not in headline(rows).text
+    assert most_critical(rows) is None
+    passed = headline([verdict()])
+    assert (
+        passed.text == "PASS: the only check is within limits; most critical m1, 50 % of the limit of travel in roll."
+    )
+    assert passed.tone == "within"
 
 
 def test_figures_are_shown_in_the_units_of_the_trade():

@@ -5,12 +5,11 @@ import pytest
 from laws_for_tests import PARAMETERS, example
 
 import wirerope_mj as wr
-from wirerope_mj.engine.kernel.held import equations, not_held
-from wirerope_mj.engine.kernel.numbers import Numbers
-from wirerope_mj.engine.simulation.judge import unfit
-from wirerope_mj.engine.statics.loading import Loading
-from wirerope_mj.engine.statics.result import HISTORIES
-from wirerope_mj.engine.statics.side_by_side import found_in_lanes, rester
+from wirerope_mj.engine.kernel.equations import equations, not_held
+from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.simulation.engines import unsupported_system
+from wirerope_mj.engine.statics.find import equilibrium_solver, found_in_lanes
+from wirerope_mj.engine.statics.loading import HISTORIES, Loading
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.engine.system.varied import changed
 from wirerope_mj.foundation.resources import shipped_models
@@ -83,7 +82,7 @@ def limits_for(law):
 )  # which holds nothing while it is open
 def test_every_law_rests_where_the_search_with_mujoco_finds_it(name, history):
     system = floor_on(example(name))
-    assert unfit(system) == ""
+    assert unsupported_system(system) == ""
     require_same(in_lanes(system, history), searched(system, history))
 
 
@@ -132,10 +131,10 @@ def test_a_variant_rests_with_the_same_bits_in_any_company(name):
     system = floor_on(example(name))
     numbers = Numbers(system, equations(system))
     every = np.array([numbers.of(changes) for changes in variants_of(system, 11)])
-    together = rester(system).rests(every, "virgin")
+    together = equilibrium_solver(system).solve(every, "virgin")
     assert together.found.all()
     for rows in ([7], [10, 2, 5], list(range(10, -1, -1))):
-        some = rester(system).rests(every[rows], "virgin")
+        some = equilibrium_solver(system).solve(every[rows], "virgin")
         for part in ("states", "mounts", "residual"):
             assert getattr(some, part).tobytes() == getattr(together, part)[rows].tobytes()
 
@@ -144,7 +143,7 @@ def test_a_variant_that_finds_no_rest_leaves_the_others_as_they_are():
     system = floor_on(wr.BoucWen(alpha=1e5, beta=150.0, gamma=100.0, n=1.0, k=0.0), mass=20.0)
     numbers = Numbers(system, equations(system))
     heavy, light = (numbers.of(Changes(masses={"floor": factor})) for factor in (100.0, 1.1))
-    rests = rester(system).rests(np.array([light, heavy, light]), "virgin")
+    rests = equilibrium_solver(system).solve(np.array([light, heavy, light]), "virgin")
     assert rests.found.tolist() == [True, False, True]
     assert rests.states[0].tobytes() == rests.states[2].tobytes()
     with pytest.raises(wr.ConvergenceError, match="carries at most"):

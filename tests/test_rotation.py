@@ -12,7 +12,7 @@ from house import deck, hysteresis, mjcf, quiet, rotation
 import wirerope_mj as wr
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.rotation import righting_torque, turning_energy
+from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.failure import without_force
@@ -58,9 +58,9 @@ def test_the_torque_is_the_gradient_of_the_energy():
 
         def energy(turn, payload=payload, base=base):  # of the payload, about the base's axes
             inverse = base * [1, -1, -1, -1]
-            return turning_energy(
-                row, 0, np.concatenate([times(times(base, turned(turn)), times(inverse, payload)), base])
-            )
+            relative = times(inverse, times(times(base, turned(turn)), times(inverse, payload)))
+            e = times(relative, row[at.MODELLED :][:4] * [1, -1, -1, -1])
+            return 2.0 * row[at.TURNING :][:3] @ e[1:] ** 2
 
         gradient = [(energy(step * e) - energy(-step * e)) / (2 * step) for e in np.eye(3)]
         worst = max(worst, np.abs(torque + gradient).max())

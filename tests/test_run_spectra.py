@@ -8,7 +8,7 @@ from house import sdof
 
 import wirerope_mj as wr
 from wirerope_mj.content.run_spectra import run_densities, run_spectra
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions.spectra import power_spectral_density
 
 

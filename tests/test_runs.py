@@ -123,7 +123,7 @@ def test_replay_names_the_difference_that_a_changed_isolator_makes(table, tmp_pa
     moved = copy(table, tmp_path)
     file = moved / "model" / "isolators" / "enidine_wr12_400.toml"
     content = tomllib.loads(file.read_text(encoding="utf-8"))
-    content["axial"]["alpha"] *= 1.01
+    content["axial"]["laws"][0]["alpha"] *= 1.01
     wr.Isolator.from_dict(content).save(file)
     result = replay(moved)
     assert not result.agrees

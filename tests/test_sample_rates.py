@@ -8,10 +8,10 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.assessment.between_samples import parabolas, path, peak_between
 from wirerope_mj.assessment.criteria import COMBINED, judge, rattle_verdicts, travel_verdicts
+from wirerope_mj.assessment.durability.mission import Mission, Stage, mission_damage
 from wirerope_mj.assessment.durability.mounts import deflection_rates
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.runs.mission import Mission, Stage, mission_damage
 
 SHOCK = sum(
     (wr.HalfSine(peak=15 * 9.80665, duration=0.011, direction=axis, start=0.05) for axis in "yz"),

@@ -9,7 +9,7 @@ import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.engine.system.scratch import Scratch
+from wirerope_mj.engine.system.assembly import Scratch
 
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 

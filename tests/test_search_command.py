@@ -9,9 +9,9 @@ from small_search import SEARCH_FILE, beam_search
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.runs.study_report import write_study_report
+from wirerope_mj.content.search import front_chart, search_content
+from wirerope_mj.runs.study import write_study_report
 from wirerope_mj.studies.search.result import SearchResult
-from wirerope_mj.views.plots.search import front_figure, search_pictures
 
 
 @pytest.fixture(scope="module")
@@ -60,12 +60,13 @@ def test_a_search_without_a_design_within_its_limits_says_which_is_nearest(done,
     result = wr.load_study(done.parent / "none")
     shares = np.where(np.asarray(result.table["status"]) == "done", np.asarray(result.table["travel"]), np.inf)
     assert result.chosen[:3] == np.argsort(shares, kind="stable")[:3].tolist()  # nearest to the one limit there is
-    _, labels = front_figure(result).axes[0].get_legend_handles_labels()
-    assert set(labels) == {"beyond a limit", "given", "limit"}  # nothing that is not there
-    (picture,) = search_pictures(result)
-    assert "knee" not in picture.caption
-    assert "front" not in picture.caption
-    assert front_figure(result).axes[0].get_xlim()[1] > 100.0 * np.sort(shares)[4]  # the nearest ones are shown
+    chart = front_chart(result)
+    ((panel,),) = chart.rows
+    named = {curve.name for curve in panel.curves} | {name for name, _ in panel.xlimits}
+    assert named == {"beyond a limit", "given", "limit"}  # nothing that is not there
+    assert "front" not in chart.caption
+    assert [block.id for block in search_content(result).sections[2].blocks] == ["front"]
+    assert panel.xlim[1] > 100.0 * np.sort(shares)[4]  # the nearest ones are shown
 
 
 def test_designs_are_not_ordered_by_another_measure(done, capsys):
@@ -81,17 +82,18 @@ def test_the_report_holds_front_and_designs(done):
     assert "The front: designs within the limits that no other one beats" in page
     assert "places without a mount" in page
     assert result.inputs["search"]["optimiser"] in page
-    assert page.count("data:image/") >= 2
+    assert page.count('class="chart"') == 1
+    assert page.count('class="scene in2"') >= 2
     assert "5.00" not in page  # mounts are whole
 
 
 def test_axes_and_labels_say_what_they_are(done):
     result = wr.load_study(done)
-    panel = front_figure(result).axes[0]
-    assert panel.get_xlabel() == "largest utilisation of a rated travel along one axis [%]"
-    assert panel.get_ylabel() == "largest acceleration [g]"
-    assert any(f"design {result.knee}" in text.get_text() for text in panel.texts)
-    assert [picture.name for picture in search_pictures(result)] == ["front", "placements"]
+    ((panel,),) = front_chart(result).rows
+    assert panel.xlabel == "largest utilisation of a rated travel along one axis [%]"
+    assert panel.ylabel == "acceleration [g]"
+    assert any(f"design {result.knee}" in text for *_, text, _ in panel.notes)
+    assert any(curve.name == "knee of the front" for curve in panel.curves)
 
 
 @pytest.mark.parametrize(("middle", "knee"), [(0.4, 1), (0.5, None), (0.6, None)])
@@ -104,4 +106,4 @@ def test_a_search_for_one_measure_is_drawn_design_by_design(tmp_path):
     result = beam_search(minimise="acceleration", generations=2).run(tmp_path / "out", workers=1)
     assert result.front.num_rows == 1
     assert result.knee is None
-    assert front_figure(result).axes[0].get_xlabel() == "design"
+    assert front_chart(result).rows[0][0].xlabel == "design"

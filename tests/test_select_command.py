@@ -26,7 +26,7 @@ def test_the_options_of_the_vendors_example_show_its_digits(capsys):
     assert "velocity change 1.716 m/s" in out
     assert "at most 13.33 Hz (40 Hz / 3): vibration stiffness at most 351 N/mm" in out
     assert "15 g need at least 20.0 mm of travel: shock stiffness at most 368 N/mm" in out
-    assert "WR12-606-06 69 8.33 49.5 99 6.06 +1 rated travel" in out
+    assert "WR12-606-06 69 8.33 49.5 99 6.06 99 rated travel" in out
     assert "g = 9.81 m/s^2" in out
 
 
@@ -67,7 +67,7 @@ def test_without_a_fragility_the_softest_that_fits_comes_first_and_what_amplifie
 def test_a_pulse_that_is_far_too_long_for_the_rule_is_not_judged_by_it(capsys):
     code, out = shown(capsys, "--shock", "15 g 500 ms half-sine")
     assert code == 1
-    assert "parts are not judged" in out
+    assert "are not judged" in out
     assert "the rule of the velocity change does not hold" in out
     assert "rated travel" not in out
     assert "No part of the tables meets it" not in out

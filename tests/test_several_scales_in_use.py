@@ -10,7 +10,7 @@ from laws_for_tests import example
 from table_study import PULSE, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic.smoothing import smoothed, width_indices
+from wirerope_mj.dynamics.periodic.laws import smoothed, width_indices
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.mounts.laws.smoothed import with_width
 from wirerope_mj.studies.engines import compute as engine

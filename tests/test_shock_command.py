@@ -134,7 +134,7 @@ def test_doubts_are_one_line_each_on_standard_error(record, asked, capsys):
         (["--record", "gone.csv"], "gone.csv: no such file"),
         (
             ["--record", "deck.csv", "--channels", "a", "--direction", "up"],
-            "`--direction` takes x, y, z, -x, -y, -z or a vector",
+            "`--direction` must be x, y, z, -x, -y, -z or a vector",
         ),
         (
             ["--record", "deck.csv", "--direction", "z"],

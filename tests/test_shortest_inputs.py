@@ -9,7 +9,7 @@ import tomli_w
 import wirerope_mj as wr
 from wirerope_mj.assessment.durability import rainflow_cycles
 from wirerope_mj.cli import main
-from wirerope_mj.dynamics.frequency_response.orders import order_bands
+from wirerope_mj.dynamics.frequency_response.summary import order_bands
 from wirerope_mj.engine.from_tables.sheet import read_sheet
 from wirerope_mj.foundation.errors import BudgetError, ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import limit_from_text

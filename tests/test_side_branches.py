@@ -7,7 +7,7 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.cli.frf_tables import print_response
+from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries
 
@@ -38,27 +38,30 @@ def test_a_branch_goes_on_past_a_side_branch_to_the_resonance(floor):
     )  # steps of the branch; a sweep of an independent integration says 9.2
 
 
-def test_what_lies_beside_it_is_said(floor, capsys):
+def test_what_lies_beside_it_is_said(floor):
     (branch,) = floor.branches
     assert branch.side_branches
     for side in branch.side_branches:
         assert 7.5 < side.start < side.stop < 7.85
         assert 1e-4 < side.difference < 1e-2  # 6e-4 by an independent integration of both motions at the upper end
-    print_response(floor, level_summaries(floor))
-    text = capsys.readouterr().out
-    assert "side branch" in text
-    assert "resonance peak" in text
-    assert "% apart" in text
+    content = response_content(floor, level_summaries(floor))
+    events = content.table("events").rows
+    assert [row[1] for row in events] == ["side branch"] * len(branch.side_branches)
+    assert all(row[5].endswith("% apart") for row in events)
+    assert "resonance peak" in [row[1] for row in content.table("peaks").rows]
+    assert content.verdict.text.startswith("Resonance of floor at 9.")
 
 
-def test_the_highest_of_a_branch_that_ended_early_is_not_called_a_resonance(floor, capsys):
+def test_the_highest_of_a_branch_that_ended_early_is_not_called_a_resonance(floor):
     level = floor.levels[0]
     branch = dataclasses.replace(level.branch, complete=False)
     ended = dataclasses.replace(floor, levels=(dataclasses.replace(level, branch=branch),))
-    print_response(ended, level_summaries(ended))
-    text = capsys.readouterr().out
-    assert "resonance peak" not in text
-    assert "highest before it ended" in text
+    content = response_content(ended, level_summaries(ended))
+    names = [row[1] for row in content.table("peaks").rows]
+    assert "resonance peak" not in names
+    assert names[0].content == "highest before it ended"
+    assert content.verdict.text.startswith("ENDED EARLY at 1 m/s²: ")
+    assert content.verdict.tone == "exceeded"
 
 
 HARDENING = {"alpha": 1.0, "beta": 0.5, "gamma": 0.5, "k1": 0.5, "k2": 0.0, "k3": 0.3}

@@ -11,7 +11,7 @@ from scipy.special import roots_legendre
 
 import wirerope_mj as wr
 from wirerope_mj.cli.app import main
-from wirerope_mj.cli.modes_tables import about_rest, about_small
+from wirerope_mj.content.modes import about_carried, about_small
 from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.dynamics.modes.axis import closed_cycle
 from wirerope_mj.dynamics.modes.carried import carried
@@ -181,7 +181,7 @@ def test_a_large_cycle_of_a_lopsided_law_is_said_where_it_carries_the_weight(amp
     assert abs(orbit.coefficients[1]) == pytest.approx(amplitude, rel=1e-3)
     assert there.frequencies[0] == pytest.approx(orbit.frequency, rel=1e-3)
     assert abs(found.frequencies[0] / orbit.frequency - 1.0) > 0.01
-    words = list(about_rest(system, modes(system), [found]))
+    words = list(about_carried(system, modes(system), [found]))
     assert len(words) == 1
     assert f"mode 1 at {there.frequencies[0]:.3f} instead of {found.frequencies[0]:.3f} Hz (m1 " in words[0]
 
@@ -218,16 +218,16 @@ def test_the_least_exponent_is_measured_in_seconds(capsys, tmp_path):
     assert "n = 0.05" in capsys.readouterr().out
 
 
-@pytest.mark.parametrize(
-    ("sigma", "words"), [(0.7, "between the tangents at rest"), (0.3, "In mode 1 it is not between")]
-)
-def test_the_command_says_where_small_cycles_lie(sigma, words):
+@pytest.mark.parametrize("sigma", [0.7, 0.3])
+def test_the_command_says_where_small_cycles_lie(sigma):
     system = sdof(softening(0.5, sigma=sigma), gravity=wr.STANDARD_GRAVITY)
     small = modes(system)
     between = small.loading[0] < small.frequencies[0] < small.unloading[0]
     assert between == (sigma > 0.5)
-    where, exponent = about_small(system, small)
-    assert words in where
+    *outside, exponent = about_small(system, small)
+    assert [text.startswith("In mode 1 the small-amplitude natural frequency is not between") for text in outside] == (
+        [] if between else [True]
+    )
     assert "n < 1" in exponent
 
 

@@ -9,7 +9,7 @@ import pytest
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.motions import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum, match_spectrum, motion_from_dict
 from wirerope_mj.motions.spectra import shock_response_spectrum
-from wirerope_mj.motions.spectrum_flanks import too_steep
+from wirerope_mj.motions.spectrum_match import too_steep
 
 pytestmark = pytest.mark.quick
 

@@ -8,7 +8,7 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import limit_from_text
-from wirerope_mj.motions.levels import level_templates, motion_of_levels
+from wirerope_mj.motions.restore import level_templates, motion_of_levels
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
 
 G = wr.STANDARD_GRAVITY

@@ -5,12 +5,11 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic import kernel_flow
+from wirerope_mj.dynamics.periodic import flow as flows
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.kernel_flow import KernelFlow
-from wirerope_mj.dynamics.periodic.multipliers import wide_monodromy
-from wirerope_mj.dynamics.periodic.shooting import monodromy, shot
-from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.flow import KernelFlow
+from wirerope_mj.dynamics.periodic.motion import Drive
+from wirerope_mj.dynamics.periodic.shooting import monodromy, shot, wide_monodromy
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
@@ -86,7 +85,7 @@ def test_both_engines_give_the_same_multipliers(monkeypatch, law):
     for mujoco in (False, True):
         with monkeypatch.context() as patched:
             if mujoco:
-                patched.setattr(kernel_flow, "unfit", lambda system: "MuJoCo is asked for")
+                patched.setattr(flows, "unsupported_system", lambda system: "MuJoCo is asked for")
             search = search_of(law)
         assert isinstance(search.flow, KernelFlow) is not mujoco
         with search.flow.ready():

@@ -6,7 +6,7 @@ from house import deck, mjcf, sdof
 from shaken_mass import LEVEL, MASS, MOUNT, linear, transmitted, up
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.sweep.settling import distance_to_limit
+from wirerope_mj.dynamics.sweep.cycles import distance_to_limit
 
 
 @pytest.fixture(scope="module")

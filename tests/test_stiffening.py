@@ -15,7 +15,7 @@ from table_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.dynamics.periodic.smoothing import smoothed
+from wirerope_mj.dynamics.periodic.laws import smoothed
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder

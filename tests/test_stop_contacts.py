@@ -5,6 +5,7 @@ import dataclasses
 import numpy as np
 import pytest
 from house import deck, mjcf, quiet
+from one_scale import one_scale
 from test_recording import entities
 
 import wirerope_mj as wr
@@ -16,7 +17,6 @@ from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.laws.kernels import evaluate
-from wirerope_mj.mounts.vendor_parts import find_isolator
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
 from wirerope_mj.views.recording.stops import CLOSED, OPEN
@@ -37,7 +37,7 @@ def mass_on_stop(inside=None, beside=None):
         '<body name="mass" pos="0 0 .3"><joint type="slide" axis="0 0 1"/><geom type="box" size=".1 .1 .1" mass="50"/>'
         '<site name="p1" pos="0 0 -.1"/><site name="p3" pos=".05 0 -.1"/></body>'
     )
-    rope = wr.load_isolator(find_isolator("enidine_wr12_400"))
+    rope = one_scale("wr12_400")["wr12_400"]
     if inside is not None:
         rope = dataclasses.replace(rope, coupling=None, loop=None, axial=wr.Parallel(laws=[rope.axial, inside]))
     stop = wr.Isolator(name="bumper", axial=wr.Stop(**LOSSY) if beside is None else beside)

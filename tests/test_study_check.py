@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from house import sdof_text
 from laws_for_tests import PARAMETERS, example
+from one_scale import one_scale
 from test_study import PULSE, table_study
 
 import wirerope_mj as wr
@@ -128,7 +129,7 @@ def test_only_what_columns_cannot_say_is_asked_one_by_one(monkeypatch):
         "mount/m1/failed": wr.Choice(True, False),
         "motion/level": wr.Uniform(0.5, 1.5),
     }
-    assert table_study(vary, variants=64).table().num_rows == 64
+    assert table_study(vary, isolators=one_scale("wr12_400"), variants=64).table().num_rows == 64
     assert len(asked) == 1  # one system is made, to see that there is room for it
     law = example("bouc-wen")
     coupled = wr.Isolator(name="plane", roll=law, shear=law, axial=law, coupling="biaxial")
@@ -214,7 +215,7 @@ def test_a_shift_for_which_the_model_has_no_room_is_refused_though_the_first_is_
 )
 def test_values_that_were_perhaps_meant_as_factors_are_doubted(vary, message):
     with pytest.warns(wr.StudyWarning, match=message):
-        table_study(vary, variants=16).table()
+        table_study(vary, isolators=one_scale("wr12_400"), variants=16).table()
 
 
 def test_values_near_the_models_and_factors_are_not_doubted():
@@ -224,7 +225,7 @@ def test_values_near_the_models_and_factors_are_not_doubted():
         "mount/m1/axial/k2": wr.Uniform(1e3, 2e3),
         "body/block/mass": wr.Uniform(6.0, 80.0),
     }
-    study = table_study(vary, variants=16)
+    study = table_study(vary, isolators=one_scale("wr12_400"), variants=16)
     assert study.table().num_rows == 16  # a warning would be an error here
 
 

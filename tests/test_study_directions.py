@@ -2,6 +2,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
+from wirerope_mj.content.study_charts import directions_chart
 from wirerope_mj.studies.results.directions import (
     AZIMUTH,
     ELEVATION,
@@ -9,7 +10,6 @@ from wirerope_mj.studies.results.directions import (
     fraction_of_directions,
     sphere_areas,
 )
-from wirerope_mj.views.plots.directions import directions_figure
 
 
 def grid(step, *, repeats):
@@ -65,15 +65,14 @@ def test_shares_of_directions_are_those_of_the_directions_that_are_known():
 def test_a_map_without_repeats_closes_at_the_seam_and_at_the_poles():
     azimuth, elevation = grid(30.0, repeats=False)
     values = 1.0 + 0.001 * azimuth + 0.0001 * elevation
-    panel = directions_figure(table_of(azimuth, elevation, values), "travel").axes[0]
-    cells = np.asarray(panel.collections[0].get_array()).reshape(7, 13)
+    field = directions_chart(table_of(azimuth, elevation, values), "travel").rows[0][0].field
+    cells = field.values
+    assert cells.shape == (7, 13)
     assert cells[1:-1, 0] == pytest.approx(cells[1:-1, -1])  # -180 is 180
     assert cells[0] == pytest.approx(np.full(13, 99.1))  # straight down, under every azimuth
     assert cells[3, 9] == pytest.approx(109.0)  # along y
-    lower, upper = np.asarray(panel.collections[0].get_coordinates())[[3, 4], 0, 1]
-    assert (lower, upper) == pytest.approx(
-        (-np.sin(np.pi / 12.0), np.sin(np.pi / 12.0))
-    )  # heights are sines: equal areas
+    # Heights are sines: equal areas.
+    assert field.y[[3, 4]] == pytest.approx([-np.sin(np.pi / 12.0), np.sin(np.pi / 12.0)])
 
 
 def test_what_nobody_looked_at_has_no_area():

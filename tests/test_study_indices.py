@@ -13,15 +13,15 @@ from scipy.special import ndtri
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.study_charts import indices_chart
+from wirerope_mj.content.study_statements import of_indices, statements
 from wirerope_mj.content.study_tables import effects_table, indices_tables
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
 from wirerope_mj.studies.results.measure import values_of
-from wirerope_mj.studies.results.statements import of_indices, statements
 from wirerope_mj.studies.results.statistics import exceedance
 from wirerope_mj.studies.results.study_summary import StudySummary
-from wirerope_mj.views.plots.study_indices import indices_figure
 
 SINGLE = [[0], [1], [2]]
 
@@ -243,11 +243,12 @@ def test_screen_page_and_picture_show_the_indices(linear, capsys):
     assert "first-order and total indices" in re.sub(r"\s+", " ", page)
     assert "stiffness" in page
     found = wr.sobol_indices(linear, "acceleration")
-    (panel,) = indices_figure([found]).axes
-    assert [label.get_text() for label in panel.get_yticklabels()] == [one.name for one in found.factors][::-1]
-    widths = [bar.get_width() for bar in panel.patches]
-    assert widths[:3] == pytest.approx([100.0 * max(one.first, 0.0) for one in found.factors[::-1]])
-    assert widths[3:] == pytest.approx([100.0 * one.total for one in found.factors[::-1]])
+    ((panel,),) = indices_chart([found]).rows
+    assert [text for _, text in panel.yticks] == [one.name for one in found.factors]
+    first, total = panel.curves
+    assert first.x == pytest.approx([100.0 * max(one.first, 0.0) for one in found.factors])
+    assert total.x == pytest.approx([100.0 * one.total for one in found.factors])
+    assert total.ends == pytest.approx(100.0 * np.array([one.total_interval for one in found.factors]))
 
 
 def test_a_study_that_was_sampled_otherwise_has_no_such_indices(tmp_path):
@@ -306,9 +307,9 @@ def test_the_tables_say_in_plain_words_what_is_chance():
     summary = StudySummary(result=result, by="acceleration", effects=found)
     (indices, *_) = indices_tables(summary)
     assert "Indices lie between 0 and 100 %: one that is estimated below or above them is so by chance." in indices.note
-    table = effects_table(summary, 5)
-    assert [column.heading for column in table.columns][2] == "above chance"
-    assert [row[2].content for row in table.rows] == ["yes", "unsure"]
+    table = effects_table(summary)
+    assert [column.heading for column in table.columns][2] == "significant"
+    assert [row[2].content for row in table.rows] == ["yes", "no"]
 
 
 def test_few_base_rows_are_said_to_be_too_few_and_no_share_is_beyond_all():

@@ -4,7 +4,7 @@ import numpy as np
 import pyarrow as pa
 import pytest
 
-from wirerope_mj.studies.results.statements import exceeding_inputs, inputs_text
+from wirerope_mj.content.study_statements import exceeding_inputs, inputs_text
 
 
 def test_a_limit_is_crossed_between_two_variants_whatever_their_order():

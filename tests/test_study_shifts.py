@@ -13,13 +13,13 @@ from genset import CENTRE, genset_study, genset_text
 from table_study import rows, table_study
 
 import wirerope_mj as wr
+from wirerope_mj.content.study_statements import statements
 from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.runs.from_scenario import what_can_vary
-from wirerope_mj.runs.study_report import write_study_report
+from wirerope_mj.runs.study import write_study_report
 from wirerope_mj.studies.folder import TABLE
 from wirerope_mj.studies.inputs.vary_option import read_vary
 from wirerope_mj.studies.inputs_file import STUDY, identity
-from wirerope_mj.studies.results.statements import statements
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.results.varied import varied_of
 from wirerope_mj.views.terminal import print_table
@@ -160,7 +160,7 @@ def test_kind_unit_and_nominal_value_stand_beside_every_distribution():
         "value [m]",
         "0.35 m",
         "normal, mean 0.35, standard deviation 0.03",
-        "one for all",
+        "common",
     )
     assert cells(SHIFT)["body/genset/centre_shift/z"][:3] == (
         "shift [m]",
@@ -170,7 +170,7 @@ def test_kind_unit_and_nominal_value_stand_beside_every_distribution():
     assert found["mount/*/axial/alpha"][:2] == ("factor", "7.046e+05")
     assert found["mount/*/axial/k1"][:2] == ("value [SI]", "3.506e+05")
     assert found["mount/m[12]/position_shift/x"][:2] == ("shift [m]", "shifted from -0.8 to 0 m")
-    assert found["mount/m[12]/position_shift/x"][3] == "each its own"
+    assert found["mount/m[12]/position_shift/x"][3] == "independent per mount"
     assert found["body/genset/mass"][:2] == ("factor", "1200 kg")
     assert found["motion/level"][:2] == ("factor", "1")
     assert found["motion/elevation"][:2] == ("value [°]", "16.7 °")  # atan 0.3

@@ -10,8 +10,8 @@ from small_search import beam_study
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import starting_load_verdicts
+from wirerope_mj.content.study_statements import statements
 from wirerope_mj.mounts.isolator import Limits, Travel
-from wirerope_mj.studies.results.statements import statements
 
 G = wr.STANDARD_GRAVITY
 QUIET = wr.HalfSine(peak=10.0, duration=0.011, direction="z", start=0.02)

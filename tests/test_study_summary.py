@@ -41,7 +41,9 @@ def test_percentiles_that_no_table_gives_are_not_in_the_summary(tmp_path):
 
 
 def test_of_a_grid_there_are_no_probabilities(tmp_path):
-    study = table_study(vary={"motion/level": wr.Uniform(0.5, 1.5, points=5)}, variants=None, sampling="grid")
+    study = table_study(
+        vary={"motion/level": wr.Uniform(0.5, 1.5, points=5)}, variants=None, sampling="grid", duration=0.5
+    )
     of = summary_of(study.run(tmp_path / "out", workers=1))["measures"]["travel"]
     assert set(of) == {"nominal", "smallest", "median", "largest", "variant", "limit", "beyond", "of"}
     assert of["smallest"] < of["median"] < of["largest"]

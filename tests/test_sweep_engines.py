@@ -7,9 +7,8 @@ from shaken_mass import MASS, hysteretic, linear, up
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.sweep import cycles
-from wirerope_mj.dynamics.sweep.by_kernel import ByKernel
-from wirerope_mj.dynamics.sweep.by_mujoco import ByMujoco
 from wirerope_mj.dynamics.sweep.cycles import at_start, cycle_grid, stepping
+from wirerope_mj.dynamics.sweep.engines import ByKernel, ByMujoco
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 
@@ -21,7 +20,7 @@ SAME = 1e-9  # of the peaks: rounding alone parts the two, 1e-14 a step, and a s
 @pytest.fixture
 def mujoco_only(monkeypatch):
     """Return a function after which MuJoCo steps all cycles."""
-    return lambda: monkeypatch.setattr(cycles, "unfit", lambda system: "MuJoCo is wanted")
+    return lambda: monkeypatch.setattr(cycles, "unsupported_system", lambda system: "MuJoCo is wanted")
 
 
 def extremes(system, sweep, *, chunk, timestep):

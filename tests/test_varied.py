@@ -14,9 +14,9 @@ import pytest
 import tomli_w
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.periodic.smoothing import smoothed
+from wirerope_mj.dynamics.periodic.laws import smoothed
 from wirerope_mj.dynamics.periodic.storage import fingerprint
-from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError, RecordError

@@ -43,7 +43,7 @@ def test_the_verdict_is_printed_before_anything_is_written_and_holds_when_writin
     monkeypatch.setattr("wirerope_mj.engine.response.Response.save", fail)
     assert main([*SHORT, str(tmp_path / "run")]) == code
     assert there == [False]
-    assert "m1 uses most of its rated travel" in printed[0]
+    assert "most used m1, " in printed[0]
     assert "verdict after" in printed[0]
     end = capsys.readouterr()
     assert end.out == ""  # nothing says that a folder was written

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.motions import Sine, VibrationLines, banded_lines
-from wirerope_mj.motions.random_phases import random_phases
+from wirerope_mj.motions.envelope import random_phases
 
 pytestmark = pytest.mark.quick
 

@@ -39,11 +39,10 @@ _RENAMED = {"read_cycles": "load_cycles", "write_cyclic_test": "save_cyclic_test
 def __getattr__(name: str) -> Any:
     if name not in _RENAMED:
         return _find(name)
+    import warnings
     from operator import attrgetter
     from sys import modules
 
-    from wirerope_mj.foundation.renamed import warn_renamed
-
-    now = _RENAMED[name]
-    warn_renamed(f"{__name__}.{name}", f"{__name__}.{now}", stacklevel=3)
-    return attrgetter(now)(modules[__name__])
+    now = f"{__name__}.{_RENAMED[name]}"
+    warnings.warn(f"{__name__}.{name} is called {now} since version 0.2, and leaves with 0.3.", DeprecationWarning, 2)
+    return attrgetter(_RENAMED[name])(modules[__name__])

@@ -8,7 +8,7 @@ from fuzz_phrases import EXAMPLES
 from hostile import pick
 from words import ignored, muddled
 
-from wirerope_mj.motions.levels import level_templates, motion_of_levels
+from wirerope_mj.motions.restore import level_templates, motion_of_levels
 
 VALUES = (
     None,

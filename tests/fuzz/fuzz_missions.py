@@ -11,7 +11,7 @@ from edits import damaged
 from hostile import pick
 
 import wirerope_mj as wr
-from wirerope_mj.runs.mission import mission_damage, read_mission
+from wirerope_mj.assessment.durability.mission import mission_damage, read_mission
 
 VALUES = (
     True,

@@ -7,7 +7,7 @@ from hostile import pick
 import wirerope_mj as wr
 from wirerope_mj.cli.frf import direction_of, levels
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
-from wirerope_mj.dynamics.frequency_response.orders import order_bands
+from wirerope_mj.dynamics.frequency_response.summary import order_bands
 
 _SYSTEMS = {name: wr.load_system(name) for name in ("sdof_shaker", "shock_table")}
 _WILD = (float("nan"), float("inf"), -1.0, 0.0, -0.0, 1e-308, 1e308, 1e-12, 1e12, 10**400, True, None, "2", 3, 0.5, 1e9)

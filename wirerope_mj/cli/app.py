@@ -16,7 +16,7 @@ from typing import Any
 from cyclopts import App
 from cyclopts.exceptions import CycloptsError
 
-from wirerope_mj.cli.exit_codes import BAD_INPUT, INTERRUPTED
+from wirerope_mj.cli.options import BAD_INPUT, INTERRUPTED
 from wirerope_mj.foundation.errors import (
     AccuracyWarning,
     ClusterWarning,
@@ -43,19 +43,19 @@ COMMANDS = {
         "Simulate a run again from its folder alone and say whether the numbers agree and which files were altered.",
     ),
     "loops": (
-        "loops_options:loops",
+        "loops:loops",
         "Test an isolator or a law in a virtual rig: print what its loops measure and draw them.",
     ),
     "identify": (
-        "identify_options:identify_records",
+        "identify:identify_records",
         "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
     ),
     "laws": (
-        "laws:laws",
+        "loops:laws",
         "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",
     ),
     "frf": (
-        "frf_options:frf",
+        "frf:frf",
         "Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.",
     ),
     "report": (
@@ -63,7 +63,7 @@ COMMANDS = {
         "Make the report of a run: one HTML page that holds everything it shows, and a PDF of it.",
     ),
     "study-report": (
-        "study_report:study_report",
+        "study:study_report",
         "Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.",
     ),
     "compare": (
@@ -99,19 +99,19 @@ COMMANDS = {
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     ),
     "select": (
-        "select_options:select",
+        "select:select",
         "Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.",
     ),
     "modes": (
         "modes:modes",
-        "Print the modes of a model where it rests: frequencies, damping, what moves, and how far from tipping over.",
+        "Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.",
     ),
     "statics": (
         "statics:statics",
         "Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.",
     ),
     "isolators": (
-        "isolators_options:isolators_app",
+        "isolators:isolators_app",
         "Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry.",
     ),
     "compile": (
@@ -217,7 +217,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _say_notes(error)
         return INTERRUPTED
     except CycloptsError as error:
-        from wirerope_mj.cli.option_errors import option_message
+        from wirerope_mj.cli.options import option_message
 
         _say(option_message(error, given))
         return BAD_INPUT

@@ -32,8 +32,7 @@ def export(
     from wirerope_mj.foundation.exports import write_export
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.motions.spectra import shock_response_spectrum
-    from wirerope_mj.motions.spectra.export import exported_spectra
-    from wirerope_mj.motions.spectra.srs import held
+    from wirerope_mj.motions.spectra.srs import exported_spectra, held
     from wirerope_mj.studies.inputs_file import STUDY
     from wirerope_mj.studies.study import load_study
 

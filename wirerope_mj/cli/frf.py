@@ -4,21 +4,22 @@ import sys
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
+from typing import Annotated, Literal
 
+from cyclopts import Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.frf_tables import print_response
+from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
-from wirerope_mj.dynamics.frequency_response.orders import OrderBand, order_statements
-from wirerope_mj.dynamics.frequency_response.summary import level_summaries
+from wirerope_mj.dynamics.frequency_response.summary import level_summaries, order_bands
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.folder import check_target
 from wirerope_mj.runs.frequency_response import KIND, MARKS, write_frequency_response
-from wirerope_mj.views.terminal import console, print_lines, print_warnings
+from wirerope_mj.views.terminal import console, print_headline, print_lines, print_warnings, show
 
 NOT_COMPLETE = 1
 """Exit code of a response with a branch that ended before the end of the range."""
@@ -27,16 +28,65 @@ DEFAULT = 1.0
 """Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes."""
 
 
-def frf_command(
+def frf(
     model: str,
-    options: ResponseOptions,
     *,
-    bands: Sequence[OrderBand],
-    keep: Path | None,
-    out: Path | None,
-    force: bool,
+    acceleration: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    acceleration_g: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    method: Literal["sweep", "continuation", "both"] = "continuation",
+    start: float | None = None,
+    stop: float | None = None,
+    direction: str = "z",
+    response_direction: str | None = None,
+    payload: str | None = None,
+    rate: float = 1.0,
+    periods: float = 1,
+    largest_step: float = 0.02,
+    smallest_step: float = 1e-5,
+    smoothing: float | None = None,
+    orders: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    speed_rpm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    keep: Path | None = None,
+    out: Path | None = None,
+    force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Compute a frequency response, write its folder, print its peaks and events; return the exit code."""
+    """Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.
+
+    Periodic motions are followed over frequency around folds, with their Floquet multipliers; sweeps up and down show what a
+    shaker would see. The folder holds settings, summary, tables, pictures and a recording in which one scrubs along the
+    resonance. A branch that ends before the end of the range exits 1.
+
+    Args:
+        model: path of an MJCF model with mounts, or the name of one that ships with the package.
+        acceleration: levels of the base's acceleration [m/s^2], one or several; 1 by default.
+        acceleration_g: the same in g.
+        method: follow periodic motions, sweep up and down, or both beside each other.
+        start: lowest frequency [Hz]; from the system's natural frequencies by default.
+        stop: highest frequency [Hz].
+        direction: along which the base moves: x, y, z or a vector such as 1,0,1.
+        response_direction: along which the payload's acceleration is taken; that of the base by default.
+        payload: body whose acceleration is shown; the first payload by default.
+        rate: of the sweeps [octaves/min].
+        periods: of the base after which the motions repeat themselves; 2, 3, .. for subharmonics.
+        largest_step: largest relative change of the frequency between two points of a branch.
+        smallest_step: smallest one before a branch is given up.
+        smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; none by default.
+        orders: orders of a machine's speed that are shaded in the pictures, such as 0.5 1 2, and held against the resonances.
+        speed_rpm: its speed [1/min], or the lowest and the highest.
+        keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
+        out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
+        force: replace a frequency response that is there.
+    """
+    if (orders is None) != (speed_rpm is None):
+        raise ValueError("`--orders` and `--speed-rpm` belong together: give both.")
+    bands = () if orders is None or speed_rpm is None else order_bands(orders, speed_rpm)
+    options = ResponseOptions(
+        accelerations=_levels(acceleration, acceleration_g), method=method, start=start, stop=stop,
+        direction=direction_in(direction, "--direction"), payload=payload, rate=rate,
+        periods=int(periods) if float(periods).is_integer() else periods,  # type: ignore[arg-type]  # refused by name below
+        response_direction=None if response_direction is None else direction_in(response_direction, "--response-direction"),
+        largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
+    )  # fmt: skip
     system = load_system(model)
     print_warnings(model_warnings(system))
     folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
@@ -47,31 +97,24 @@ def frf_command(
     if watched:
         _report("writing tables, pictures and the recording")
     findings = level_summaries(result)
-    write_frequency_response(result, findings, folder, force=force, bands=bands)
-    print_response(result, findings)
-    print_lines([*order_statements(bands, findings)])
+    content = response_content(result, findings, bands)
+    write_frequency_response(result, findings, content, folder, force=force)
+    console().print(f"\n[bold]{escape(content.title)}[/]")
+    print_lines(f"{name}: {text}" for name, text in content.facts if name != "By")
+    show(content, "peaks", "levels")
+    print_headline(content.verdict)
+    show(content, "answer")
     _print_written(folder)
     return 0 if result.complete else NOT_COMPLETE
 
 
-def levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float] | None) -> tuple[float, ...]:
+def _levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float] | None) -> tuple[float, ...]:
     """Return the levels [m/s^2] of the two options, of which one may be given."""
     if acceleration is not None and acceleration_g is not None:
         raise ValueError("give the levels as `--acceleration` [m/s^2] or as `--acceleration-g` [g], not both.")
     if acceleration_g is not None:
         return tuple(level * STANDARD_GRAVITY for level in acceleration_g)
     return (DEFAULT,) if acceleration is None else tuple(acceleration)
-
-
-def direction_of(option: str, text: str) -> Direction:
-    """Return the direction that an option says: an axis, or three numbers with commas between them."""
-    if text in ("x", "y", "z"):
-        return text
-    try:
-        x, y, z = (float(part) for part in text.split(","))
-    except ValueError:
-        raise ValueError(f"`{option}` must be x, y, z or a vector such as 1,0,1; got {text!r}.") from None
-    return (x, y, z)
 
 
 def _report(text: str) -> None:

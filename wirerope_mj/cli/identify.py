@@ -3,36 +3,29 @@
 import math
 import shutil
 from collections.abc import Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Literal
+from typing import Annotated, Literal
 
+from cyclopts import Parameter
 from rich.markup import escape
 
+from wirerope_mj.cli.options import Integer
+from wirerope_mj.content.identification import identification_content
+from wirerope_mj.content.numbers import several
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.isolator_file import assumptions, identified_isolator
-from wirerope_mj.mounts.identification.options import Constraint
-from wirerope_mj.mounts.identification.records import Tests, contents, loop_warnings, read_tests
-from wirerope_mj.mounts.identification.result import FittedLoop, Identification, fitted_loops
+from wirerope_mj.mounts.identification.isolator_file import assumptions, falling_in_rating, identified_isolator
+from wirerope_mj.mounts.identification.records import contents, loop_warnings, read_tests
+from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.folder import atomic_run, check_target
 from wirerope_mj.runs.page import REPORT, write_page
-from wirerope_mj.views.report import check_pdf
-from wirerope_mj.views.report.identification import (
-    findings,
-    identification_content,
-    law_lines,
-    loop_table,
-    parameter_table,
-    scale_tables,
-    stage_table,
-)
-from wirerope_mj.views.terminal import console, print_lines, print_table
+from wirerope_mj.views.report import check_pdf, report_html
+from wirerope_mj.views.terminal import console, print_headline, show
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
@@ -44,89 +37,125 @@ _OURS = (REPORT, _PDF, _OLD_REPORT, "loops.png", "residuals.png", "measures.png"
 _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identification of four amplitudes can fix
 
 
-@dataclass(frozen=True, kw_only=True)
-class Request:
-    """Arguments of the command, as `identify_options` describes them; None: its default."""
+def identify_records(
+    *files: Path,
+    law: str,
+    out: Path,
+    axis: Literal["roll", "shear", "axial"] = "axial",
+    report: Path | None = None,
+    name: str | None = None,
+    constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
+    fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    free: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    beside: Path | None = None,
+    join: Path | None = None,
+    elements: Integer | None = None,
+    scales: Literal["1", "2", "3", "auto"] = "1",
+    start: Path | None = None,
+    force: Annotated[bool, Parameter(negative=())] = False,
+    accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
+    pdf: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.
 
-    files: Sequence[Path]
-    law: str
-    out: Path
-    axis: str = "axial"
-    report: Path | None = None
-    name: str | None = None
-    constraint: Constraint | None = None
-    fix: Sequence[str] = ()
-    free: Sequence[str] = ()
-    beside: Path | None = None
-    join: Path | None = None
-    elements: int | None = None
-    scales: int | Literal["auto"] = 1
-    start: Path | None = None
-    force: bool = False
-    accept_unconverged: bool = False
-    pdf: bool = False
+    Records are CSV with units in the header, such as "time [s], deflection [mm], force [kN]", of any sampling, with several
+    cycles, amplitudes and operating points one after the other or in several files. A fit that does not converge exits 1 and
+    writes its report alone.
 
-    @property
-    def folder(self) -> Path:
-        """Folder of the report."""
-        return self.report or self.out.with_name(f"{self.out.stem}-report")
-
-    @property
-    def given(self) -> list[str]:
-        """Conditions that are given to the fit."""
-        texts = [*self.fix, *([self.constraint] if self.constraint is not None else [])]
-        return [*texts, f"the law of {self.beside.name} beside it"] if self.beside is not None else texts
-
-
-def identify_command(request: Request) -> int:
-    """Fit a law to records, print the fit, write report and isolator; return the exit code."""
-    kind, fixed = _kind(request), _fixed(request.fix)
-    start = None if request.start is None else _start(request.start, request.axis)
-    if request.beside is not None and request.join is not None:
+    Args:
+        files: records, one or several.
+        law: to fit: asymmetric-bouc-wen for tension and compression, symmetric-bouc-wen for shear and roll, bouc-wen, ozdemir,
+            vaiana-rosati, enhanced-dry-friction or masing; stop for a bump stop, alone or with --beside.
+        out: isolator file to write.
+        axis: along which the tests moved.
+        report: folder of the report; NAME-report beside the isolator file by default.
+        name: of the isolator; that of its file by default.
+        constraint: on beta and gamma, where nothing else tells them apart.
+        fix: parameters that are given, NAME=VALUE in SI units, by the names that the table prints.
+        free: parameters that are searched for, though they are given otherwise: a stop's exponent (1) and rounding (0), k2 and
+            k3 of a masing law (0).
+        beside: isolator file whose law on this axis is known and acts in parallel, as where the isolator strikes its bumper;
+            the file written is that isolator with both laws.
+        join: isolator file to which the law is added, or in which it takes the place of that axis' law: other axes, limits and
+            geometry stay. One axis after the other makes the isolator whole.
+        elements: Jenkin elements of a masing law; 5 by default.
+        scales: of friction, of a Bouc-Wen law or one of Ni's: so many sets in parallel with one spring and one asymmetry;
+            auto: as many as amplitudes left out support.
+        start: law file or isolator file from which a search in three stages begins, besides those from a grid.
+        force: replace an isolator file and a report that are there.
+        accept_unconverged: write the isolator even of a fit that did not converge.
+        pdf: write a PDF of the report beside it, which needs the extra "pdf" (WeasyPrint).
+    """
+    if not files:
+        raise ValueError("name the records: wirerope identify TEST.csv .. --law LAW --out ISOLATOR.toml")
+    kind, values = _kind(law, elements), _fixed(fix or ())
+    first = None if start is None else _start(start, axis)
+    if beside is not None and join is not None:
         raise ValueError("`--beside` already keeps the other axes of its isolator; `--join` is for a law alone.")
-    known = None if request.beside is None else load_isolator(request.beside)
-    known_law = None if known is None else _known_law(known, request)
-    whole = None if request.join is None else load_isolator(request.join)
-    _check_outputs(request)
-    tests = read_tests(request.files, stop=kind is Stop and known is None)
-    loops = [loop for one in tests.values() for loop in one]
+    known = None if beside is None else load_isolator(beside)
+    known_law = None if known is None else _known_law(known, f"{beside}: [{axis}]", axis)
+    whole = None if join is None else load_isolator(join)
+    target, name = report or out.with_name(f"{out.stem}-report"), name or out.stem
+    _check_outputs(out, target, force=force, pdf=pdf)
+    tests = read_tests(files, stop=kind is Stop and known is None)
     result = identify(
-        loops, law=kind, start=start, fixed=fixed, free=request.free, beside=known_law, constraint=request.constraint,
-        elements=request.elements or _ELEMENTS, scales=request.scales,
+        [loop for loops in tests.values() for loop in loops], law=kind, start=first, fixed=values, free=free or (),
+        beside=known_law, constraint=constraint, elements=elements or _ELEMENTS,
+        scales="auto" if scales == "auto" else int(scales),
     )  # fmt: skip
-    fits = fitted_loops(result)
+    given = [*(fix or ()), *([constraint] if constraint is not None else [])]
+    given += [f"the law of {beside.name} beside it"] if beside is not None else []
     isolator = identified_isolator(
-        result, name=request.name or request.out.stem, axis=request.axis, files=request.files, given=request.given,
-        known=known, whole=whole,
+        result, name=name, axis=axis, files=files, given=given, known=known, whole=whole,
     )  # fmt: skip
-    wanted, warnings = result.converged or request.accept_unconverged, loop_warnings(tests, result)
-    with atomic_run(request.folder, force=request.force, kind="report", marks=_marks(request.folder)) as folder:
-        _write_report(folder, request, result, fits, tests, warnings)
-        _keep_others(request.folder, folder)
+    kinds = " and ".join(one.name for one in result.law.components)
+    if result.scales:
+        kinds = f"{result.law.components[0].name} on {len(result.scales)} scales"
+    warnings = loop_warnings(tests, result)
+    if falling := falling_in_rating(result, axis, whole or known):
+        warnings = [
+            *warnings,
+            f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that",
+        ]
+    content = identification_content(
+        result, fitted_loops(result), title=f"{name}, {axis}: {kinds}",
+        sources=[f"{path}: {contents(loops)}" for path, loops in tests.items()], warnings=warnings,
+        given=assumptions(result, given),
+    )  # fmt: skip
+    wanted = result.converged or accept_unconverged
+    with atomic_run(target, force=force, kind="report", marks=_marks(target)) as folder:
+        write_page(report_html(content), [folder / REPORT, *([folder / _PDF] if pdf else [])])
+        _keep_others(target, folder)
         if wanted:
-            isolator.save(request.out)
-    _print(request, isolator.name, result, fits, tests, warnings)
+            isolator.save(out)
     screen = console()
-    written = f"{REPORT}, {_PDF}" if request.pdf else REPORT
-    screen.print(f"written: {escape(str(request.folder))}/ ({written})", soft_wrap=True)
-    if wanted:
-        screen.print(f"written: {escape(str(request.out))}", soft_wrap=True)
-    else:
-        screen.print(
-            f"[bold]not written[/]: {escape(str(request.out))}, because the fit did not converge; test more amplitudes, fix "
-            "parameters or take another law, or take it as it is with --accept-unconverged.",
-            soft_wrap=True,
-        )
-        if request.out.exists():
-            screen.print(
-                f"  {escape(str(request.out))} stands there from before: it is not of this fit.", soft_wrap=True
-            )
+    loops = several(len(result.loops), "loop")
+    screen.print(f"[bold]{escape(isolator.name)}[/], {axis}: {loops} of {several(len(tests), 'file')}")
+    show(content, "parameters", "loops-and-residuals", "search")
+    print_headline(content.verdict)
+    show(content, "answer")
+    _print_written(out, f"{target}/ ({f'{REPORT}, {_PDF}' if pdf else REPORT})", wanted=wanted)
     return 0 if result.converged else NOT_CONVERGED
 
 
-def _kind(request: Request) -> type[Law]:
+def _print_written(out: Path, report: str, *, wanted: bool) -> None:
+    """Print where report and isolator are, or why there is no isolator."""
+    screen, isolator = console(), escape(str(out))
+    screen.print(f"written: {escape(report)}", soft_wrap=True)
+    if wanted:
+        screen.print(f"written: {isolator}", soft_wrap=True)
+        return
+    screen.print(
+        f"[bold]not written[/]: {isolator}, because the fit did not converge; test more amplitudes, fix parameters or take "
+        "another law, or take it as it is with --accept-unconverged.",
+        soft_wrap=True,
+    )
+    if out.exists():
+        screen.print(f"  {isolator} stands there from before: it is not of this fit.", soft_wrap=True)
+
+
+def _kind(name: str, elements: int | None) -> type[Law]:
     """Return the class of a law that cyclic tests can fix."""
-    name, elements = request.law, request.elements
     if name not in LAWS:
         raise ValueError(f"`--law`: there is no law {name!r}; the laws are {', '.join(sorted(LAWS))}.")
     family_of(LAWS[name], _ELEMENTS if elements is None else elements)  # raises if it cannot be identified
@@ -135,13 +164,11 @@ def _kind(request: Request) -> type[Law]:
     return LAWS[name]
 
 
-def _known_law(known: Isolator, request: Request) -> Law:
+def _known_law(known: Isolator, location: str, axis: str) -> Law:
     """Return the law of a known isolator on the axis of the tests."""
-    law = known.conditioned.axes[request.axis]
+    law = known.conditioned.axes[axis]
     if law is None:
-        raise ModelError(
-            f"{request.beside}: [{request.axis}] is missing; nothing is known beside what the tests moved."
-        )
+        raise ModelError(f"{location} is missing; nothing is known beside what the tests moved.")
     return law
 
 
@@ -175,20 +202,19 @@ def _start(path: Path, axis: str) -> Law:
     return read_law(table, location, path.parent)
 
 
-def _check_outputs(request: Request) -> None:
+def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:
     """Raise an error unless isolator and report can be written."""
-    out = request.out
     if out.suffix != ".toml":
         raise ValueError(f"`--out` is an isolator file and must end with .toml, got {str(out)!r}.")
     if not out.resolve().parent.is_dir():
         raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
     if out.is_dir():
         raise ValueError(f"`--out`: {out} is a folder.")
-    if out.exists() and not request.force:
+    if out.exists() and not force:
         raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another path.")
-    if request.pdf:
+    if pdf:
         check_pdf()
-    check_target(request.folder, force=request.force, kind="report", marks=_marks(request.folder))
+    check_target(report, force=force, kind="report", marks=_marks(report))
 
 
 def _marks(folder: Path) -> tuple[str]:
@@ -205,43 +231,3 @@ def _keep_others(before: Path, folder: Path) -> None:
             shutil.copytree(path, folder / path.name, symlinks=True)
         else:
             shutil.copy2(path, folder / path.name, follow_symlinks=False)
-
-
-def _write_report(
-    folder: Path, request: Request, result: Identification, fits: Sequence[FittedLoop], tests: Tests,
-    warnings: Sequence[str],
-) -> None:  # fmt: skip
-    """Write the page into a folder, and its PDF."""
-    from wirerope_mj.views.report import report_html
-
-    kinds = " and ".join(law.name for law in result.law.components)
-    if result.scales:
-        kinds = f"{result.law.components[0].name} on {len(result.scales)} scales"
-    sources = [f"{path}: {contents(loops)}" for path, loops in tests.items()] + list(warnings)
-    content = identification_content(
-        result, fits, title=f"{request.name or request.out.stem}, {request.axis}: {kinds}", sources=sources,
-        given=assumptions(result, request.given),
-    )  # fmt: skip
-    write_page(report_html(content), [folder / REPORT, *([folder / _PDF] if request.pdf else [])])
-
-
-def _print(
-    request: Request,
-    name: str,
-    result: Identification,
-    fits: Sequence[FittedLoop],
-    tests: Tests,
-    warnings: Sequence[str],
-) -> None:
-    screen = console()
-    screen.print(
-        f"[bold]{escape(name)}[/], {request.axis}: {_count(len(fits), 'loop')} of {_count(len(tests), 'file')}"
-    )
-    print_lines(law_lines(result))
-    for table in (parameter_table(result), *scale_tables(result), loop_table(fits), stage_table(result)):
-        print_table(table)
-    print_lines([*findings(result, fits), *warnings])
-
-
-def _count(number: int, noun: str) -> str:
-    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"

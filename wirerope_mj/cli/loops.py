@@ -1,72 +1,99 @@
-"""`wirerope loops`: a cyclic test of an isolator or a law: its measures as a table, its loops as a picture and as a file."""
+"""`wirerope loops` and `wirerope laws`: cyclic tests of an isolator or a law, and which law fits measured ones."""
 
 import math
-import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
-from rich.markup import escape
+from cyclopts import Parameter
 
-from wirerope_mj.cli.isolators import check_picture, describe
-from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.resources import catalogue_folder
-from wirerope_mj.foundation.tables import Cell, Column, Table
-from wirerope_mj.foundation.toml_file import toml_content
-from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, read_law
-from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes
-from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
-from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, save_cyclic_test, softening_to_hardening
-from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
-from wirerope_mj.views.terminal import console, print_lines, print_table
+from wirerope_mj.cli.options import Integer
+
+if TYPE_CHECKING:
+    from wirerope_mj.mounts.isolator import Isolator
+    from wirerope_mj.mounts.laws import Law
 
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
 """Default amplitudes as fractions of the rated travel: enough to see where softening ends."""
 
-_COLUMNS = (
-    Column("axis", align="left"),
-    Column("amplitude", "mm", ".4g"),
-    Column("secant\nstiffness", "kN/m", ".4g"),
-    Column("energy\nper cycle", "J", ".4g"),
-    Column("damping\nratio", "%", ".4g"),
-    Column("tangent after\nlargest defl.", "kN/m", "z.4g"),
-    Column("tangent after\nsmallest defl.", "kN/m", "z.4g"),
-    Column("cycles\nto close"),
-)
 
-
-def print_loops(
+def loops(
     source: str,
-    amplitudes: Sequence[float] | None,
     *,
-    operating_point: float,
-    axis: str | None,
-    frequency: float,
-    cycles: int | None,
-    out: Path | None,
-    csv: Path | None,
-) -> None:
-    """Test an isolator or a law cyclically, print measures of its loops, draw them, and write them if asked. In SI units."""
-    isolator, stem, rated = _load(source, axis)
+    amplitudes: Annotated[
+        list[float] | None, Parameter(name=("--amplitudes", "--amplitudes-mm"), consume_multiple=True, negative=())
+    ] = None,
+    operating_point_mm: float = 0.0,
+    axis: Literal["roll", "shear", "axial"] | None = None,
+    frequency: float = 1.0,
+    cycles: Integer | None = None,
+    out: Path | None = None,
+    csv: Path | None = None,
+) -> int:
+    """Test an isolator or a law in a virtual rig: print what its loops measure and draw them.
+
+    Args:
+        source: isolator of the catalogue, or the path of an isolator file or of a law file: a TOML file that holds what stands
+            under an axis of an isolator file, law = "..." and its parameters.
+        amplitudes: of the sine [mm], one or several; 5, 10, 25, 50 and 100 % of the rated travel by default.
+        operating_point_mm: mean deflection [mm], negative in compression; the test ramps there first.
+        axis: the only axis to test; for a law file the axis that it stands for, axial by default.
+        frequency: of the sine [Hz]; without effect on a rate-independent law.
+        cycles: cycles to run before the loop is taken; until it closes by default.
+        out: where the picture is written (.png, .svg, .pdf); NAME-loops.png in the current folder by default.
+        csv: where the loops of one axis are written, in m and N.
+    """
+    from wirerope_mj.cli.isolators import check_picture, say_written
+    from wirerope_mj.content.blocks import Chart
+    from wirerope_mj.content.cyclic_tests import CyclicTests, loops_content
+    from wirerope_mj.foundation.arguments import positive
+    from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of
+    from wirerope_mj.mounts.test_rig import cyclic_test, save_cyclic_test
+    from wirerope_mj.views.plots.png_chart import save_charts
+    from wirerope_mj.views.terminal import show
+
+    device, stem, rated = _load(source, axis)
     picture = Path(f"{stem}-loops.png") if out is None else out
     check_picture(picture)
-    laws = _chosen(isolator, axis)
+    laws = _chosen(device, axis)
     if csv is not None:
         _check_csv(csv, laws)
     if amplitudes is None and not rated:
         raise ValueError(f"{source} is a law without a rated travel: say at which `--amplitudes` [mm] to test it.")
-    for size in amplitudes or ():
-        positive("--amplitudes", 1e3 * size, unit="mm")
-    tests = {}
-    for title, (one, law) in laws.items():
-        sizes = amplitudes if amplitudes is not None else amplitudes_of(isolator, one, _FRACTIONS)
-        tests[title] = cyclic_test(law, sizes, operating_point=operating_point, frequency=frequency, cycles=cycles)
-    _print(isolator, {title: law for title, (_, law) in laws.items()}, tests, operating_point, frequency)
-    _write(isolator, laws, tests, frequency, picture, csv)
+    sizes = None if amplitudes is None else [positive("--amplitudes", size, unit="mm") / 1e3 for size in amplitudes]
+    mean = operating_point_mm / 1e3
+    found = {
+        title: cyclic_test(
+            law,
+            sizes or amplitudes_of(device, one, _FRACTIONS),
+            operating_point=mean,
+            frequency=frequency,
+            cycles=cycles,
+        )
+        for title, (one, law) in laws.items()
+    }
+    tested = {title: law for title, (_, law) in laws.items()}
+    content = loops_content(
+        CyclicTests(isolator=device, laws=tested, loops=found, operating_point=mean, frequency=frequency)
+    )
+    show(content)
+    save_charts([block for block in content.blocks() if isinstance(block, Chart)], picture, title=device.name)
+    say_written(picture)
+    if csv is not None:
+        save_cyclic_test(next(iter(found.values())), csv, frequency=frequency)
+        say_written(csv)
+    return 0
 
 
-def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
+def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
     """Return the isolator, a name for its files, and whether it may have ratings; a law file is an isolator of one axis."""
+    import tomllib
+
+    from wirerope_mj.foundation.resources import catalogue_folder
+    from wirerope_mj.foundation.toml_file import toml_content
+    from wirerope_mj.mounts.isolator import Isolator, Limits, Travel, read_law
+    from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
+
     given = Path(source)
     path = given if given.is_file() else find_isolator(source, beside=catalogue_folder())
     if isinstance(path, VendorPart):
@@ -86,18 +113,20 @@ def _load(source: str, axis: str | None) -> tuple[Isolator, str, bool]:
     return load_isolator(path), path.stem, True
 
 
-def _chosen(isolator: Isolator, axis: str | None) -> dict[str, tuple[str, Law]]:
+def _chosen(device: "Isolator", axis: str | None) -> "dict[str, tuple[str, Law]]":
     """Return axis and law by title of what is tested."""
+    from wirerope_mj.mounts.isolator.amplitudes import distinct_axes
+
     if axis is None:
-        return {title: (one, law) for title, one, law in distinct_axes(isolator)}
-    law = isolator.axes[axis]
+        return {title: (one, law) for title, one, law in distinct_axes(device)}
+    law = device.axes[axis]
     if law is None:
-        present = ", ".join(name for name, other in isolator.axes.items() if other is not None)
-        raise ValueError(f"`--axis {axis}`: {isolator.name} has no force on this axis, only on {present}.")
+        present = ", ".join(name for name, other in device.axes.items() if other is not None)
+        raise ValueError(f"`--axis {axis}`: {device.name} has no force on this axis, only on {present}.")
     return {axis: (axis, law)}
 
 
-def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
+def _check_csv(csv: Path, laws: "Mapping[str, tuple[str, Law]]") -> None:
     """Raise ValueError unless the loops can be written as `csv`."""
     if len(laws) > 1:
         raise ValueError(f"`--csv` holds the loops of one axis: name it with --axis; here are {', '.join(laws)}.")
@@ -107,75 +136,37 @@ def _check_csv(csv: Path, laws: Mapping[str, tuple[str, Law]]) -> None:
         raise ValueError(f"`--csv`: there is no folder {str(csv.resolve().parent)!r}.")
 
 
-def _print(
-    isolator: Isolator,
-    laws: Mapping[str, Law],
-    tests: Mapping[str, list[Loop]],
-    operating_point: float,
-    frequency: float,
-) -> None:
-    """Print parameters, measures of every loop, and those of all loops of an axis."""
-    screen = console()
-    about = "" if operating_point == 0.0 else f", about {1e3 * operating_point:.4g} mm"
-    rate = "" if all(law.rate_independent for law in laws.values()) else f", at {frequency:g} Hz"
-    screen.print(f"[bold]{escape(isolator.name)}[/]{about}{rate}")
-    for title, law in laws.items():
-        screen.print(f"  {title}: {escape(describe(law))}")
-        if isinstance(law, Hysteresis | EnhancedDryFriction) and law.z_max < math.inf:
-            form = law.normalised
-            screen.print(
-                f"  {title}, normalised: z_max = {form.z_max:.6g} N, x_y = {1e3 * form.x_y:.6g} mm, "
-                f"sigma = {form.sigma:.6g}, n = {form.n:.6g}",
-                soft_wrap=True,
-            )
-    rows = [[title, *_row(loop, laws[title])] for title, loops in tests.items() for loop in loops]
-    print_table(Table(title="", columns=_COLUMNS, rows=rows))
-    for title, loops in tests.items():
-        print_lines(f"{title}: {text}" for text in _findings(loops))
+def laws(
+    *files: Path,
+    elements: int = 5,
+    law: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+) -> int:
+    """Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.
 
+    Prints the error of each law at each amplitude, root mean square in percent of half of the force range as `identify` does,
+    of the fit to all loops and of the fit to all others. A difference of the Bayesian criterion (BIC) of ten or more counts.
+    The law with the smallest errors on amplitudes left out is the one to trust between those that were tested. A law with too
+    many parameters for one amplitude less has none; it is recommended where it fits far better than every law that has. Of
+    cycles beyond the largest tested one no error speaks.
 
-def _row(loop: Loop, law: Law) -> list[Cell]:
-    """Return a loop's measures; a rate-dependent force turns round smoothly and has no tangent to state."""
-    tangents = loop.tangents_at_reversal if law.rate_independent else (None, None)
-    closed = f"{loop.cycles}" if loop.closure <= 1e-10 else f"{loop.cycles}, open by {loop.closure:.1g}"
-    return [
-        loop.amplitude, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio, *tangents, closed,
-    ]  # fmt: skip
+    Args:
+        files: records, one or several.
+        elements: Jenkin elements of a masing law.
+        law: names of the laws to compare; five by default, from three parameters up.
+    """
+    from wirerope_mj.content.cyclic_tests import law_choice_statement
+    from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.mounts.identification.choice import USUAL, compare_laws
+    from wirerope_mj.mounts.identification.records import read_tests
+    from wirerope_mj.mounts.laws import LAWS
+    from wirerope_mj.views.terminal import print_block
 
-
-def _findings(loops: Sequence[Loop]) -> list[str]:
-    """Return measures of the loops of an axis together, as far as their number allows."""
-    texts = []
-    amplitudes = {loop.amplitude for loop in loops}
-    if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > 1e-9:
-        try:
-            overlap = hardening_overlap(loops)
-            texts.append(f"hardening overlap {overlap:.3f} (0: all amplitudes load along one path in tension)")
-        except ValueError as error:
-            texts.append(f"no hardening overlap: {error}")
-    if len(amplitudes) >= 3:
-        texts.append(softening_to_hardening(loops).message)
-    return texts
-
-
-def _write(
-    isolator: Isolator,
-    laws: Mapping[str, tuple[str, Law]],
-    tests: Mapping[str, list[Loop]],
-    frequency: float,
-    picture: Path,
-    csv: Path | None,
-) -> None:
-    """Write picture and file and print their paths."""
-    from wirerope_mj.views.plots.loops import save_cyclic_tests
-
-    titled = {
-        title if law.rate_independent else f"{title}, {frequency:g} Hz": tests[title]
-        for title, (_, law) in laws.items()
-    }
-    save_cyclic_tests(titled, picture, title=isolator.name)
-    screen = console()
-    screen.print(f"written: {escape(str(picture))}", soft_wrap=True)
-    if csv is not None:
-        save_cyclic_test(next(iter(tests.values())), csv, frequency=frequency)
-        screen.print(f"written: {escape(str(csv))}", soft_wrap=True)
+    if unknown := [name for name in law or () if name not in LAWS]:
+        raise ValueError(f"`--law`: there is no law {unknown[0]!r}; the laws are {', '.join(sorted(LAWS))}.")
+    kinds = [LAWS[name] for name in law] if law else USUAL
+    measured = [loop for one in read_tests(files, stop=False).values() for loop in one]
+    table = compare_laws(measured, laws=kinds, elements=elements)
+    for line in str(table).splitlines():
+        print(plain(line))
+    print_block(law_choice_statement(table, " ".join(map(str, files))))
+    return 0

@@ -1,5 +1,6 @@
-"""`wirerope modes`: the modes of a model about its sagged position."""
+"""`wirerope modes`: the modes of a model about its equilibrium."""
 
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Literal
 
@@ -16,12 +17,11 @@ def modes(
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Print the modes of a model where it rests: frequencies, damping, what moves, and how far from tipping over.
+    """Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.
 
-    Frequencies of small cycles stand first, the limit as their amplitude vanishes; then those of the tangents at rest on
-    further loading and on unloading from the chosen history; then, for every amplitude, those of cycles of that size with their
-    damping. Small cycles lie between the tangents unless a law has gamma > beta or an elastic part that bends. The folder holds
-    the values and a recording in which the model moves in one mode shape after the other.
+    Natural frequencies of small amplitude stand first, with those of the tangents at rest; then, for every amplitude, frequency
+    and damping of cycles of that size, which are those to quote for a shock. The folder holds the values and a recording in
+    which the model moves in one mode shape after the other.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
@@ -33,6 +33,41 @@ def modes(
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
         force: replace what is there.
     """
-    from wirerope_mj.cli.modes_tables import modes_command
+    from rich.markup import escape
 
-    return modes_command(model, history, amplitude_mm or [], ddam=ddam and (ship, ddam), out=out, force=force)
+    from wirerope_mj.content.modes import modes_content
+    from wirerope_mj.dynamics.modes import modes as modes_of
+    from wirerope_mj.engine.statics import model_warnings
+    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.foundation.arguments import positive
+    from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.foundation.errors import RecordError
+    from wirerope_mj.runs.folder import check_target
+    from wirerope_mj.runs.modes import KIND, MARKS, write_modes
+    from wirerope_mj.views.terminal import console, print_warnings, show
+
+    sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
+    system = load_system(model)
+    target = out or Path("runs") / f"{system.name}-modes-{datetime.now():%Y%m%d-%H%M%S}"
+    alone = target.suffix == ".rrd"
+    if alone and target.exists() and not force:
+        raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
+    if alone:
+        check_writable(target)
+    else:
+        check_target(target, force=force, kind=KIND, marks=MARKS)
+    print_warnings(model_warnings(system))
+    small = modes_of(system, history=history)
+    large = [modes_of(system, history=history, amplitude=size) for size in sizes]
+    if alone:
+        from wirerope_mj.dynamics.modes.animation import animated_modes
+        from wirerope_mj.views.recording.modes import record_modes
+
+        record_modes(animated_modes(system, small), target, title=system.name, larger=large)
+    else:
+        write_modes(system, system.name, [small, *large], target, force=force)
+    show(modes_content(system, small, large, ddam=ddam and (ship, ddam)))
+    screen, written = console(), f"{target}" if alone else f"{target}/"
+    screen.print(f"\n  written to {escape(written)}", soft_wrap=True)
+    screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
+    return 0

@@ -4,7 +4,7 @@ import math
 import sys
 from pathlib import Path
 
-from wirerope_mj.cli.exit_codes import DIFFERENT
+from wirerope_mj.cli.options import DIFFERENT
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.runs.repeat import Replay
 

@@ -8,9 +8,7 @@ from typing import Annotated, Any
 
 from cyclopts import App, Parameter
 
-from wirerope_mj.cli.exit_codes import BAD_INPUT
-from wirerope_mj.cli.function_options import listing_options, own_option, run_with_options
-from wirerope_mj.cli.numerics_options import NUMERICS, with_numerics
+from wirerope_mj.cli.options import BAD_INPUT, NUMERICS, listing_options, own_option, run_with_options, with_numerics
 from wirerope_mj.cli.printed_run import run_and_print
 from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.foundation.payload_limits import limit_from_text

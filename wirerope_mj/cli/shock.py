@@ -9,7 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.numerics_options import with_numerics
+from wirerope_mj.cli.options import with_numerics
+from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.errors import RecordError
 
 if TYPE_CHECKING:
@@ -21,8 +22,6 @@ RING_DOWN = 10.0
 """Periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left."""
 
 Phrases = Annotated[list[str] | None, Parameter(negative=())]
-
-_AXES = ("x", "y", "z")
 
 
 def shock(
@@ -122,7 +121,7 @@ def shock(
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.motions import Sweep, load_record
-    from wirerope_mj.motions.levels import motion_of_levels
+    from wirerope_mj.motions.restore import motion_of_levels
     from wirerope_mj.motions.spoken import motion_from_phrase
     from wirerope_mj.runs.scenario import Scenario
 
@@ -224,7 +223,7 @@ def _channels(record: Path, channels: Sequence[str] | None, direction: str | Non
         for item, (name, _, _) in zip(channels, pairs, strict=True):
             if not name:
                 raise ValueError(f"`--channels` are NAME=DIRECTION, for instance ch3=z, got {item!r}.")
-        return {name: _vector(text, "--channels") for name, _, text in pairs}
+        return {name: direction_in(text, "--channels") for name, _, text in pairs}
     names = tuple(channels) if channels is not None else record_channels(record)
     if len(names) != 1 or "=" in names[0]:
         raise ValueError(
@@ -233,20 +232,4 @@ def _channels(record: Path, channels: Sequence[str] | None, direction: str | Non
             "--direction z."
         )
     assert direction is not None
-    return {names[0]: _vector(direction, "--direction")}
-
-
-def _vector(text: str, option: str) -> str | tuple[float, ...]:
-    """Return an axis or a vector."""
-    if text in _AXES:
-        return text
-    if text[:1] in "+-" and text[1:] in _AXES:
-        sign = -1.0 if text[0] == "-" else 1.0
-        return tuple(sign * (axis == text[1:]) for axis in _AXES)
-    try:
-        numbers = tuple(float(part) for part in text.split(","))
-    except ValueError:
-        numbers = ()
-    if len(numbers) != 3:
-        raise ValueError(f"`{option}` takes x, y, z, -x, -y, -z or a vector such as 1,1,0, got {text!r}.")
-    return numbers
+    return {names[0]: direction_in(direction, "--direction")}

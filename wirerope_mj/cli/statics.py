@@ -12,19 +12,19 @@ def statics(model: str, *, json: Path | None = None) -> int:
     """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
-    part of the load has leaked away; both stand side by side. Exits 1 if only one of them exists, and says why.
+    part of the load has leaked away; both stand below each other. Exits 1 if only one of them exists, and says why.
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
-    from wirerope_mj.cli.statics_tables import print_statics
+    from wirerope_mj.content.statics import statics_content
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.statics import model_warnings, static_table
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.atomic_files import check_writable
-    from wirerope_mj.views.terminal import print_warnings
+    from wirerope_mj.views.terminal import print_warnings, show
 
     if json is not None:
         check_writable(json)
@@ -34,7 +34,7 @@ def statics(model: str, *, json: Path | None = None) -> int:
     table = static_table(system)
     verdicts = static_load_verdicts(table)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
-    print_statics(system.name, table, verdicts, stability)
+    show(statics_content(system.name, table, verdicts, stability))
     if json is not None:
         content = table.to_dict() | {
             "model_warnings": list(warnings),

@@ -14,8 +14,8 @@ from wirerope_mj.content.record import record_blocks
 from wirerope_mj.content.run_spectra import BASE, moving_axes
 from wirerope_mj.content.spectra import base_spectrum_chart
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import BaseMotion

@@ -47,6 +47,7 @@ class SceneView:
         moved: the same at an instant, relative to its base; None for the modelled geometry alone, with labels.
         ring: name and position (3,) [m] of what is ringed; None for nothing.
         exceeded: whether the ring is red.
+        absent: names of mounts that are not fitted, whose places are crossed; the others have no labels then. None: labels.
         id: the same in every output.
     """
 
@@ -55,6 +56,7 @@ class SceneView:
     moved: Scene | None = None
     ring: tuple[str, Array] | None = None
     exceeded: bool = False
+    absent: tuple[str, ...] | None = None
     id: str = ""
 
 

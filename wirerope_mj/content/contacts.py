@@ -12,7 +12,7 @@ from wirerope_mj.content.panels import Curve, Panel, short, stacked
 from wirerope_mj.content.selection import or_other
 from wirerope_mj.content.verdicts import TONE
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.contacts import ContactPeak
+from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.foundation.units import in_unit

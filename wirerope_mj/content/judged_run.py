@@ -21,10 +21,9 @@ from wirerope_mj.content.selection import Selection, select
 from wirerope_mj.dynamics.modes import Modes, modes
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
-from wirerope_mj.engine.statics.result import HISTORIES
+from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.errors import Absent, WireRopeError
 from wirerope_mj.motions import BaseMotion, Sweep, motion_from_dict
 from wirerope_mj.motions.records.record import record_warnings
 from wirerope_mj.mounts.isolator import Validity

@@ -3,14 +3,13 @@
 from collections.abc import Iterator
 
 from wirerope_mj.content.blocks import Block, SceneView, Statement
+from wirerope_mj.content.isolator import provenance_statement, ratings_table
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.numbers import ABSENT, fixed, number, several, with_unit
+from wirerope_mj.content.numbers import fixed, several
 from wirerope_mj.content.scene_outline import axial_direction, crowded_label, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.mounts.laws import Law, Stop
 
 _FEW = 12
 """Mounts and stops that are listed in any case."""
@@ -32,9 +31,9 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
     yield _mounts(run)
     devices = _devices(run)
     if devices:
-        yield _isolators(devices)
+        yield ratings_table(devices)
         for device in devices:
-            yield _provenance(device)
+            yield provenance_statement(device)
 
 
 def _summary(run: JudgedRun) -> str:
@@ -96,50 +95,3 @@ def _devices(run: JudgedRun) -> list[Isolator]:
         if device not in devices:
             devices.append(device)
     return devices
-
-
-def _isolators(devices: list[Isolator]) -> Table:
-    rows = []
-    for device in devices:
-        travel, size = device.limits.travel, device.geometry
-        laws = dict.fromkeys(law.name for law in device.axes.values() if law is not None)
-        sizes = (size.height, size.width) if size else (None, None)
-        ratings = (getattr(travel, rating) for rating in RATINGS)
-        rows.append((device.name, device.provenance.kind, ", ".join(laws), *sizes, device.limits.static_load, *ratings))
-    names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
-    values = [Column("height", "mm"), Column("width", "mm"), Column("static load", "kN")]
-    return Table(
-        id="isolators",
-        title="Isolators and their ratings",
-        columns=(*names, *values, *(Column(rating, "mm") for rating in RATINGS)),
-        rows=rows,
-        note=f"{ABSENT}: not stated, and so not judged.",
-    )
-
-
-def _provenance(device: Isolator) -> Statement:
-    stated = device.provenance
-    text = f"{device.name}: {stated.kind} figures. "
-    text += f"Source: {stated.source.rstrip('.')}. " if stated.source else "No source is stated. "
-    text += f"Fitted to: {stated.fitted_to.rstrip('.')}." if stated.fitted_to else "Nothing is said of a fit."
-    text += "".join(_stop_words(axis, law) for axis, law in device.axes.items() if law is not None)
-    if device.stiffening is not None:
-        text += f" Stiffened by its first cycles, {device.stiffening.description}."
-    assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
-    return Statement(id=f"source-{device.name}", text=text, items=assumed)
-
-
-def _stop_words(axis: str, law: Law) -> str:
-    """Return where the stops on an axis close and how stiff they are, "" without one."""
-    text = ""
-    for stop in [part for part in law.components if isinstance(part, Stop)]:
-        sides = ((stop.gap_below, "below"), (stop.gap_above, "above"))
-        gaps = " and ".join(f"{with_unit(gap, 'm')} {side}" for gap, side in sides if gap is not None)
-        if stop.k is None:
-            force = f"points up to {with_unit(stop.forces[-1], 'N')} at {with_unit(stop.depths[-1], 'm')} beyond it"
-        elif stop.exponent == 1.0:
-            force = f"{with_unit(stop.k, 'kN/m')} beyond it"
-        else:
-            force = f"exponent {number(stop.exponent)} beyond it"
-        text += f" Stop, {axis}: gap {gaps}, {force}."
-    return text

@@ -8,7 +8,7 @@ from wirerope_mj.content.panels import Chart, Panel, short
 from wirerope_mj.content.payload import sweep_chart
 from wirerope_mj.content.selection import main_direction
 from wirerope_mj.content.spectra import densities_chart, shock_chart
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 

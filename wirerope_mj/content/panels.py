@@ -7,15 +7,25 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-BASE, OTHERS = "base", "others"
-"""Kinds of curves beside the numbered ones of the table of colours."""
+BASE, OTHERS, LIMIT = "base", "others", "limit"
+"""Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """A line: positions (n,), a name, and its kind, the number of a colour, `BASE` or `OTHERS`; `marks`: dots instead.
+    """A line, dots, or bars.
 
-    `peak` is its largest value and where it is, of every step and not of the positions alone; None where nobody asks.
+    Attributes:
+        x, y: positions, (n,).
+        name: in the legend; "" for none.
+        kind: number of a colour, `BASE`, `OTHERS` or `LIMIT`.
+        marks: whether dots are drawn at the positions instead of a line.
+        bars: height of the bars that go from zero to each x instead; 0 for none.
+        ends: of an interval across the end of each bar, (n, 2).
+        dash: "dashed" or "dotted".
+        weight: width of the line, size of the dots, times the usual.
+        opacity: from 0 to 1, by which curves of a family are told apart.
+        peak: largest value and where it is, of every step and not of the positions alone; None where nobody asks.
     """
 
     x: Array
@@ -23,7 +33,37 @@ class Curve:
     name: str
     kind: int | str
     marks: bool = False
+    bars: float = 0.0
+    ends: Array | None = None
+    dash: str = ""
+    weight: float = 1.0
+    opacity: float = 1.0
     peak: tuple[float, float] | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Field:
+    """Values over two axes as colours of cells.
+
+    Attributes:
+        x, y: edges of the cells, (n_x + 1,) and (n_y + 1,), rising.
+        values: (n_y, n_x); NaN for none.
+        name: of what they are, with the unit.
+        limit: beyond which a value is set apart; None for none.
+    """
+
+    x: Array
+    y: Array
+    values: Array
+    name: str
+    limit: float | None = None
+
+
+Note = tuple[float, float, str, bool]
+"""A text beside a position, and whether it stands on its left."""
+
+Ticks = Sequence[tuple[float, str]]
+"""Positions along an axis with their texts; empty for round numbers."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -34,7 +74,12 @@ class Panel:
         curves: the first in front.
         ylabel, xlabel, title: texts; "" for none.
         limits: levels that are dashed, with their names.
+        xlimits: the same across.
         dots: positions of single points.
+        notes: texts at positions.
+        field: behind the curves; None for none.
+        yticks, xticks: where round numbers would not do: names of bars, angles.
+        bands: ranges across that are shaded, with their names.
         xlim, ylim: ranges; None for what the curves take.
         log: whether both axes are logarithmic, or only the one across ("x").
         unit, xunit: of the values that are read.
@@ -45,7 +90,13 @@ class Panel:
     xlabel: str = ""
     title: str = ""
     limits: Sequence[tuple[str, float]] = ()
+    xlimits: Sequence[tuple[str, float]] = ()
     dots: Sequence[tuple[float, float]] = ()
+    notes: Sequence[Note] = ()
+    field: Field | None = None
+    yticks: Ticks = ()
+    xticks: Ticks = ()
+    bands: Sequence[tuple[str, float, float]] = ()
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
     log: str = ""

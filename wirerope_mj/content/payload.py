@@ -18,7 +18,7 @@ from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, worst_names
 from wirerope_mj.content.spectra import spectra_blocks
 from wirerope_mj.content.verdicts import used_mark
-from wirerope_mj.foundation.absent import Absent
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions import Sweep
@@ -41,7 +41,7 @@ def payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
     limited = "those with limits come first, the most critical before the others; then "
     chosen = f"{limited if run.response.scene.limits else ''}those with the largest accelerations"
     yield replace(
-        _histories(run, worst),
+        accelerations_chart(run, worst),
         id="accelerations",
         caption=f"Absolute accelerations of {listed(worst)} and of the base; {chosen}.",
         alt=f"Histories of the accelerations of {listed(worst)} and the base along x, y and z.",
@@ -105,7 +105,7 @@ def _random(verdicts: Sequence[Verdict]) -> Table | None:
     )
 
 
-def _histories(run: JudgedRun, names: Sequence[str]) -> Chart:
+def accelerations_chart(run: JudgedRun, names: Sequence[str]) -> Chart:
     """Draw the accelerations of the base and of some bodies or points over time, a panel for each axis with any."""
     base = base_acceleration(run.response, run.motion)
     lines = []

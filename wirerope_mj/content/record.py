@@ -93,12 +93,14 @@ def record_chart(played: Record) -> Chart:
             )
         rows.append(row)
     along, text = listed(["xyz"[axis] for axis in axes]), baseline_text(played)
+    velocity, displacement = ends(played)
+    left = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
     how = "as measured and as it is played" if corrected else "as it is played"
     return Chart(
         id=f"record-{played.path.name}",
         rows=rows,
         height=95.0,
-        caption=f"The whole record {played.path.name} along {along}, {how}, {text}.",
+        caption=f"The whole record {played.path.name} along {along}, {how}, {text}. At its end {left}.",
         alt=f"Histories of {played.path.name} along {along}, {how}.",
     )
 

@@ -11,11 +11,12 @@ from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
 from wirerope_mj.content.deck import deck_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import model_blocks
+from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.content.payload import acceleration_blocks, payload_blocks
 from wirerope_mj.content.record import warnings_of
-from wirerope_mj.content.rest import modes_blocks, statics_blocks
+from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import answer_blocks, full_table, grounds_blocks, headline
 from wirerope_mj.content.worst import worst_instant
 from wirerope_mj.engine.response import Numerics
@@ -27,6 +28,10 @@ _START = {
     "relaxed": "at rest in the relaxed equilibrium, as after long vibration",
     "unloaded": "in the modelled geometry, with unloaded mounts",
 }
+
+
+SUMMARY_SECTIONS = ("warnings", "answer", "accelerations", "mounts", "contacts")
+"""Sections that a terminal and a summary show."""
 
 
 def run_content(run: JudgedRun) -> Content:
@@ -51,8 +56,8 @@ def run_content(run: JudgedRun) -> Content:
             _section(run, "mounts", "Peaks of the mounts", mount_blocks, "summary"),
             _section(run, "contacts", "Stops and contacts", contact_blocks, "summary"),
             _section(run, "model", "Model and mounts", model_blocks),
-            _section(run, "statics", "At rest under gravity", statics_blocks),
-            _section(run, "modes", "Modes", modes_blocks),
+            _section(run, "statics", "At rest under gravity", run_statics_blocks),
+            _section(run, "modes", "Modes", run_modes_blocks),
             _section(run, "base", "Base motion", base_blocks),
             _section(run, "payload", "What reaches the payload", payload_blocks),
             _section(run, "mounts-in-motion", "Mounts in motion", mount_history_blocks),

@@ -9,8 +9,8 @@ import numpy as np
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions import BaseMotion, RandomVibration
 from wirerope_mj.motions.spectra import (
     PowerSpectralDensity,
@@ -18,7 +18,7 @@ from wirerope_mj.motions.spectra import (
     power_spectral_density,
     shock_response_spectrum,
 )
-from wirerope_mj.motions.spectra.arguments import octave_grid
+from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
 
 BASE = "base"

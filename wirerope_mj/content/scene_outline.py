@@ -7,7 +7,7 @@ import scipy
 
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 
 LONGEST_LABEL = 5
 """Letters of a mount's name that fit beside its mark; where one is longer, all mounts are numbered."""

@@ -12,17 +12,15 @@ from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, short
 from wirerope_mj.content.run_spectra import acceleration_along
 from wirerope_mj.content.selection import Selection, kind_of
-from wirerope_mj.foundation.absent import Absent
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import ShockResponseSpectrum
 
-_DECADES, _POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
+_DECADES, POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
 _ABOVE = 1.15  # of the largest, where the axis ends
 _STILL = 1e-6  # [m/s^2]: an rms that is rounding
-
-SRS_LABEL = "SRS, peak absolute acceleration [g]"
 
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
@@ -35,13 +33,18 @@ def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
         yield _rms(run)
 
 
+def _srs_label(q: float) -> str:
+    return f"SRS, Q = {q:g}: peak acceleration [g]"
+
+
 def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
     """Return the base's spectra: absolute acceleration and pseudo-velocity over frequency, a line for each axis.
 
     Args:
         spectra: by axis, "x", "y", "z".
     """
-    parts = ((SRS_LABEL, "g"), ("pseudo-velocity [m/s]", "m/s"))
+    q = next(iter(spectra.values())).q
+    parts = ((_srs_label(q), "g"), (f"pseudo-velocity, Q = {q:g} [m/s]", "m/s"))
     row = []
     for number, (label, unit) in enumerate(parts):
         curves = [
@@ -53,8 +56,7 @@ def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
             )
             for axis, one in spectra.items()
         ]
-        row.append(_panel(curves, label, unit))
-    q = next(iter(spectra.values())).q
+        row.append(spectrum_panel(curves, label, unit))
     return Chart(
         id="base-spectrum",
         rows=[row],
@@ -77,7 +79,7 @@ def shock_chart(run: JudgedRun) -> Chart:
     held = f"up to {run.spectra.held:.3g} Hz" if run.spectra.held else "nowhere"
     q = next(iter(first.values())).q
     return replace(
-        _panels(lines, f"SRS, Q = {q:g}: peak acceleration [g]", run.selection, unit="g"),
+        _panels(lines, _srs_label(q), run.selection, unit="g"),
         id="payload-spectra",
         caption=f"Shock response spectra of {listed(names)} and of the base, maximax, Q = {q:g}: what equipment meets "
         "that stands there. Where the payload's line lies above the base's, isolation makes it worse. "
@@ -97,7 +99,7 @@ def densities_chart(run: JudgedRun) -> Chart:
     first = next(iter(densities.values()))
     one, names = next(iter(first.values())), listed([name for name in first if name != BASE])
     return replace(
-        _panels(lines, "PSD [g²/Hz]", run.selection, decades=_POWER_DECADES, unit="g²/Hz"),
+        _panels(lines, "PSD [g²/Hz]", run.selection, decades=POWER_DECADES, unit="g²/Hz"),
         id="densities",
         caption=f"Power spectral densities of {names} and of the base while the response is stationary: "
         f"{one.duration:.4g} s, resolution {one.resolution:.3g} Hz, {several(one.segments, 'segment')}, so that each "
@@ -148,13 +150,13 @@ def _panels(
             for number, (name, (f, y)) in enumerate(along.items())
         ]
         curves.sort(key=lambda curve: curve.kind == BASE)  # which lies behind
-        row.append(_panel(curves, "" if row else label, unit, title=f"along {axis}", decades=decades))
+        row.append(spectrum_panel(curves, "" if row else label, unit, title=f"along {axis}", decades=decades))
     return Chart(rows=[row], height=190.0)
 
 
-def _panel(curves: list[Curve], label: str, unit: str, *, title: str = "", decades: float = _DECADES) -> Panel:
+def spectrum_panel(curves: list[Curve], label: str, unit: str, *, title: str = "", decades: float = _DECADES) -> Panel:
     """Return a panel with logarithmic axes, as far down as matters."""
-    high = _ABOVE * max(float(curve.y.max()) for curve in curves)
+    high = _ABOVE * max(float(curve.y.max()) for curve in curves) or 1.0  # nothing moved: an empty paper
     low = max(min(float(curve.y.min()) for curve in curves) / _ABOVE, high * 10.0**-decades)
     ends = min(float(curve.x[0]) for curve in curves), min(float(curve.x[-1]) for curve in curves)
     return Panel(

@@ -1,8 +1,10 @@
 """Tables of a study's results, the same on the screen, on a page and in a recording."""
 
+import math
 from dataclasses import replace
 from typing import Any
 
+from wirerope_mj.content.study_statements import exceedance_text
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.results.indices import SobolIndices
@@ -11,11 +13,12 @@ from wirerope_mj.studies.results.statistics import CONFIDENCE
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
 from wirerope_mj.studies.results.varied import varied_of
 
+_WORST, _INPUTS, _EFFECTS, _FEW = 10, 4, 15, 8  # rows and columns that are read, and effects at once
 _LONG = 14  # letters of a heading that stands on two lines where lines are short
 
 
 def varied_table(study: StudyDefinition) -> Table:
-    """Return the quantities that vary: kinds and units, what the model says of them, and their distributions."""
+    """Tabulate the quantities that vary: kinds and units, what the model says of them, and their distributions."""
     rows = []
     for one in varied_of(study):
         group = one.distribution.group
@@ -25,11 +28,12 @@ def varied_table(study: StudyDefinition) -> Table:
                 f"{one.kind} [{one.unit}]" if one.unit else one.kind,
                 one.model,
                 one.distribution_text,
-                "each its own" if one.distribution.each else "one for all",
+                f"independent per {one.name.partition('/')[0]}" if one.distribution.each else "common",
             )
         )
-    heads = ("quantity", "is a", "in the model", "values", "of what the name matches")
+    heads = ("quantity", "is a", "in the model", "values", "sampling")
     return Table(
+        id="varied",
         title=f"Quantities that vary in {study.name}",
         columns=[Column(head, align="text") for head in heads],
         rows=rows,
@@ -38,12 +42,13 @@ def varied_table(study: StudyDefinition) -> Table:
 
 
 def measures_table(summary: StudySummary) -> Table:
-    """Return the statistics of each measure: percentiles of sampled variants, smallest and median of listed ones."""
+    """Tabulate the statistics of each measure: percentiles of sampled variants, smallest and median of listed ones."""
     sampled = summary.result.is_sampled
     heads = [f"{100.0 * q:.0f} %" for q in QUANTILES] if sampled else ["smallest", "median"]
     meanings = "; ".join(f"{one.name.replace('_', ' ')}: {one.text}" for one in summary.measures)
     percentiles = " A percentile is given if at least five variants lie beyond it." if sampled else ""
     return Table(
+        id="measures",
         title="Measures and their percentiles" if sampled else "Measures",
         columns=[
             Column("measure", align="left"),
@@ -58,11 +63,12 @@ def measures_table(summary: StudySummary) -> Table:
 def _measure_row(one: Statistics, sampled: bool) -> list[Cell]:
     column = one.measure.column
     values = [one.nominal, *(one.quantiles if sampled else (one.smallest, one.median)), one.largest]
-    row: list[Cell] = [column.title(), *map(column.text, values), str(one.variant)]
+    texts = [column.text(value) if math.isfinite(value) else None for value in values]
+    row: list[Cell] = [column.title(), *texts, str(one.variant)]
     if one.beyond is None:
         return [*row, None, None]
     tone = "exceeded" if one.beyond.count else "within"
-    return [*row, column.text(one.measure.limit), Mark(one.beyond_text, tone)]
+    return [*row, column.text(one.measure.limit), Mark(exceedance_text(one.beyond, one.ratio), tone)]
 
 
 def indices_tables(summary: StudySummary) -> list[Table]:
@@ -75,6 +81,7 @@ def _indices_table(indices: SobolIndices) -> Table:
     few = " So few base rows say nothing: take more." if indices.too_few else ""
     rows = "1 base row" if indices.rows == 1 else f"{indices.rows} base rows"
     return Table(
+        id=f"indices-{indices.measure}",
         title=f"Variance explained of: {measure_of(indices.measure).text}",
         columns=[
             Column("factor", align="text"),
@@ -88,31 +95,36 @@ def _indices_table(indices: SobolIndices) -> Table:
     )
 
 
-def effects_table(summary: StudySummary, most: int) -> Table | None:
-    """Return the effects of the strongest inputs; None of fewer than two."""
+def effects_table(summary: StudySummary) -> Table | None:
+    """Tabulate the effects of the strongest inputs; None of fewer than two."""
     if len(summary.effects) < 2:
         return None
-    certain = {True: Mark("yes", "strong"), False: Mark("unsure", "quiet")}
+    significant = {True: Mark("yes", "strong"), False: Mark("no", "quiet")}
     return Table(
+        id="effects",
         title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
         columns=[
             Column("input", align="text"),
             Column("first-order index", "%", ".1f"),
-            Column("above chance", align="left"),
+            Column("significant", align="left"),
             Column("rank correlation", form="+.2f"),
         ],
-        rows=[(one.name, max(one.index, 0.0), certain[one.certain], one.rank) for one in summary.effects[:most]],
-        note="Estimated from the variants as they are. Above chance: yes, if an input without any effect would hardly reach "
-        "such an index; unsure, if it might. What is missing to 100 % comes from inputs that act together, and from what so "
+        rows=[
+            (one.name, max(one.index, 0.0), significant[one.certain], one.rank) for one in summary.effects[:_EFFECTS]
+        ],
+        shown=_FEW,
+        note="Estimated from the variants as they are. Significant: an input without any effect would hardly reach such an "
+        "index. What is missing to 100 % comes from inputs that act together, and from what so "
         "few variants do not show. If some inputs rise and fall together, what they explain in common is counted for the "
         "strongest alone.",
     )
 
 
-def worst_table(summary: StudySummary, count: int, *, inputs: int) -> Table:
-    """Return the variants with the largest values of the measure that is looked at most, with their strongest inputs."""
-    names = summary.ranked_inputs[:inputs]
+def worst_table(summary: StudySummary) -> Table:
+    """Tabulate the variants with the largest values of the measure that is looked at most, with their strongest inputs."""
+    names = summary.ranked_inputs[:_INPUTS]
     return Table(
+        id="worst-variants",
         title=f"Worst variants by {summary.by}, with the inputs that matter most",
         columns=[
             Column("variant", align="left"),
@@ -125,7 +137,7 @@ def worst_table(summary: StudySummary, count: int, *, inputs: int) -> Table:
                 *(row[measure.name] for measure in summary.measures),
                 *(input_cell(row[name]) for name in names),
             )
-            for row in summary.worst(count)
+            for row in summary.worst(_WORST)
         ],
         note=f"Not shown: {', '.join(summary.left_out)}." if summary.left_out else "",
     )

@@ -15,7 +15,7 @@ from wirerope_mj.content.verdicts import ordered
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 
 _SEEN = 0.06  # of the drawing's extent, which the largest displacement may take
 _FACTORS = (100.0, 50.0, 20.0, 10.0, 5.0, 2.0, 1.0)

@@ -18,18 +18,16 @@ from wirerope_mj.foundation.half_written import (
     set_aside,
 )
 
+# A command that removes what was left of a folder is done with it in a few milliseconds; one that writes it is not [s].
 _PATIENCE = 1.0
-"""A command that removes what was left of a folder is done with it in a few milliseconds; one that writes it is not [s]."""
 
 
 @contextmanager
 def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
     """Yield a temporary file that is renamed to `path` when the block ends well, and removed when it does not.
 
-    Args:
-        path: of the file; the temporary one lies in the same folder and has the same ending.
-        clear: whether what killed processes left in its folder is removed first: for one who writes there once. Looking through
-            a folder of many thousand files for each of them would take hours.
+    It lies in the same folder and has the same ending. With `clear`, what killed processes left there is removed first: for one
+    who writes there once. Looking through a folder of many thousand files for each of them would take hours.
 
     Raises:
         RecordError: nothing can be written in its folder.
@@ -60,11 +58,7 @@ def check_writable(path: Path) -> None:
 def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> None:
     """Raise RecordError unless `folder` may be written: nothing is there, or a folder of its kind that `force` replaces.
 
-    Args:
-        folder: where something is to be written.
-        force: whether it may replace another of its kind.
-        kind: of folder, for messages.
-        marks: files by which one is known.
+    `kind` is what messages call it, `marks` are the files by which one is known.
     """
     if not folder.exists() and not folder.is_symlink():
         return

@@ -7,21 +7,17 @@ from pathlib import Path
 
 from wirerope_mj.foundation.errors import BudgetError
 
+# Of the memory that is free: what is made of the numbers, sorted, drawn and written, takes as much again.
 MEMORY_SHARE = 0.5
-"""Of the memory that is free: what is made of the numbers, sorted, drawn and written, takes as much again."""
-
+# Of the disk that is free: report, recording and pictures go beside the samples.
 DISK_SHARE = 0.9
-"""Of the disk that is free: report, recording and pictures go beside the samples."""
-
+# Time of a step of one system at the least [s]: of those that stand side by side in the kernel, on a few cores. A system
+# alone takes 1 to 3 us, MuJoCo ten times as much; so what is refused would have taken longer than is said.
 STEP = 1e-7
-"""Time of a step of one system at the least [s]: of those that stand side by side in the kernel, on a few cores. A system alone
-takes 1 to 3 us, MuJoCo ten times as much; so what is refused would have taken longer than is said."""
-
+# Time of a computation at the most [s]: a week.
 LONGEST = 7 * 86_400.0
-"""Time of a computation at the most [s]: a week."""
-
+# Free memory where the system does not say [B]: a small computer's.
 UNKNOWN_MEMORY = 4e9
-"""Free memory where the system does not say [B]: a small computer's."""
 
 _MEMINFO = Path("/proc/meminfo")
 _GROUPS = (
@@ -32,12 +28,9 @@ _UNITS = ("B", "kB", "MB", "GB", "TB", "PB", "EB")
 
 
 def require_memory(what: str, size: float, remedy: str) -> None:
-    """Raise BudgetError if numbers take more memory than there is for them.
+    """Raise BudgetError if numbers of a size [B] at the least take more memory than there is for them.
 
-    Args:
-        what: what takes it, as the beginning of the message: "the samples of this run".
-        size: how much at the least [B].
-        remedy: what to do instead, as a sentence.
+    The message begins with `what` takes it, as "the samples of this run", and ends with the `remedy`, a sentence.
     """
     if size < 1e6:
         return  # nobody need look

@@ -9,33 +9,24 @@ from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
 
+# Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
+# unit, and integrals of what is left are finite.
 LARGEST = 1e15
-"""Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
-unit, and integrals of what is left are finite."""
-
+# Characters that no text holds, but for tabs and what ends a line or a page.
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
-"""Characters that no text holds, but for tabs and what ends a line or a page."""
 
 _DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
 
 
 @dataclass(frozen=True)
 class Header:
-    """The line of a CSV file that names its columns.
+    """The line of a CSV file that names its columns."""
 
-    Attributes:
-        path: of the file.
-        line: number of the header's line, counted from 1.
-        delimiter: between the cells.
-        names: of the columns, units taken off.
-        units: of the columns; None where the header has none.
-    """
-
-    path: Path
-    line: int
-    delimiter: str
-    names: tuple[str, ...]
-    units: tuple[str | None, ...]
+    path: Path  # of the file
+    line: int  # number of the header's line, counted from 1
+    delimiter: str  # between the cells
+    names: tuple[str, ...]  # of the columns, units taken off
+    units: tuple[str | None, ...]  # of the columns; None where the header has none
 
     @property
     def location(self) -> str:
@@ -63,12 +54,9 @@ class Header:
 
 
 def read_header(path: Path, *, kind: str, example: str) -> Header:
-    """Return the header of a CSV file, the first line that is neither empty nor begins with #.
+    """Read the header of a CSV file, the first line that is neither empty nor begins with #.
 
-    Args:
-        path: of the file.
-        kind: what the file should be, for messages: "cyclic test".
-        example: a header as such a file has it.
+    Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
 
     Raises:
         RecordError: the file cannot be read, is empty or no text.

@@ -1,6 +1,7 @@
-"""Errors of the project: what is wrong, where, what exists, what to try."""
+"""Errors of the project: what is wrong, where, what exists, what to try; and results that are absent."""
 
 import errno
+from dataclasses import dataclass
 
 from wirerope_mj.foundation.plain_text import short
 
@@ -71,3 +72,10 @@ def why_unread(error: OSError) -> str:
     if error.errno == errno.ENODEV:
         return "this is not a regular file but a pipe or a device. Write its content into a file, and name that."
     return f"the system cannot read it ({error.strerror}). Copy it to another place, and try again."
+
+
+@dataclass(frozen=True, kw_only=True)
+class Absent:
+    """A result that could not be had, and a sentence that says why."""
+
+    reason: str

@@ -18,31 +18,23 @@ from wirerope_mj.foundation.errors import RecordError
 
 Column = npt.NDArray[Any]
 
+# Endings of files, and what is written into them.
 ENDINGS = {".csv": "csv", ".h5": "hdf5", ".hdf5": "hdf5", ".mat": "mat"}
-"""Endings of files, and what is written into them."""
-
+# Letters of a name that MATLAB reads.
 _LONGEST = 63
-"""Letters of a name that MATLAB reads."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Exported:
-    """A table as other programs take it.
+    """A table as other programs take it."""
 
-    Attributes:
-        names: of the columns, parts of a name apart by "/".
-        units: of each column; "" for none.
-        column: returns one column by its position, (n,), numbers or texts.
-        blocks: yields all columns some rows after the other, so that a long table is never in memory as a whole.
-        about: texts that are kept with it where the format has room.
-        grouped: whether "/" makes groups in HDF5; else "." stands for it there, as where a name is also that of a group.
-    """
-
-    names: Sequence[str]
-    units: Sequence[str]
-    column: Callable[[int], Column]
+    names: Sequence[str]  # of the columns, parts of a name apart by "/"
+    units: Sequence[str]  # of each column; "" for none
+    column: Callable[[int], Column]  # returns one column by its position, (n,), numbers or texts
+    # yields all columns some rows after the other, so that a long table is never in memory as a whole
     blocks: Callable[[], Iterator[Sequence[Column]]]
-    about: Mapping[str, str]
+    about: Mapping[str, str]  # texts that are kept with it where the format has room
+    # whether "/" makes groups in HDF5; else "." stands for it there, as where a name is also that of a group
     grouped: bool = True
 
     @property

@@ -23,18 +23,17 @@ try:
 except ImportError:  # Windows has no such locks: there what a killed process leaves must be removed by hand
     fcntl = None  # type: ignore[assignment]
 
+# In every hidden name: nobody else's files have it, so that none of them is ever removed.
 _MARK = "wirerope"
-"""In every hidden name: nobody else's files have it, so that none of them is ever removed."""
 
 _FILE = re.compile(rf"\..*\.[a-z0-9_]{{8}}\.{_MARK}\.part(\.[^.]+)?")
 _FOLDER = re.compile(rf"\.(?P<name>.+)\.{_MARK}\.part")
 _ASIDE = re.compile(rf"\.(?P<name>.+)\.[0-9a-f]{{8}}\.{_MARK}\.old")
 
+# Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file.
 _FULL = (errno.ENOSPC, errno.EDQUOT, errno.EFBIG)
-"""Errors of the operating system that say that there is no room: on the disk, in the quota, or for so large a file."""
-
+# Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here.
 HELD, TAKEN, GONE, UNKNOWN = "held", "taken", "gone", "unknown"
-"""Outcomes of locking: it is ours, another process has it, nothing is there to lock, or there are no locks here."""
 
 
 @contextmanager
@@ -81,11 +80,7 @@ def hidden_folder(folder: Path, *, patience: float = 0.0) -> Iterator[Path | Non
     """Yield the hidden folder in which `folder` is written, empty and locked, or None if another process writes `folder`.
 
     There is one for each folder, so that two processes never write the same one. Where there are no locks nobody is kept out.
-    It is removed if it is still there.
-
-    Args:
-        folder: that is written.
-        patience: time for which another process may hold the hidden folder [s], perhaps only to remove what was left in it.
+    It is removed if it is still there. For `patience` [s] another process may hold it, perhaps only to remove what was left.
 
     Raises:
         RecordError: no folder can be made there.

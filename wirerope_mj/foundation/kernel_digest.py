@@ -15,8 +15,8 @@ from numba.core.dispatcher import Dispatcher
 from numba.extending import _Intrinsic as Intrinsic
 
 _PACKAGE = Path(__file__).resolve().parents[1]
-_SHARED = ("jit.py", "lane_types.py", "lane_choices.py", "lane_math.py", "lanes.py")
-"""Files of this folder that say how every kernel is compiled, or teach Numba types and functions."""
+# Files of this folder that say how every kernel is compiled, or teach Numba types and functions.
+_SHARED = ("jit.py", "lane_types.py", "lane_choices.py", "lanes.py")
 
 
 @cache

@@ -3,7 +3,7 @@
 The name of a file holds a digest of the kernel's code and of all that it reaches (`kernel_digest`), of the types it is compiled
 for, of the versions of Python, Numba and LLVM, and of the processor. So a file is right or is not found, nothing is ever
 written twice with different contents, and processes need not know of each other. Files are looked for in the package, which
-ships them compiled for a level of processors (`cpu_level`), then in the user's cache. Reading one executes what it holds: the
+ships them compiled for a level of processors (`level`), then in the user's cache. Reading one executes what it holds: the
 cache is a folder of the user's that the environment names and no file does, and counts only while nobody else may write it.
 """
 
@@ -19,26 +19,86 @@ from pathlib import Path
 from typing import Any
 
 import llvmlite
+import llvmlite.binding as llvm
 import numba
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
 
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.cpu_level import level
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.kernel_digest import digest
-from wirerope_mj.foundation.own_files import file_doubt, folder_doubt
 
+_V2 = ("cx16", "popcnt", "sahf", "sse3", "ssse3", "sse4.1", "sse4.2")
+_V3 = (*_V2, "avx", "avx2", "bmi", "bmi2", "f16c", "fma", "lzcnt", "movbe", "xsave")
+# Names of the levels as LLVM has them, the highest first, and the features that a processor of that level has. Source: System
+# V ABI, AMD64 supplement, table 3.1.
+LEVELS = {"x86-64-v3": _V3, "x86-64-v2": _V2}
+# Whether the system has owners and modes; on Windows a folder of the user's profile is the user's by its access list.
+_KNOWN = hasattr(os, "geteuid")
 numba.core.config._config_fname = ""  # it looks for a file of settings in the current folder whenever it compiles
-
+# Folder of the kernels that a built package brings along.
 SHIPPED = Path(__file__).resolve().parents[1] / "_kernels"
-"""Folder of the kernels that a built package brings along."""
-
+# Files whose code this process uses.
 LOADED: list[Path] = []
-"""Files whose code this process uses."""
-
 _CHECKSUM = hashlib.sha256().digest_size
+
+
+@cache
+def level() -> str | None:
+    """Return the highest level of `LEVELS` that this machine's processor and operating system have, or None."""
+    if not llvm.get_process_triple().startswith("x86_64"):
+        return None
+    present = {name for name, there in llvm.get_host_cpu_features().items() if there}
+    return next((name for name, features in LEVELS.items() if present.issuperset(features)), None)
+
+
+def folder_doubt(folder: Path) -> str:
+    """Say who else may write a folder, or put another one in its place; "" if only its user and the system may.
+
+    The folders above it count, too, and those that links lead through; in one with the sticky bit, such as /tmp, nobody may
+    rename what is somebody else's.
+    """
+    if not _KNOWN:
+        return ""
+    real, above = folder.resolve(), {*folder.absolute().parents, *folder.resolve().parents}
+    doubt = file_doubt(real.stat(), str(real))
+    for parent in sorted(above):
+        if not doubt:
+            doubt = _parent_doubt(parent.stat(), str(parent))
+    return doubt
+
+
+def file_doubt(state: os.stat_result, name: str) -> str:
+    """Say who else may write what has this state; "" if it is the user's and nobody else may."""
+    if not _KNOWN:
+        return ""
+    if state.st_uid != os.geteuid():
+        return f"{name} belongs to another user"
+    return _mode_doubt(state, name)
+
+
+def _parent_doubt(state: os.stat_result, name: str) -> str:
+    if state.st_uid not in (0, os.geteuid()):
+        return f"{name} belongs to another user"
+    return "" if state.st_mode & stat.S_ISVTX else _mode_doubt(state, name)
+
+
+def _mode_doubt(state: os.stat_result, name: str) -> str:
+    group = state.st_mode & stat.S_IWGRP and not _is_own_group(state.st_gid)
+    return f"others may write {name} (chmod go-w)" if state.st_mode & stat.S_IWOTH or group else ""
+
+
+def _is_own_group(number: int) -> bool:
+    """Return whether a group is that of its user alone, as many systems make one for everybody."""
+    import grp
+    import pwd
+
+    try:
+        user, group = pwd.getpwuid(os.geteuid()), grp.getgrgid(number)
+    except KeyError:
+        return False
+    return user.pw_gid == number and group.gr_name == user.pw_name and set(group.gr_mem) <= {user.pw_name}
 
 
 def cache_folder() -> Path:
@@ -137,12 +197,7 @@ def _processors(codegen: Any) -> tuple[tuple[str, ...], ...]:
 
 
 def _read(path: Path, *, own: bool) -> bytes | None:
-    """Return the content of a file, or None: it is not there, cannot be read, or is not whole.
-
-    Args:
-        path: of the file.
-        own: whether it and its folder must be the user's, and nobody else's to write.
-    """
+    """Read a file; None if it is not there, cannot be read or is not whole, or, with `own`, if others may write it."""
     try:
         with open(path, "rb", opener=_opened if own else None) as file:
             state = os.fstat(file.fileno())

@@ -15,18 +15,16 @@ from numba.core.typeconv import Conversion
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import models, register_model
 
+# Lanes of a vector: a register of AVX2, half of one of AVX-512. Fixed, for results must not depend on a machine's choice.
 WIDTH = 4
-"""Lanes of a vector: a register of AVX2, half of one of AVX-512. Fixed, for results must not depend on a machine's choice."""
 
 DOUBLE, LONG, INDEX = ir.DoubleType(), ir.IntType(64), ir.IntType(32)
+# LLVM's types of a float, of integers and of vectors of them.
 VECTOR, LONGS = ir.VectorType(DOUBLE, WIDTH), ir.VectorType(LONG, WIDTH)
-"""LLVM's types of a float, of integers and of vectors of them."""
-
+# How functions of lanes are compiled: into their callers, divisions by zero as in NumPy.
 INLINED = {"forceinline": True, "error_model": "numpy"}
-"""How functions of lanes are compiled: into their callers, divisions by zero as in NumPy."""
-
+# Products may be fused with the sums that they are part of; nothing else may be reordered.
 _CONTRACT = ("contract",)
-"""Products may be fused with the sums that they are part of; nothing else may be reordered."""
 
 
 class LanesType(types.Type):

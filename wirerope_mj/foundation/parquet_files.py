@@ -17,8 +17,8 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import regular
 
+# Key of the JSON text in a file's metadata.
 _KEY = b"wirerope_mj"
-"""Key of the JSON text in a file's metadata."""
 
 
 class TableWriter:
@@ -82,15 +82,10 @@ def write_columns(path: Path, columns: Mapping[str, Any], content: Mapping[str, 
 
 
 def read_table(path: Path, *, kind: str, remedy: str) -> Any:
-    """Return the columns of a file as a `pyarrow.Table`.
-
-    Args:
-        path: the file.
-        kind: what messages call it, with its article.
-        remedy: sentence that says what to do if it is damaged.
+    """Read the columns of a file as a `pyarrow.Table`.
 
     Raises:
-        RecordError: it is not a whole Parquet file.
+        RecordError: it is not a whole Parquet file; `kind` is what messages call it, with its article, `remedy` what to do.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -102,16 +97,10 @@ def read_table(path: Path, *, kind: str, remedy: str) -> Any:
 
 
 def read_content(path: Path, *, kind: str, remedy: str, version: int | None = None) -> tuple[Any, Any]:
-    """Return the `pyarrow.Schema` of a file's columns and its metadata.
-
-    Args:
-        path: the file.
-        kind: as for `read_table`.
-        remedy: as for `read_table`.
-        version: the `format` that the metadata must state; None: it states none.
+    """Read the `pyarrow.Schema` of a file's columns and its metadata, which state `version` as their `format` if one is given.
 
     Raises:
-        RecordError: it is not a whole Parquet file, has no readable metadata, or another format.
+        RecordError: it is not a whole Parquet file, has no readable metadata, or another format; as for `read_table`.
     """
     import pyarrow as pa
     import pyarrow.parquet as pq

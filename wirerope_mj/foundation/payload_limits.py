@@ -8,20 +8,20 @@ from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, LENGTH_UNITS, in_si
 
+# Kinds of limits and how many values each may have.
 SIZES = {"acceleration": (1, 3), "clearance": (3, 6)}
-"""Kinds of limits and how many values each may have."""
 
 UNITS = {"acceleration": "m/s^2", "clearance": "m"}
 
+# Stands between two points in the name of the clearance between them.
 BETWEEN = " to "
-"""Stands between two points in the name of the clearance between them."""
 
 _KNOWN = {"acceleration": ACCELERATION_UNITS, "clearance": LENGTH_UNITS}
 _EXAMPLES = '"acceleration/rack = 15 g", "acceleration/rack = 0 0 15 g" or "clearance/rack_top = 30 30 20 mm"'
 _TEXT = re.compile(r"\s*(\w+)/(.+?)\s*=\s*([-+.\deE\s]+?)\s*([^\d\s.+-][^\s]*)\s*")
 
+# Ways that a clearance limits, in the order of its six values.
 SIDES = ("-x", "+x", "-y", "+y", "-z", "+z")
-"""Ways that a clearance limits, in the order of its six values."""
 
 _LABELS = {1: ("",), 3: ("x", "y", "z"), 6: SIDES}
 

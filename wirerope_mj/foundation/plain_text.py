@@ -3,11 +3,10 @@
 import re
 from unicodedata import category
 
+# Characters to which Markdown gives a meaning; an underscore inside a word has none.
 _SPECIAL = re.compile(r"[\\`*\[\]<>|&#~$!]|(?<![A-Za-z0-9])_|_(?![A-Za-z0-9])")
-"""Characters to which Markdown gives a meaning; an underscore inside a word has none."""
-
+# Beginning of a line that is an item of a list, or makes a heading of the line above.
 _LIST = re.compile(r"^(\s*\d*)([-+=.)])(?=[\s=-]|$)")
-"""Beginning of a line that is an item of a list, or makes a heading of the line above."""
 
 
 def plain(text: str) -> str:

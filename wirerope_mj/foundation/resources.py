@@ -1,5 +1,6 @@
-"""Folders of the models and scenarios that ship with the package, in a checkout and in an installed wheel."""
+"""Folders of the models and scenarios that ship with the package, in a checkout and in a wheel, and versions of packages."""
 
+from importlib.metadata import PackageNotFoundError, version
 from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
 
@@ -64,3 +65,11 @@ def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -
             f"package: {', '.join(shipped_models())}."
         )
     return file
+
+
+def version_of(package: str) -> str:
+    """Return the version of a package, or "of a checkout": it is on the path, but was not installed."""
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "of a checkout"

@@ -1,4 +1,4 @@
-"""Results in a few lines: as text in a terminal, as a small table in a notebook."""
+"""Results in a few lines: as text in a terminal, as a small table in a notebook, as values that JSON knows."""
 
 import math
 from collections.abc import Iterable, Mapping
@@ -13,14 +13,12 @@ from wirerope_mj.foundation.units import shown_in
 
 Item = TypeVar("Item")
 
+# Letters of a value in a summary.
 _LONGEST = 90
-"""Letters of a value in a summary."""
-
+# Letters of a call that is shown as it is.
 _LONGEST_CALL = 1000
-"""Letters of a call that is shown as it is."""
-
+# Lines of a summary: what is longer is looked up by name rather than read.
 MOST_LINES = 12
-"""Lines of a summary: what is longer is looked up by name rather than read."""
 
 
 class Summarised:
@@ -107,3 +105,14 @@ def span(values: tuple[float, float], unit: str) -> str:
     """Return the two ends of a range of an SI unit: "5 to 80 Hz"."""
     shown, factor = shown_in(unit)
     return f"{values[0] * factor:.4g} to {values[1] * factor:.4g} {shown}".strip()
+
+
+def json_values(value: Any) -> Any:
+    """Return a value, or those in dictionaries and lists, as JSON knows them: floats that are NaN or infinite become None."""
+    if isinstance(value, dict):
+        return {name: json_values(item) for name, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [json_values(item) for item in value]
+    if isinstance(value, float):  # NumPy's double is one of them
+        return float(value) if math.isfinite(value) else None
+    return value

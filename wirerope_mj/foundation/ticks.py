@@ -6,34 +6,42 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-_DIGITS = ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))
-"""First digits of the numbers on a logarithmic axis, from many to few; 10, 100, .. are always among them."""
+_DIGITS = ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 2.0, 4.0), (1.0, 3.0), (1.0,))
+"""First digits of the numbers on a logarithmic axis; 10, 100, .. are always among them."""
 
-_ENOUGH = 4
-"""Numbers of `_DIGITS` from which they are the ticks within one decade; with fewer, equal steps are."""
+_CLOSER = 0.9  # of what each of the numbers would have: by so much two of them may stand closer
 
 
 def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
-    """Choose round numbers for a logarithmic axis from `low` to `high`: every decade, and no more than `most` otherwise."""
-    decades = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    for digits in _DIGITS:
-        ticks = (decades[:, None] * np.array(digits)).ravel()
-        ticks = ticks[(ticks >= low * (1.0 - 1e-9)) & (ticks <= high * (1.0 + 1e-9))]
-        if ticks.size <= most:
-            break
-    if high >= 10.0 * low or _ENOUGH <= ticks.size <= most:
-        return ticks
-    # Equal steps crowd towards the upper end of a logarithmic axis: fewer, until the last two stand as far apart as `most` do.
-    for count in range(min(most, 6), 1, -1):
-        equal = linear_ticks(low, high, most=count)
-        if equal.size > 1 and math.log(equal[-1] / equal[-2]) >= math.log(high / low) / (most + 1):
-            return equal
-    return ticks if ticks.size > 1 else linear_ticks(low, high, most=2)
+    """Choose round numbers for a logarithmic axis from `low` to `high`: as many as fit, every power of ten among them.
+
+    Of an axis on which `most` numbers fit, none stand closer than that. Where not even the powers of ten fit, every second,
+    third .. of them stands there; where there are none, numbers are in equal steps.
+    """
+    powers = np.asarray(
+        10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64
+    )
+    equal = [linear_ticks(low, high, most=count) for count in range(min(most, 6), 1, -1)]
+    whole = _inside(powers, low, high)
+    chosen = [(powers[:, None] * np.array(digits)).ravel() for digits in _DIGITS]
+    chosen += [ticks for ticks in equal if all(np.isclose(ticks, power, rtol=1e-9).any() for power in whole)]
+    chosen += [whole[::step] for step in range(2, whole.size)]
+    room = _CLOSER * math.log(high / low) / most
+    fitting = [
+        ticks for one in chosen if (ticks := _inside(one, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room
+    ]
+    if fitting:
+        return max(fitting, key=len)
+    return next((ticks for ticks in equal[::-1] if ticks.size > 1), linear_ticks(low, high, most=6))
+
+
+def _inside(ticks: Array, low: float, high: float) -> Array:
+    return ticks[(ticks >= low * (1.0 - 1e-9)) & (ticks <= high * (1.0 + 1e-9))]
 
 
 def linear_ticks(low: float, high: float, *, most: int = 6) -> Array:
     """Return equally spaced round numbers inside a range, about `most` of them."""
-    rough = math.log10((high - low) / most)
-    steps = math.floor(rough) + np.log10([1.0, 2.0, 5.0, 10.0])
-    step = float(10.0 ** steps[np.abs(steps - rough).argmin()])
+    rough = (high - low) / most
+    power = 10.0 ** math.floor(math.log10(rough))
+    step = power * min((1.0, 2.0, 5.0, 10.0), key=lambda digit: abs(math.log(digit * power / rough)))
     return np.asarray(np.arange(math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9) + 1) * step)

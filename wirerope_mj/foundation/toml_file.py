@@ -9,11 +9,7 @@ from wirerope_mj.foundation.regular_files import regular
 
 
 def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
-    """Return the content of a TOML file.
-
-    Args:
-        path: of the file.
-        kind: of file, for messages: "isolator file".
+    """Read a TOML file, which messages call a `kind`, as "isolator file".
 
     Raises:
         ModelError: the file cannot be read, is no text or is not TOML; names file, line and column, and what to do.

@@ -1,9 +1,6 @@
 """Base motion: shocks, sines, sweeps, random vibration and measured records; motions add with +."""
 
-from wirerope_mj.motions.decaying import DecayingSine
-from wirerope_mj.motions.design_spectrum import DesignSpectrum
-from wirerope_mj.motions.double_half_sine import DoubleHalfSine
-from wirerope_mj.motions.double_triangle import DoubleTriangle
+from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce, PayloadForce
@@ -13,44 +10,16 @@ from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.restore import motion_from_dict
 from wirerope_mj.motions.scaled import Scaled, Turned
+from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
-from wirerope_mj.motions.table_shock import ShockTableImpact
-from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, ac156_spectrum, en1998_spectrum
+from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, DesignSpectrum, ac156_spectrum, en1998_spectrum
 from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines, banded_lines
 
 __all__ = [
-    "EN1998_TYPE_1",
-    "BaseMotion",
-    "DecayingSine",
-    "DesignSpectrum",
-    "DoubleHalfSine",
-    "DoubleTriangle",
-    "ForceTable",
-    "HalfSine",
-    "HarmonicForce",
-    "PayloadForce",
-    "RandomVibration",
-    "Record",
-    "Sawtooth",
-    "Scaled",
-    "ShockTableImpact",
-    "Sine",
-    "SpectrumMatch",
-    "SumOfMotions",
-    "Sweep",
-    "Trapezoid",
-    "Turned",
-    "Unbalance",
-    "VelocityStep",
-    "VibrationLines",
-    "ac156_spectrum",
-    "banded_lines",
-    "en1998_spectrum",
-    "load_record",
-    "match_spectrum",
-    "motion_from_dict",
-    "psd_from_g",
-    "psd_level",
-    "psd_rms",
-]
+    "EN1998_TYPE_1", "BaseMotion", "DecayingSine", "DesignSpectrum", "DoubleHalfSine", "DoubleTriangle", "ForceTable",
+    "HalfSine", "HarmonicForce", "PayloadForce", "RandomVibration", "Record", "Sawtooth", "Scaled",
+    "ShockTableImpact", "Sine", "SpectrumMatch", "SumOfMotions", "Sweep", "Trapezoid", "Turned", "Unbalance",
+    "VelocityStep", "VibrationLines", "ac156_spectrum", "banded_lines", "en1998_spectrum", "load_record",
+    "match_spectrum", "motion_from_dict", "psd_from_g", "psd_level", "psd_rms",
+]  # fmt: skip

@@ -1,4 +1,7 @@
-"""Smooth rise and fall of a vibration, so that the base starts and ends at rest."""
+"""Smooth rise and fall of a vibration, so that the base starts and ends at rest, and its random phases.
+
+Phases and amplitudes are the same for a seed on every machine and with every version of NumPy.
+"""
 
 from dataclasses import dataclass
 
@@ -8,28 +11,21 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.motion import unique_times
 
+# periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most
 USUAL_PERIODS = 10.0
-"""Periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most."""
 
+# fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency
 USUAL_FRACTION = 0.1
-"""Fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Envelope:
-    """Factor that rises from 0 to 1 as s^3 (10 - 15 s + 6 s^2), s from 0 to 1, and falls likewise: its curvature has no jump.
+    """Factor that rises from 0 to 1 as s^3 (10 - 15 s + 6 s^2), s from 0 to 1, and falls likewise: no jump of curvature."""
 
-    Attributes:
-        start: instant at which the rise begins [s].
-        stop: instant at which the fall ends [s]; infinite: it never falls.
-        rise: length of the rise [s]; 0: the factor was always 1.
-        fall: length of the fall [s].
-    """
-
-    start: float
-    stop: float
-    rise: float
-    fall: float
+    start: float  # instant at which the rise begins [s]
+    stop: float  # instant at which the fall ends [s]; infinite: it never falls
+    rise: float  # length of the rise [s]; 0: the factor was always 1
+    fall: float  # length of the fall [s]
 
     def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
         """Return the factor and its first two derivatives at the times (n_t,)."""
@@ -88,3 +84,25 @@ def _step(s: Array) -> tuple[Array, Array, Array]:
 
 def _one(t: Array) -> tuple[Array, Array, Array]:
     return np.ones_like(t), np.zeros_like(t), np.zeros_like(t)
+
+
+def random_phases(seed: int, count: int) -> Array:
+    """Return phases from 0 to 2 pi [rad], (count,).
+
+    They are made here from the raw bits of PCG64, whose stream is fixed; NumPy's distributions may change.
+    """
+    return 2 * np.pi * _uniform(seed, count)
+
+
+def random_amplitudes(seed: int, count: int) -> Array:
+    """Return amplitudes of Rayleigh's distribution whose mean square is 1, (count,); independent of the phases.
+
+    With phases of `random_phases` they make sines and cosines of normal distribution: A = sqrt(-ln(1 - U)), U from 0 to 1
+    being the numbers of the stream that follow those of the phases.
+    """
+    return np.sqrt(-np.log1p(-_uniform(seed, 2 * count)[count:]))
+
+
+def _uniform(seed: int, count: int) -> Array:
+    bits = np.random.PCG64(seed).random_raw(count)
+    return 2.0**-53 * (bits >> np.uint64(11)).astype(float)

@@ -141,8 +141,7 @@ class Sweep(StraightMotion):
         velocity: float | None = None,
         displacement: float | None = None,
     ) -> None:
-        object.__setattr__(self, "start", ranges.frequency("start", start))
-        object.__setattr__(self, "stop", ranges.frequency("stop", stop))
+        self._set(start=ranges.frequency("start", start), stop=ranges.frequency("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         object.__setattr__(self, "rate", ranges.sweep_rate("rate", rate))
@@ -151,8 +150,7 @@ class Sweep(StraightMotion):
         )
         object.__setattr__(self, "quantity", quantity)
         object.__setattr__(self, "amplitude", ranges.level(quantity, amplitude))
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "duration", self.course.duration)
+        self._set(direction=checked_direction(direction), duration=self.course.duration)
 
     @cached_property
     def course(self) -> Course:

@@ -15,12 +15,12 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.summary import AsCall
 
+# corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
-"""Corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours."""
 
 
+# instants below which a product with three components costs least at once; of thousands it costs a quarter one by one
 _FEW = 200
-"""Instants below which a product with three components costs least at once; of thousands it costs a quarter one by one."""
 
 
 class BaseMotion(ABC):
@@ -34,8 +34,7 @@ class BaseMotion(ABC):
             of a sum from time zero; infinite for an endless sine. `end` is the instant after which it is over.
     """
 
-    kind: ClassVar[str]
-    """Name of the motion in stored files."""
+    kind: ClassVar[str]  # name of the motion in stored files
 
     duration: float
 
@@ -122,6 +121,11 @@ class BaseMotion(ABC):
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
         """Return the constructor's arguments as plain values."""
 
+    def _set(self, **values: Any) -> None:
+        """Set attributes of a frozen motion while it is made."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
     def __add__(self, other: "BaseMotion") -> "SumOfMotions":
         """Return the motion that is the sum of the two."""
         if not isinstance(other, BaseMotion):
@@ -180,15 +184,11 @@ class StartedMotion(StraightMotion):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SumOfMotions(AsCall, BaseMotion):
-    """Several base motions at once; made by `a + b`.
-
-    Attributes:
-        terms: the motions that are added, none of them a sum itself.
-    """
+    """Several base motions at once; made by `a + b`."""
 
     kind: ClassVar[str] = "sum"
 
-    terms: "tuple[BaseMotion, ...]"
+    terms: "tuple[BaseMotion, ...]"  # the motions that are added, none of them a sum itself
     duration: float = field(init=False, repr=False)
 
     def __post_init__(self) -> None:

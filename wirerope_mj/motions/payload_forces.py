@@ -15,8 +15,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion
 
-MOST_ROWS = 20_000
-"""Rows of a table of forces, which is stored with its run as text: two megabytes."""
+MOST_ROWS = 20_000  # rows of a table of forces, which is stored with its run as text: two megabytes
 
 
 class PayloadForce(BaseMotion):
@@ -107,8 +106,7 @@ class HarmonicForce(PayloadForce):
 
     def __post_init__(self) -> None:
         self._check()
-        object.__setattr__(self, "frequency", ranges.frequency("frequency", self.frequency))
-        object.__setattr__(self, "phase", finite("phase", self.phase))
+        self._set(frequency=ranges.frequency("frequency", self.frequency), phase=finite("phase", self.phase))
         if self.duration != math.inf:
             object.__setattr__(self, "duration", ranges.length("duration", self.duration))
         for name in ("force", "moment"):
@@ -173,8 +171,7 @@ class ForceTable(PayloadForce):
         if times[0] < 0.0 or (np.diff(times) <= 0.0).any():
             raise ValueError("`times` must increase from 0 on.")
         object.__setattr__(self, "times", tuple(times.tolist()))
-        object.__setattr__(self, "loads", tuple(tuple(row) for row in loads.tolist()))
-        object.__setattr__(self, "duration", float(times[-1]))
+        self._set(loads=tuple(tuple(row) for row in loads.tolist()), duration=float(times[-1]))
 
     def _wrench(self, t: Array) -> Array:
         table = np.array(self.loads)

@@ -2,13 +2,18 @@
 
 import math
 import re
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
+from pathlib import Path
+from typing import Any
 
-from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.directions import Direction, directions_in
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
+from wirerope_mj.motions.motion import BaseMotion
 
+# quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min
 UNITS: dict[str, Mapping[str, float]] = {
     "acceleration": ACCELERATION_UNITS,
     "velocity": {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254, "ft/s": 0.3048},
@@ -21,33 +26,32 @@ UNITS: dict[str, Mapping[str, float]] = {
     "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
     "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
 }
-"""Quantities that a unit tells apart, and what one of each unit is in SI; of a sweep rate in octaves/min."""
-
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
-_AXES = re.compile(r"[xyz]{1,3}")
-_SIGNED_AXIS = re.compile(r"([-+])([xyz])")
-_VECTOR = re.compile(r"[^,]+,[^,]+,[^,]+")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Phrase:
-    """What a phrase says.
+    """What a phrase says."""
 
-    Attributes:
-        quantities: values in SI by quantity ("acceleration", "time", ...), in the order of the phrase.
-        named: value in SI of every word that stood before a number, such as "at"; an integer of "seed".
-        directions: directions of motion; several where axes were named together, as in "xyz".
-    """
-
+    # values in SI by quantity ("acceleration", "time", ...), in the order of the phrase
     quantities: dict[str, tuple[float, ...]]
-    named: dict[str, float]
-    directions: tuple[Direction, ...]
+    named: dict[str, float]  # value in SI of every word that stood before a number, such as "at"; an integer of "seed"
+    directions: tuple[Direction, ...]  # directions of motion; several where axes were named together, as in "xyz"
+
+    @property
+    def start(self) -> float:
+        """Instant at which the motion begins [s]: what stands behind "at"."""
+        return self.named.get("at", 0.0)
+
+    def one(self, quantity: str) -> float:
+        """Return the first value of a quantity in SI."""
+        return self.quantities[quantity][0]
 
 
 def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
-    """Return what a phrase says.
+    """Parse a phrase into quantities, words with values, and directions.
 
     Args:
         text: numbers with units, a direction and words, in any order, separated by spaces: "15 g 11 ms z at 50 ms". A range is
@@ -76,7 +80,7 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
                 raise ValueError(f'"{part}" stands there twice.')
             word = part
             continue
-        found = _direction(part)
+        found = directions_in(part)
         if found and not word:
             if directions:
                 raise ValueError(f'"{part}" is a second direction; name axes together, as in "xz", or give a vector.')
@@ -112,24 +116,6 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     )
 
 
-def _direction(part: str) -> tuple[Direction, ...]:
-    """Return the directions that a part names; none if it is not one."""
-    if _AXES.fullmatch(part) and len(set(part)) == len(part):
-        return tuple(part)
-    signed = _SIGNED_AXIS.fullmatch(part)
-    if signed:
-        sign = -1.0 if signed[1] == "-" else 1.0
-        x, y, z = (sign if axis == signed[2] else 0.0 for axis in "xyz")
-        return (signed[2],) if sign > 0.0 else ((x, y, z),)
-    if _VECTOR.fullmatch(part):
-        try:
-            x, y, z = (float(number) for number in part.split(","))
-        except ValueError:
-            return ()
-        return ((x, y, z),)
-    return ()
-
-
 def _number(part: str) -> tuple[float, str]:
     match = _NUMBER.fullmatch(part)
     if match is None:
@@ -150,3 +136,43 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
         fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'
         raise ValueError(f"{fault}; known are {', '.join(known)}.")
     return _OF_UNIT[unit]
+
+
+START = {"at": "time"}
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpokenMotion:
+    """A kind of motion as a phrase says it."""
+
+    example: str  # a phrase of this kind
+    summary: str  # what it is, for a list of options
+    needs: Mapping[str, int]  # how many values of each quantity there must be
+    # makes the motion along one direction from the phrase, its number among several, and what `begins` returned
+    make: Callable[[Phrase, Direction, int, Any], BaseMotion]
+    words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of what may follow each word
+    needed_words: tuple[str, ...] = ()  # words that must be there
+    # takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text
+    begins: Callable[[str, Path], tuple[Any, str]] | None = None
+    may: Mapping[str, int] = field(default_factory=dict)  # quantities that may be there, and how many values at most
+    directed: bool = True  # whether it has a direction
+
+
+def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, str]]:
+    """Make the reader of the file that a phrase begins with, whose name may hold spaces."""
+
+    def begins(text: str, folder: Path) -> tuple[Any, str]:
+        words = text.split(" ")
+        for count in range(len(words), 0, -1):
+            path = folder / " ".join(words[:count])
+            if isfile(path):
+                return read(path), " ".join(words[count:])
+        raise ValueError(f'there is no file "{short(words[0])}".')
+
+    return begins
+
+
+def site_first(text: str, _: Path) -> tuple[str, str]:
+    """Return the site that a phrase begins with, and what follows."""
+    site, _space, rest = text.strip().partition(" ")
+    return site, rest

@@ -1,15 +1,18 @@
-"""A power spectral density given by points: straight lines on logarithmic axes between them, zero outside."""
+"""A density or a spectrum given by points, straight on logarithmic axes, zero outside; from CSV files, as tables of forces."""
 
 import math
 from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.plain_text import quoted
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, STANDARD_GRAVITY, TIME_UNITS, in_si
 
 Points = tuple[tuple[float, float], ...]
 
@@ -97,3 +100,66 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
     """Return a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
     checked = checked_points("points", points, quantity="level [g^2/Hz]")
     return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)
+
+
+PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
+    ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3"), 1.0
+)
+FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
+
+ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)
+_MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
+_FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
+
+
+def psd_points(path: Path) -> Points:
+    """Read the points (frequency [Hz], level [(m/s^2)^2/Hz]) of a file such as "frequency [Hz], psd [g^2/Hz]"."""
+    return _points(path, PSD_UNITS, kind="power spectral density", example='"frequency [Hz], psd [g^2/Hz]"')
+
+
+def spectrum_points(path: Path) -> Points:
+    """Read the points (frequency [Hz], acceleration [m/s^2]) of a file such as "frequency [Hz], acceleration [g]"."""
+    return _points(path, ACCELERATION_UNITS, kind="response spectrum", example='"frequency [Hz], acceleration [g]"')
+
+
+def force_rows(path: Path) -> ForceRows:
+    """Read times and loads of a file such as "time [s], fx [N], fz [kN], my [N.m]"; what is not there is zero."""
+    header = read_header(path, kind="table of forces", example='"time [s], fz [N], mx [N.m]"')
+    known = ("time", *FORCE_COLUMNS)
+    for name in header.names:
+        if name not in known or header.names.count(name) > 1:
+            raise RecordError(
+                f'{header.location}: column "{short(name)}" is unknown or there twice; columns are time and some of '
+                f"{', '.join(FORCE_COLUMNS)}."
+            )
+    if "time" not in header.names:
+        raise RecordError(f'{header.location}: there is no column "time [s]".')
+    units = [TIME_UNITS if one == "time" else FORCE_UNITS if one[0] == "f" else _MOMENT_UNITS for one in header.names]
+    rows = [dict(zip(header.names, row, strict=True)) for row in _rows(header, units)]
+    loads = tuple(tuple(row.get(name, 0.0) for name in FORCE_COLUMNS) for row in rows)
+    return tuple(row["time"] for row in rows), loads
+
+
+def _rows(header: Header, units: Sequence[Mapping[str, float]]) -> list[tuple[float, ...]]:
+    """Read the rows below a header in SI; `units` are those that each column may have."""
+    factors = [header.factor(number, known) for number, known in enumerate(units)]
+    return [
+        tuple(
+            in_si(number_in(location, name, cell), factor)
+            for name, cell, factor in zip(header.names, cells, factors, strict=True)
+        )
+        for _, location, cells in rows_below(header)
+    ]
+
+
+def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) -> Points:
+    """Read the points of a file of two columns; RecordError, which names the line, if it is not such a table."""
+    header = read_header(path, kind=kind, example=example)
+    if len(header.names) != 2:
+        raise RecordError(
+            f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: {header.listed()}."
+        )
+    try:
+        return checked_points(path.name, _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
+    except ValueError as error:
+        raise RecordError(f"{path}: {error}") from None

@@ -21,25 +21,17 @@ from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 @dataclass(frozen=True, kw_only=True)
 class Pulse(StartedMotion):
-    """Acceleration pulse along one direction: at rest before `start`, coasting at its velocity change after its end.
+    """Acceleration pulse along one direction: at rest before `start`, coasting at its velocity change after its end."""
 
-    Attributes:
-        peak: peak acceleration [m/s^2]; negative for a shock against the direction.
-        duration: length of the pulse [s].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the pulse begins [s].
-    """
-
-    peak: float
-    duration: float
-    direction: Direction
-    start: float = 0.0
+    peak: float  # peak acceleration [m/s^2]; negative for a shock against the direction
+    duration: float  # length of the pulse [s]
+    direction: Direction  # `"x"`, `"y"`, `"z"` or a 3-vector
+    start: float = 0.0  # instant at which the pulse begins [s]
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "peak", ranges.level("peak", self.peak))
         object.__setattr__(self, "duration", ranges.length("duration", self.duration))
-        object.__setattr__(self, "direction", checked_direction(self.direction))
-        object.__setattr__(self, "start", ranges.start("start", self.start))
+        self._set(direction=checked_direction(self.direction), start=ranges.start("start", self.start))
 
     @property
     @abstractmethod
@@ -106,20 +98,7 @@ class HalfSine(Pulse):
 
 
 @dataclass(frozen=True, kw_only=True)
-class _PiecewisePulse(Pulse):
-    """Pulse whose acceleration is linear between a few knots."""
-
-    @cached_property
-    @abstractmethod
-    def _piecewise(self) -> PiecewiseLinear:
-        """The acceleration and its integrals."""
-
-    def _along(self, t: Array, order: int) -> Array:
-        return self._piecewise.derivative(t, order)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Sawtooth(_PiecewisePulse):
+class Sawtooth(Pulse):
     """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2.
 
     Attributes:
@@ -140,9 +119,12 @@ class Sawtooth(_PiecewisePulse):
     def _piecewise(self) -> PiecewiseLinear:
         return PiecewiseLinear(np.array([self.start, self.end]), np.array([0.0, self.peak]))
 
+    def _along(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)
+
 
 @dataclass(frozen=True, kw_only=True)
-class Trapezoid(_PiecewisePulse):
+class Trapezoid(Pulse):
     """Trapezoidal pulse with equal rise and fall r; velocity change A (D - r). With r = 0 it is a rectangle.
 
     Attributes:
@@ -182,6 +164,9 @@ class Trapezoid(_PiecewisePulse):
     def _piecewise(self) -> PiecewiseLinear:
         return PiecewiseLinear(self._knots, np.array([0.0, self.peak, self.peak, 0.0]))
 
+    def _along(self, t: Array, order: int) -> Array:
+        return self._piecewise.derivative(t, order)
+
 
 @dataclass(frozen=True, init=False)
 class VelocityStep(StartedMotion):
@@ -204,9 +189,7 @@ class VelocityStep(StartedMotion):
 
     def __init__(self, *, velocity: float, direction: str | Sequence[float], start: float = 0.0) -> None:
         object.__setattr__(self, "velocity_change", ranges.level("velocity", velocity))
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "start", ranges.start("start", start))
-        object.__setattr__(self, "duration", 0.0)
+        self._set(direction=checked_direction(direction), start=ranges.start("start", start), duration=0.0)
 
     @property
     def corners(self) -> Array:

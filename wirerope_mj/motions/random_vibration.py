@@ -16,20 +16,17 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, plai
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes, random_phases, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
+from wirerope_mj.motions.piecewise import UniformSpline
 from wirerope_mj.motions.psd_lines import Points, checked_points, psd_power, psd_rms
-from wirerope_mj.motions.random_phases import random_amplitudes, random_phases
-from wirerope_mj.motions.spline import UniformSpline
 
 Amplitudes = Literal["fixed", "random"]
 
-KNOTS_PER_PERIOD = 8
-"""Knots of the acceleration in a period of the highest frequency."""
+KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
 
 
-MOST_POINTS = 1e8
-"""Points of a random vibration: a gigabyte, more than an hour up to 2 kHz."""
+MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -92,13 +89,11 @@ class RandomVibration(AsCall, StartedMotion):
     ) -> None:
         object.__setattr__(self, "psd", checked_points("psd", psd, quantity="level"))
         object.__setattr__(self, "duration", ranges.length("duration", duration))
-        object.__setattr__(self, "seed", integer("seed", seed, least=0))
-        object.__setattr__(self, "direction", checked_direction(direction))
+        self._set(seed=integer("seed", seed, least=0), direction=checked_direction(direction))
         for name, length in (("rise", rise), ("fall", fall)):
             object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
         check_room(self.duration, self.rise, self.fall)
-        object.__setattr__(self, "start", ranges.start("start", start))
-        object.__setattr__(self, "amplitudes", one_of("amplitudes", amplitudes, get_args(Amplitudes)))
+        self._set(start=ranges.start("start", start), amplitudes=one_of("amplitudes", amplitudes, get_args(Amplitudes)))
 
     @property
     def rms(self) -> float:

@@ -4,17 +4,12 @@ from typing import Any
 
 from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive
 
-SLOWEST, FASTEST = 1e-6, 1e6
-"""Frequencies [Hz]."""
+SLOWEST, FASTEST = 1e-6, 1e6  # frequencies [Hz]
+SHORTEST, LONGEST = 1e-9, 1e9  # lengths [s]: instants closer than 1e-10 s are one
+LATEST = 1e6  # instants [s]: later ones are not told apart to 1e-10 s
 
-SHORTEST, LONGEST = 1e-9, 1e9
-"""Lengths [s]: instants closer than 1e-10 s are one."""
-
-LATEST = 1e6
-"""Instants [s]: later ones are not told apart to 1e-10 s."""
-
+# magnitudes of accelerations, velocities, displacements, forces, in SI units, and of factors on them
 SMALLEST, LARGEST = 1e-12, 1e12
-"""Magnitudes of accelerations, velocities, displacements, forces, in SI units, and of factors on them."""
 
 
 def frequency(name: str, value: Any, *, least: float = SLOWEST) -> float:

@@ -1,14 +1,17 @@
-"""A base motion from its stored parameters."""
+"""Base motions from stored parameters and from files of levels, and copies of the files that they were read from."""
 
 import inspect
-from collections.abc import Callable, Mapping
+import shutil
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.foundation.arguments import nonzero
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.motions.decaying import DecayingSine
-from wirerope_mj.motions.double_half_sine import DoubleHalfSine
-from wirerope_mj.motions.double_triangle import DoubleTriangle
+from wirerope_mj.foundation.regular_files import file_inside
+from wirerope_mj.foundation.resources import scenarios_folder
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce
@@ -16,7 +19,8 @@ from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocitySt
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.scaled import Scaled, Turned
-from wirerope_mj.motions.table_shock import ShockTableImpact
+from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
+from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
 from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
@@ -78,3 +82,72 @@ def _check_names(kind: str, parameters: Mapping[str, Any], factory: Callable[...
     for names, fault in ((unknown, "unknown"), (missing, "missing")):
         if names:
             raise ModelError(f"Motion {kind!r}: {fault} {', '.join(names)}; its parameters are {', '.join(known)}.")
+
+
+def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]:
+    """Copy the files of some motions to `folder`/inputs and return their names there, relative to `folder`."""
+    names: dict[Path, str] = {}
+    for path in dict.fromkeys(path for motion in motions for path in motion.files):
+        name, number = f"inputs/{path.name}", 1
+        while name in names.values():
+            number += 1
+            name = f"inputs/{path.stem}-{number}{path.suffix}"
+        (folder / "inputs").mkdir(exist_ok=True)
+        shutil.copyfile(path, folder / name)
+        names[path] = name
+    return names
+
+
+def check_records(motion: Mapping[str, Any], folder: Path) -> None:
+    """Raise RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record that is not in the folder."""
+    if "path" in motion:
+        file_inside(folder, motion["path"], "record")
+    for part in (*motion.get("terms", []), *([motion["motion"]] if "motion" in motion else [])):
+        check_records(part, folder)
+
+
+def level_templates() -> dict[str, Path]:
+    """Return the files of levels that ship with the package, to be filled in, by name."""
+    return {path.stem: path for path in sorted((scenarios_folder() / "levels").glob("*.toml"))}
+
+
+def motion_of_levels(path: Path) -> BaseMotion:
+    """Return the sum of the motions of a file of levels.
+
+    The file has `standard`, a text, and tables `[[motion]]`, each of which says one motion, `half-sine = "15 g 11 ms z"`, and
+    maybe `factor`. A file that a phrase names lies beside it.
+
+    Raises:
+        ModelError: the file cannot be read, a key is unknown, or a level is still open; names the file and the motion.
+        RecordError: a file that it names cannot be read.
+    """
+    content = read_toml(path, "file of levels")
+    unknown = [key for key in content if key not in ("standard", "motion")]
+    if unknown:
+        raise ModelError(f"{path}: `{unknown[0]}` is unknown; known: standard, motion.")
+    if not isinstance(content.get("standard", ""), str):
+        raise ModelError(f"{path}: `standard` must be a text, got {content['standard']!r}.")
+    tables = content.get("motion", [])
+    if not isinstance(tables, list) or not tables or not all(isinstance(table, dict) for table in tables):
+        raise ModelError(f'{path}: there is no table [[motion]]; one says for instance half-sine = "15 g 11 ms z".')
+    motions = [_motion(path, number, table) for number, table in enumerate(tables, start=1)]
+    return sum(motions[1:], start=motions[0])
+
+
+def _motion(path: Path, number: int, table: dict[str, Any]) -> BaseMotion:
+    location = f"{path}, motion {number}"
+    kinds = [key for key in table if key != "factor"]
+    if len(kinds) != 1 or kinds[0] not in SPOKEN_MOTIONS:
+        raise ModelError(
+            f"{location}: it says one of {', '.join(SPOKEN_MOTIONS)}, and maybe `factor`; got {', '.join(table) or 'nothing'}."
+        )
+    phrase = table[kinds[0]]
+    if not isinstance(phrase, str):
+        raise ModelError(
+            f'{location}: `{kinds[0]}` must be a text such as "{SPOKEN_MOTIONS[kinds[0]].example}", got {phrase!r}.'
+        )
+    try:
+        motion = motion_from_phrase(kinds[0], phrase, folder=path.parent)
+        return Scaled(motion, nonzero("factor", table["factor"])) if "factor" in table else motion
+    except ValueError as error:
+        raise ModelError(f"{location}: {error}") from None

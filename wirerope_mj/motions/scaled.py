@@ -17,8 +17,8 @@ from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 
+# largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
 _SQUARE = 1e-9
-"""Largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits."""
 
 
 @dataclass(frozen=True)
@@ -41,48 +41,39 @@ class _Changed(BaseMotion):
         return self._changed(self.motion._derivative(t, order))
 
     @property
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
+        return tuple((time, self._changed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
+
+    def load(self, site: str, time: ArrayLike) -> Array:
+        return self.motion.load(site, time)  # the body turns it
+
+    @property
     def end(self) -> float:
-        """Instant after which the motion is over [s]."""
         return self.motion.end
 
     @property
     def corners(self) -> Array:
-        """Corners of the other motion [s], (n,)."""
         return self.motion.corners
 
     @property
-    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
-        """Velocity jumps of the other motion, changed as its velocity is."""
-        return tuple((time, self._changed(jump[np.newaxis])[0]) for time, jump in self.motion.velocity_jumps)
-
-    @property
     def events(self) -> tuple[tuple[float, str], ...]:
-        """Events of the other motion."""
         return self.motion.events
 
     @property
     def shortest_time(self) -> float:
-        """Shortest time scale of the other motion [s]."""
         return self.motion.shortest_time
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:
-        """Sites at which forces of the other motion act."""
         return self.motion.loaded_sites
-
-    def load(self, site: str, time: ArrayLike) -> Array:
-        """Return the other motion's forces [N] and moments [N m] at a site, (n_t, 6); the body turns them."""
-        return self.motion.load(site, time)
 
     @property
     def files(self) -> tuple[Path, ...]:
-        """Files of the other motion."""
         return self.motion.files
 
     @property
     def parts(self) -> tuple[BaseMotion, ...]:
-        """Elementary motions of the other motion, as they are before the change."""
-        return self.motion.parts
+        return self.motion.parts  # as they are before the change
 
     @property
     def _quoted(self) -> str:

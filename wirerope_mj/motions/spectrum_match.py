@@ -14,38 +14,55 @@ from wirerope_mj.foundation.directions import checked_direction
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
 from wirerope_mj.motions.psd_lines import Points, checked_points
-from wirerope_mj.motions.random_phases import random_phases
 from wirerope_mj.motions.spectra import shock_response_spectrum
-from wirerope_mj.motions.spectrum_flanks import too_steep
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
-LINES_PER_OCTAVE = 12
-"""Least number of lines, which are also the frequencies at which the spectrum is matched."""
 
+def too_steep(frequencies: Array, target: Array, damping: float) -> str:
+    """Return the message about the flank of a spectrum that is farthest beyond any motion; empty if there is none.
+
+    Of all motions a steady sine at the frequency of one oscillator sets it the most apart from another: the amplifications
+    |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure.
+
+    Args:
+        frequencies: of the oscillators [Hz], rising, (n,).
+        target: asked for there [m/s^2], (n,).
+        damping: damping ratio of the oscillators.
+    """
+    ratio = frequencies[:, np.newaxis] / frequencies  # of sine i over oscillator j
+    responses = np.abs((1 + 2j * damping * ratio) / (1 - ratio**2 + 2j * damping * ratio))
+    possible = np.diag(responses)[:, np.newaxis] / responses
+    wanted = target[:, np.newaxis] / target
+    excess = wanted / possible
+    high, low = np.unravel_index(int(np.argmax(excess)), excess.shape)
+    if excess[high, low] <= 1.0:
+        return ""
+    wanted_db, possible_db = (20 * float(np.log10(ratios[high, low])) for ratios in (wanted, possible))
+    verb = "falls" if high < low else "rises"
+    first, last = sorted((float(frequencies[high]), float(frequencies[low])))
+    return (
+        f"The target {verb} by {wanted_db:.3g} dB from {first:.4g} to {last:.4g} Hz; at a damping ratio of {damping:g} even a "
+        f"steady sine of {frequencies[high]:.4g} Hz sets oscillators there no more than {possible_db:.3g} dB apart. Make that "
+        "flank less steep."
+    )
+
+
+LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
+
+# largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
+# at least one line lies within it. Twelve to an octave for 5 %.
 SPACING_PER_DAMPING = 1.2
-"""Largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
-at least one line lies within it. Twelve to an octave for 5 %."""
+LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %
+SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
+OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
+ITERATIONS = 60  # corrections after which the search ends; those seen took 2 to 22
 
-LEAST_DAMPING = 0.01
-"""Smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %."""
-
-SAMPLES_PER_PERIOD = 20
-"""Samples in a period of the highest frequency: twice what the spectrum asks for."""
-
-OF_A_SAMPLE = 48
-"""Bytes of a line at an instant: its sine and cosine, both lines and what they are made of."""
-
-ITERATIONS = 60
-"""Corrections after which the search ends; those seen took 2 to 22."""
-
+# added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
+# ten times as much or a tenth the search was seen to take two or three times as many corrections.
 REGULARISATION = 1e-3
-"""Added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
-ten times as much or a tenth the search was seen to take two or three times as many corrections."""
-
-FORGOTTEN = 1e-6
-"""Fraction of an impulse response below which it does not matter for a correction."""
+FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matter for a correction
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -153,13 +170,9 @@ def match_spectrum(
         start=start,
     )
     return SpectrumMatch(
-        motion=motion,
-        frequencies=frequencies,
-        target=wanted,
-        achieved=achieved,
-        damping=float(damping),
+        motion=motion, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
         iterations=iterations,
-    )
+    )  # fmt: skip
 
 
 def _comparison(points: Points, damping: float) -> tuple[Array, Array]:

@@ -1,21 +1,201 @@
-"""Base motions, and forces on the payload, from phrases."""
+"""Base motions, and forces on the payload, from phrases: what each kind needs and what makes it."""
 
+from collections.abc import Callable
 from pathlib import Path
+from typing import Any
 
+from wirerope_mj.foundation.directions import Direction, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.phrases import UNITS, Phrase, parse_phrase
-from wirerope_mj.motions.spoken_forces import FORCES
-from wirerope_mj.motions.spoken_kind import SpokenMotion
-from wirerope_mj.motions.spoken_motions import BASE_MOTIONS
+from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce
+from wirerope_mj.motions.phrases import START, UNITS, Phrase, SpokenMotion, file_first, parse_phrase, site_first
+from wirerope_mj.motions.psd_lines import ForceRows, force_rows, psd_points, spectrum_points
+from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.motions.random_vibration import RandomVibration
+from wirerope_mj.motions.shock_machines import DecayingSine
+from wirerope_mj.motions.spectrum_match import match_spectrum
+from wirerope_mj.motions.target_spectra import DesignSpectrum
+from wirerope_mj.motions.unbalance import Unbalance
 
-SPOKEN_MOTIONS: dict[str, SpokenMotion] = BASE_MOTIONS | FORCES
-"""Kinds of motion that a phrase says, by name."""
+LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
+
+Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
+
+
+def _pulse(shape: Callable[..., BaseMotion], *more: str) -> Make:
+    """Make a pulse of one shape; `more` are words whose values it takes by their names."""
+
+    def make(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+        named = {word: phrase.named[word] for word in more}
+        peak, duration = phrase.one("acceleration"), phrase.one("time")
+        return shape(peak=peak, duration=duration, direction=direction, start=phrase.start, **named)
+
+    return make
+
+
+def _double_pulse(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+    spectrum = DesignSpectrum(**{name: phrase.one(name) for name in ("displacement", "velocity", "acceleration")})
+    return spectrum.double_half_sine(direction=direction, start=phrase.start)
+
+
+def _struck_deck(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+    return DecayingSine(
+        frequency=phrase.one("frequency"), damping=phrase.named["damping"], velocity=phrase.one("velocity"),
+        direction=direction, impact_duration=phrase.named["blow"], start=phrase.start,
+    )  # fmt: skip
+
+
+def _sine(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+    frequency, amplitude, length = (phrase.one(quantity) for quantity in ("frequency", "acceleration", "time"))
+    return Sine(frequency=frequency, acceleration=amplitude, direction=direction, duration=length)
+
+
+def _sweep(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+    (start, stop), rate = phrase.quantities["frequency"], phrase.one("sweep rate")
+    return Sweep(start=start, stop=stop, rate=rate, acceleration=phrase.one("acceleration"), direction=direction)
+
+
+def _lasting(phrase: Phrase, direction: Direction, number: int) -> dict[str, Any]:
+    """Read length, seed and ramps of a vibration; along several directions each has a seed of its own."""
+    seed = phrase.named.get("seed", 1.0)
+    if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
+        raise ValueError(f"a seed is an integer from 0 to {LARGEST_SEED}, got {seed:.17g}.")
+    ramps = {"rise": phrase.named.get("rise"), "fall": phrase.named.get("fall"), "start": phrase.start}
+    return {"duration": phrase.one("time"), "seed": int(seed) + number, "direction": direction, **ramps}
+
+
+def _random(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
+    return RandomVibration(psd=points, **_lasting(phrase, direction, number))
+
+
+def _match(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
+    return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number)).motion
+
+
+def _shaft(kind: str) -> Make:
+    """Make the force of an unbalance, its direction the `kind`: axis or line; a time is that of a run-up."""
+
+    def make(phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
+        named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
+        if len(frequencies) != (2 if "time" in phrase.quantities else 1):
+            raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")
+        values: dict[str, Any] = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
+        values |= {"order": named.get("order", 1.0), "start": phrase.start}
+        if len(frequencies) == 2:
+            values |= {"final_frequency": frequencies[1], "run_up": phrase.one("time")}
+        return Unbalance(site=site, **values | ({"duration": named["for"]} if "for" in named else {}))
+
+    return make
+
+
+def _harmonic(quantity: str) -> Make:
+    def make(phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
+        amplitude: dict[str, Any] = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
+        length = phrase.one("time")
+        return HarmonicForce(
+            site=site, frequency=phrase.one("frequency"), duration=length, start=phrase.start, **amplitude
+        )
+
+    return make
+
+
+def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str]:
+    """Take site and table of forces off the beginning of a phrase."""
+    site, rest = site_first(text, folder)
+    rows, left = file_first(force_rows)(rest, folder)
+    return (site, rows), left
+
+
+def _force_table(phrase: Phrase, _: Direction, __: int, begun: tuple[str, ForceRows]) -> BaseMotion:
+    site, (times, loads) = begun
+    return ForceTable(site=site, times=times, loads=loads, start=phrase.start)
+
+
+_PULSE = {"acceleration": 1, "time": 1}
+_LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
+_SHAFT: dict[str, Any] = {
+    "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
+    "may": {"time": 1, "frequency": 2},
+}  # fmt: skip
+
+# kinds of motion that a phrase says, by name: of the base, then forces on the payload
+SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
+    "half-sine": SpokenMotion(
+        example="15 g 11 ms z", summary="half-sine: peak, length, direction", needs=_PULSE, make=_pulse(HalfSine),
+    ),
+    "sawtooth": SpokenMotion(
+        example="20 g 11 ms z", summary="terminal-peak sawtooth: peak, length, direction", needs=_PULSE, make=_pulse(Sawtooth),
+    ),
+    "trapezoid": SpokenMotion(
+        example="10 g 18 ms rise 2 ms z", summary="trapezoid: peak, length, rise, direction", needs=_PULSE,
+        words=START | {"rise": "time"}, needed_words=("rise",), make=_pulse(Trapezoid, "rise"),
+    ),
+    "velocity-step": SpokenMotion(
+        example="2 m/s z", summary="velocity at once", needs={"velocity": 1},
+        make=lambda phrase, direction, *_: VelocityStep(
+            velocity=phrase.one("velocity"), direction=direction, start=phrase.start
+        ),
+    ),
+    "double-pulse": SpokenMotion(
+        example="50 mm 3 m/s 100 g z", summary="double half-sine of a design spectrum d0, v0, a0",
+        needs={"displacement": 1, "velocity": 1, "acceleration": 1}, make=_double_pulse,
+    ),
+    "struck-deck": SpokenMotion(
+        example="14 Hz 1.5 m/s damping 5 % blow 4 ms z",
+        summary="deck of one frequency under a blow: frequency, velocity, damping, length of the blow, direction",
+        needs={"frequency": 1, "velocity": 1}, words=START | {"damping": "ratio", "blow": "time"},
+        needed_words=("damping", "blow"), make=_struck_deck,
+    ),
+    "sine": SpokenMotion(
+        example="0.5 g 12 Hz 10 s z", summary="steady sine: amplitude, frequency, length, direction",
+        needs={"acceleration": 1, "frequency": 1, "time": 1}, words={}, make=_sine,
+    ),
+    "sweep": SpokenMotion(
+        example="0.5 g 5 to 50 Hz 2 oct/min z",
+        summary="logarithmic sine sweep: amplitude, frequencies, rate, direction",
+        needs={"acceleration": 1, "frequency": 2, "sweep rate": 1}, words={}, make=_sweep,
+    ),
+    "psd": SpokenMotion(
+        example="transport.csv 30 s z seed 1",
+        summary='random vibration: CSV file with "frequency [Hz], psd [g^2/Hz]", length, direction',
+        needs={"time": 1}, words=_LASTING, begins=file_first(psd_points), make=_random,
+    ),
+    "spectrum": SpokenMotion(
+        example="floor.csv 20 s x damping 5 % seed 1",
+        summary='earthquake-like: CSV file of a response spectrum, "frequency [Hz], acceleration [g]", length, direction',
+        needs={"time": 1}, words=_LASTING | {"damping": "ratio"}, needed_words=("damping",),
+        begins=file_first(spectrum_points), make=_match,
+    ),
+    "unbalance": SpokenMotion(
+        example="engine 20 kg.mm 5 to 30 Hz 20 s x",
+        summary="unbalance of a shaft: site, size, speed or run-up, axis", **_SHAFT, make=_shaft("axis"),
+    ),
+    "reciprocating": SpokenMotion(
+        example="engine 8 kg.mm 25 Hz order 2 z",
+        summary="unbalance of what reciprocates: site, size, speed or run-up, order, line", **_SHAFT, make=_shaft("line"),
+    ),
+    "force": SpokenMotion(
+        example="engine 500 N 12 Hz 10 s z",
+        summary="harmonic force on the payload: site, amplitude, frequency, length, direction",
+        needs={"force": 1, "frequency": 1, "time": 1}, begins=site_first, make=_harmonic("force"),
+    ),
+    "moment": SpokenMotion(
+        example="engine 80 N.m 12 Hz 10 s y",
+        summary="harmonic moment on the payload: site, amplitude, frequency, length, axis",
+        needs={"moment": 1, "frequency": 1, "time": 1}, begins=site_first, make=_harmonic("moment"),
+    ),
+    "force-table": SpokenMotion(
+        example="engine start.csv at 1 s",
+        summary='forces and moments of a table: site, CSV file with "time [s], fz [N], mx [N.m]" and the like',
+        needs={}, begins=_site_and_table, directed=False, make=_force_table,
+    ),
+}  # fmt: skip
 
 
 def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> BaseMotion:
-    """Return the base motion that a phrase says; along several axes, as in "xyz", the sum of one along each.
+    """Make the base motion that a phrase says; along several axes, as in "xyz", the sum of one along each.
 
     Args:
         kind: one of `SPOKEN_MOTIONS`.
@@ -46,11 +226,13 @@ def _check(spoken: SpokenMotion, phrase: Phrase) -> None:
         there, needed = len(phrase.quantities.get(quantity, ())), spoken.needs.get(quantity, 0)
         if there <= spoken.may.get(quantity, -1):
             continue
+        are = "is none" if there == 0 else "is one" if there == 1 else f"are {there}"
         if there < needed:
-            units = ", ".join(UNITS[quantity])
-            raise ValueError(f"{_counted(needed, quantity)} must stand there ({units}), and there {_are(there)}.")
+            article = "an" if quantity[0] in "au" else "a"
+            counted = f"{article} {quantity}" if needed == 1 else f"{needed} values of {quantity}"
+            raise ValueError(f"{counted} must stand there ({', '.join(UNITS[quantity])}), and there {are}.")
         if there > needed:
-            raise ValueError(f"there {_are(there)} of {quantity}, and {needed or 'none'} is expected.")
+            raise ValueError(f"there {are} of {quantity}, and {needed or 'none'} is expected.")
     for word in spoken.needed_words:
         if word not in phrase.named:
             raise ValueError(f'"{word}" and its value must stand there.')
@@ -58,11 +240,3 @@ def _check(spoken: SpokenMotion, phrase: Phrase) -> None:
         raise ValueError("a direction must stand there: x, y, z, several as in xyz, -z or a vector such as 1,1,0.")
     if phrase.directions and not spoken.directed:
         raise ValueError("a direction stands there, and none is expected: the columns of its table say it.")
-
-
-def _counted(number: int, quantity: str) -> str:
-    return f"{'an' if quantity[0] in 'au' else 'a'} {quantity}" if number == 1 else f"{number} values of {quantity}"
-
-
-def _are(number: int) -> str:
-    return "is none" if number == 0 else "is one" if number == 1 else f"are {number}"

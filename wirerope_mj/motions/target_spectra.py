@@ -1,13 +1,19 @@
-"""Response spectra that earthquake standards ask for, as targets of `match_spectrum`; every level is an argument."""
+"""Spectra that standards ask for: of earthquakes, as targets of `match_spectrum`; of naval shock, with its double pulses."""
 
 import math
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions import ranges
+from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 
+# soil factor and corner periods TB, TC, TD [s] that EN 1998-1 recommends for its ground types, from memory; a national annex
+# may have others
 EN1998_TYPE_1 = {
     "A": {"soil_factor": 1.0, "corner_periods": (0.15, 0.4, 2.0)},
     "B": {"soil_factor": 1.2, "corner_periods": (0.15, 0.5, 2.0)},
@@ -15,14 +21,8 @@ EN1998_TYPE_1 = {
     "D": {"soil_factor": 1.35, "corner_periods": (0.2, 0.8, 2.0)},
     "E": {"soil_factor": 1.4, "corner_periods": (0.15, 0.5, 2.0)},
 }
-"""Soil factor and corner periods TB, TC, TD [s] that EN 1998-1 recommends for its ground types, from memory; a national annex
-may have others."""
-
-LONGEST_PERIOD = 4.0
-"""Longest period of the shape of EN 1998-1 [s]."""
-
-AC156_FREQUENCIES = (1.3, 8.3, 33.3)
-"""Ends of the plateau and of the slope of ICC-ES AC156 [Hz]."""
+LONGEST_PERIOD = 4.0  # longest period of the shape of EN 1998-1 [s]
+AC156_FREQUENCIES = (1.3, 8.3, 33.3)  # ends of the plateau and of the slope of ICC-ES AC156 [Hz]
 
 
 def en1998_spectrum(
@@ -91,3 +91,90 @@ def _above(frequencies: ArrayLike, least: float, reason: str) -> Array:
     if not np.all(np.isfinite(checked)) or np.any(checked < least * (1 - 1e-9)):
         raise ValueError(f"`frequencies` must be at least {least:g} Hz: {reason}; got {np.min(checked):g} Hz.")
     return checked
+
+
+# peak, velocity and displacement of the pulse over the spectrum's: as the BV 043/85 literature uses them, from memory
+FACTORS = (0.6, 0.75, 1.05)
+
+
+@dataclass(frozen=True, kw_only=True)
+class DesignSpectrum:
+    """Undamped shock spectrum of constant displacement, velocity and acceleration, one branch after the other.
+
+    The levels come from the customer's specification (BV 043, STANAG 4142, ...); none are built in. With the usual factors
+    the undamped spectra of the pulses lie at 1.05 d0 far below the first corner f1. Where the second corner f2 is 3 to 40
+    times the first, that of the double half-sine lies between 0.69 and 1.19 v0 from f1 to f2 and reaches 1.06 to 1.19 a0 from
+    f2 on; that of the double triangle 0.67 to 1.21 v0 (1.26 with `r2=0.6`) and 0.94 to 1.03 a0 (1.11). The farther apart the
+    corners, the lower all of these; neither pulse is an envelope. Far above f2 both fall to the pulse's own peak, 0.6 a0, as
+    the spectrum of every pulse does.
+
+    Attributes:
+        displacement: spectral displacement d0 of the low branch [m].
+        velocity: spectral pseudo-velocity v0 of the middle branch [m/s].
+        acceleration: spectral acceleration a0 of the high branch [m/s^2].
+    """
+
+    displacement: float
+    velocity: float
+    acceleration: float
+
+    def __post_init__(self) -> None:
+        for item in fields(self):
+            object.__setattr__(self, item.name, ranges.level(item.name, positive(item.name, getattr(self, item.name))))
+        highest = math.sqrt(self.displacement * self.acceleration)
+        if self.velocity >= highest:
+            raise ValueError(
+                f"`velocity` must be below sqrt(displacement * acceleration) = {highest:.6g} m/s, where the other two "
+                f"branches meet, got {self.velocity!r}: the spectrum would have no branch of constant velocity."
+            )
+
+    @property
+    def corner_frequencies(self) -> tuple[float, float]:
+        """Frequencies at which the branches meet [Hz]: f1 = v0/(2 pi d0) and f2 = a0/(2 pi v0)."""
+        low = self.velocity / (2 * math.pi * self.displacement)
+        return low, self.acceleration / (2 * math.pi * self.velocity)
+
+    def pseudo_velocity(self, frequencies: ArrayLike) -> Array:
+        """Return the spectrum's pseudo-velocity [m/s] at the frequencies [Hz]: the lowest of w d0, v0 and a0/w."""
+        omega = 2 * np.pi * np.asarray(frequencies, dtype=float)
+        if np.any(omega <= 0):
+            raise ValueError("`frequencies` must be > 0.")
+        return np.minimum(np.minimum(omega * self.displacement, self.velocity), self.acceleration / omega)
+
+    def double_half_sine(
+        self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0
+    ) -> DoubleHalfSine:
+        """Make the double half-sine that stands for the spectrum.
+
+        Args:
+            direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+            factors: first peak over a0, velocity over v0 and final displacement over d0.
+            start: instant at which the first pulse begins [s].
+        """
+        return DoubleHalfSine(**self._levels(factors), direction=direction, start=start)
+
+    def double_triangle(
+        self,
+        *,
+        direction: str | Sequence[float],
+        factors: Sequence[float] = FACTORS,
+        start: float = 0.0,
+        r1: float = 0.4,
+        r2: float = 0.4,
+    ) -> DoubleTriangle:
+        """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
+
+        Args:
+            direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+            factors: first peak over a0, velocity over v0 and final displacement over d0.
+            start: instant at which the first pulse begins [s].
+            r1: where the first peak lies in its triangle, from 0 to 1.
+            r2: where the second peak lies in its triangle, from 0 to 1; sources give 0.4 and 0.6.
+        """
+        return DoubleTriangle(**self._levels(factors), direction=direction, start=start, r1=r1, r2=r2)
+
+    def _levels(self, factors: Sequence[float]) -> dict[str, float]:
+        if len(factors) != 3:
+            raise ValueError(f"`factors` must be three, on acceleration, velocity and displacement, got {factors!r}.")
+        a, v, d = (positive("factors", factor) for factor in factors)
+        return {"peak": a * self.acceleration, "velocity": v * self.velocity, "displacement": d * self.displacement}

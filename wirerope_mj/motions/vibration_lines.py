@@ -14,10 +14,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.envelope import Envelope, check_room, usual_ramp
+from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
-from wirerope_mj.motions.random_phases import random_phases
 
 _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
 _UNIT = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m"}
@@ -79,14 +78,11 @@ class VibrationLines(AsCall, StartedMotion):
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )
         lines = checked_points(quantity, points, quantity=f"amplitude [{_UNIT[quantity]}]", least=1)
-        object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "lines", lines)
-        object.__setattr__(self, "direction", checked_direction(direction))
+        self._set(quantity=quantity, lines=lines, direction=checked_direction(direction))
         if phases is not None and seed is not None:
             raise ValueError("at most one of `phases` and `seed` can be given, got both.")
         object.__setattr__(self, "phases", None if phases is None else _checked_phases(phases, len(lines)))
-        object.__setattr__(self, "seed", None if seed is None else integer("seed", seed, least=0))
-        object.__setattr__(self, "start", ranges.start("start", start))
+        self._set(seed=None if seed is None else integer("seed", seed, least=0), start=ranges.start("start", start))
         self._set_ramps(duration, rise, fall)
 
     def _set_ramps(self, duration: float | None, rise: float | None, fall: float | None) -> None:
@@ -101,9 +97,7 @@ class VibrationLines(AsCall, StartedMotion):
             first, last = (usual_ramp(name, value, lowest=lowest, duration=length) for name, value in given)
             check_room(length, first, last)
             ramps = first, last
-        object.__setattr__(self, "rise", ramps[0])
-        object.__setattr__(self, "fall", ramps[1])
-        object.__setattr__(self, "duration", math.inf if duration is None else float(duration))
+        self._set(rise=ramps[0], fall=ramps[1], duration=math.inf if duration is None else float(duration))
 
     @property
     def frequencies(self) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import same_columns
+from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.runs.folder import SUMMARY
 
@@ -21,8 +21,9 @@ NEGLIGIBLE = 1e-9
 _BLOCK = 64  # columns that are compared at once
 _OF_THIS_TIME = (
     "numerics.seconds", "numerics.versions", "numerics.engine", "numerics.why_not_kernel", "numerics.samples_hold",
+    "content",
 )  # fmt: skip
-"""Entries of summary.json that are not the same when it is computed again, or that older ones lack."""
+"""Entries of summary.json that are not the same when it is computed again, that older ones lack, or that say others anew."""
 
 _JUDGEMENT = ("limit", "margin")
 """Entries of a judged value that another version may state where this one judges nothing, or the other way round."""

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from pythonfmu3 import Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
 
-from wirerope_mj.engine.response.export import unit_of
+from wirerope_mj.engine.response.histories import unit_of
 from wirerope_mj.engine.simulation.stepwise import Stepwise
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.errors import WireRopeError

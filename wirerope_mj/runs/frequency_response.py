@@ -1,7 +1,6 @@
 """A frequency response as one folder: settings, summary, tables, pictures, the recording, and the model as it was used."""
 
 import json
-from collections.abc import Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -9,18 +8,26 @@ from typing import Any
 
 import tomli_w
 
+from wirerope_mj.content.blocks import Content
+from wirerope_mj.content.panels import Chart
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.orders import OrderBand
-from wirerope_mj.dynamics.frequency_response.storage import save_tables
-from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, summary
+from wirerope_mj.dynamics.frequency_response.result import save_tables
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_summary
 from wirerope_mj.engine.system.model_files import model_table, write_model
-from wirerope_mj.foundation.directions import direction_text, plain_direction
+from wirerope_mj.foundation.directions import plain_direction
+from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.folder import atomic_run
+from wirerope_mj.runs.page import REPORT
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
 KIND, MARKS = "frequency response", (SETTINGS, SUMMARY)
 """Name of such a folder in messages, and the files by which one is known."""
+
+PICTURES = {
+    "amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png",
+}  # fmt: skip
+"""Files of the charts, by their ids."""
 
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk", "matplotlib")
 
@@ -28,19 +35,19 @@ _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rer
 def write_frequency_response(
     result: FrequencyResponse,
     findings: list[LevelSummary],
+    content: Content,
     folder: Path,
     *,
     force: bool = False,
-    bands: Sequence[OrderBand] = (),
 ) -> None:
     """Write a frequency response as `folder`, atomically.
 
     Args:
         result: what was computed.
         findings: what is read off it, level by level.
+        content: what it says.
         folder: must not exist, or be empty, or hold a frequency response that `force` replaces.
         force: whether one that is there is replaced.
-        bands: frequencies of a machine's orders, shaded in the pictures.
 
     Raises:
         RecordError: the folder exists and must not be replaced.
@@ -49,12 +56,14 @@ def write_frequency_response(
         model = write_model(result.system, temporary / "model")
         settings = _settings(result, model_table(result.system, model))
         (temporary / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
-        summary_content = {"format": FORMAT, "levels": summary(findings)}
+        tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
+        levels = [plain_summary(one) for one in findings]
+        summary_content = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
         (temporary / SUMMARY).write_text(
             json.dumps(summary_content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
         )
         save_tables(result, temporary)
-        _write_pictures(result, findings, temporary, bands)
+        _write_views(result, findings, content, temporary)
 
 
 def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any]:
@@ -88,22 +97,18 @@ def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any
     return content | {"versions": {name: version(name) for name in _PACKAGES}}
 
 
-def _write_pictures(
-    result: FrequencyResponse, findings: list[LevelSummary], folder: Path, bands: Sequence[OrderBand]
-) -> None:
+def _write_views(result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path) -> None:
     # Here, because matplotlib and rerun take longer to import than checking the options.
-    from wirerope_mj.views.plots.frequency_response import save_amplitudes, save_transmissibilities
-    from wirerope_mj.views.plots.orbit_loops import save_resonance_loops
+    from wirerope_mj.views.plots.png_chart import save_charts
+    from wirerope_mj.views.report import report_html
 
-    options = result.options
-    assert options.response_direction is not None
-    what = f"{options.payload} along {direction_text(options.response_direction)}"
-    title = f"{result.name}, base along {direction_text(options.direction)}"
-    save_amplitudes(findings, folder / "frequency_response.png", title=title, what=what, bands=bands)
-    save_transmissibilities(findings, folder / "transmissibility.png", title=title, what=what, bands=bands)
-    if result.branches and result.system.mounts:
-        save_resonance_loops(result.branches, folder / "loops.png", title=title)
+    title = f"{result.name}, base {dict(content.facts)['Base']}"
+    charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
+    for name, picture in PICTURES.items():
+        if name in charts:
+            save_charts([charts[name]], folder / picture, title=title)
+    (folder / REPORT).write_text(report_html(content), encoding="utf-8")
     if result.branches:
         from wirerope_mj.views.recording.branch import record_branches
 
-        record_branches(result, findings, folder / "run.rrd")
+        record_branches(result, findings, content, folder / "run.rrd")

@@ -5,7 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.limits import is_subject, limit_subjects
+from wirerope_mj.engine.system.declared import is_subject, limit_subjects
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.directions import directions_in
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -48,10 +49,11 @@ def _shock_of(model: Path) -> ScenarioFile:
             pulse_ms: length of the half-sine [ms].
             duration: simulated time [s]; until ten periods of the slowest mode after the pulse by default.
         """
-        if not direction or not set(direction) <= set("xyz"):
+        along = directions_in(direction)
+        if not along:
             raise ValueError(f"`direction` must name axes, such as xyz or z, got {direction!r}.")
         peak, length = level_g * STANDARD_GRAVITY, 1e-3 * pulse_ms
-        pulses = [HalfSine(peak=peak, duration=length, direction=axis, start=_START) for axis in direction]
+        pulses = [HalfSine(peak=peak, duration=length, direction=axis, start=_START) for axis in along]
         if duration is None:
             duration = round(_START + length + RING_DOWN * slowest_period(load_system(model)), 1)
         return Scenario(

@@ -6,8 +6,10 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria import Verdict, judge
+from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import same_columns
+from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.system import Changes, System, load_system
@@ -15,11 +17,60 @@ from wirerope_mj.engine.system.model_files import missing_isolators, read_change
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError, RecordError
-from wirerope_mj.motions.copies import check_records
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.restore import motion_from_dict
+from wirerope_mj.motions.restore import check_records, motion_from_dict
+from wirerope_mj.runs.checksums import digest_of
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.judging import judged_by, read_judge_table
+from wirerope_mj.runs.scenario import Scenario, ScenarioFile
+from wirerope_mj.runs.scenario_file import scenario_content
+
+_TABLES = ("options", "simulate", "versions")
+_CHARACTERS = 8  # of a file's digest: enough to see that two files differ
+
+
+def run_inputs(folder: str | Path) -> dict[str, str]:
+    """Return scenario, options, motion, simulation, versions and the digests of the model's files; {} without a scenario.
+
+    Raises:
+        RecordError: the scenario or a file of the model cannot be read; names it.
+    """
+    path = Path(folder) / SCENARIO
+    if not path.is_file():  # a response that was saved alone
+        return {}
+    content = scenario_content(path.parent)
+    inputs = {"scenario": content["name"], "motion": content["motion"]["description"]}
+    for table in _TABLES:
+        inputs |= {f"{_prefix(table)}{key}": _text(value) for key, value in content[table].items()}
+    for file in sorted(path.parent.glob("model/**/*")):
+        if file.is_file():
+            digest = digest_of(file)[:_CHARACTERS]
+            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest}"
+    return inputs
+
+
+def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
+    """Judge the response in a folder as `wirerope run` does; one that was saved alone by what its scene states.
+
+    Raises:
+        RecordError: scenario, motion or model cannot be read, or are not those of the response; names which.
+    """
+    folder = Path(folder)
+    if not (folder / SCENARIO).is_file():
+        return tuple(judge(response))
+    content = scenario_content(folder)
+    system, motion = system_and_motion(folder, content)
+    check_one_run(folder, content, system, response)
+    return judged_run(system, motion, response, content).verdicts
+
+
+def _prefix(table: str) -> str:
+    return "version of " if table == "versions" else ""
+
+
+def _text(value: Any) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
 
 _REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
 
@@ -102,3 +153,42 @@ def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any,
 def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:
     """Return what the variant that was simulated differs by from the model in the folder."""
     return read_changes(folder / model["changes"]) if "changes" in model else ()
+
+
+_RESOLVED = ("engine",)
+"""What a run's folder says of its simulation that nobody asked for: the engine that was chosen."""
+
+
+def is_run(path: str | Path) -> bool:
+    """Return whether a path is the folder of a run."""
+    return (Path(path) / SCENARIO).is_file()
+
+
+def stored_scenario(folder: str | Path) -> ScenarioFile:
+    """Return the scenario of a run, which has no options; nothing outside the folder is read.
+
+    Its step is chosen again for the accuracy of the run, if that was how it was chosen. It is called as the folder is.
+
+    Raises:
+        RecordError: the folder is not a run, or its files are damaged.
+        ModelError: the model or an isolator in it is not what it must be.
+    """
+    folder = Path(folder)
+    content = scenario_content(folder)
+    system, motion = system_and_motion(folder, content)
+    left_out = (*_RESOLVED, *(["timestep"] if "accuracy" in content["simulate"] else []))
+    simulate = {key: value for key, value in content["simulate"].items() if key not in left_out}
+    model = check_inside(folder, content["model"]).resolve()
+
+    def scenario() -> Scenario:
+        return Scenario(
+            question=content["question"],
+            model=model,
+            motion=motion,
+            simulate=simulate,
+            changes=system.changes,
+            **read_judge_table(content.get("judge", {})),
+        )
+
+    scenario.__doc__ = content["question"]
+    return ScenarioFile(name=folder.resolve().name, path=(folder / SCENARIO).resolve(), function=scenario)

@@ -1,13 +1,13 @@
-"""Pictures of a study, and its worst variants as runs."""
+"""Pictures and report of a study, and its worst variants as runs."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
-from wirerope_mj.content.search_tables import front_table
+from wirerope_mj.content.blocks import Content, SceneView
+from wirerope_mj.content.panels import Chart
+from wirerope_mj.content.search import front_table, search_content
+from wirerope_mj.content.study import study_content
 from wirerope_mj.content.study_tables import measures_table, worst_table
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
@@ -15,11 +15,9 @@ from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import input_names
 from wirerope_mj.studies.results.statistics import worst
-from wirerope_mj.studies.results.study_summary import StudySummary, summary_of
+from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
-
-if TYPE_CHECKING:
-    from wirerope_mj.views.plots.study_pictures import StudyPicture
+from wirerope_mj.studies.study import load_study
 
 MOST = 6
 """Variants in one comparison: more cannot be distinguished."""
@@ -34,30 +32,73 @@ def checked_count(count: int) -> int:
     return count
 
 
-def write_study_pictures(summary: StudySummary) -> list[Path]:
-    """Write the pictures of a study into its folder and return them."""
-    from wirerope_mj.views.plots.study_pictures import study_pictures  # late: matplotlib takes a while
+def result_content(result: StudyResult, by: str | None = None) -> Content:
+    """Compose what a study or a search says.
 
-    return _write(summary.result.folder, study_pictures(summary))
+    Args:
+        result: that is complete.
+        by: measure of a study that is looked at most; travel if anything is rated.
 
-
-def write_search_pictures(result: SearchResult) -> list[Path]:
-    """Write the pictures of a search into its folder and return them."""
-    from wirerope_mj.views.plots.search import search_pictures  # late, too
-
-    return _write(result.folder, search_pictures(result))
-
-
-def _write(folder: Path, pictures: "Sequence[StudyPicture]") -> list[Path]:
-    paths = []
-    for picture in pictures:
-        paths.append(folder / f"{picture.name}.png")
-        with atomic_file(paths[-1]) as temporary_path:
-            picture.figure.savefig(temporary_path, format="png", dpi=150)
-    return paths
+    Raises:
+        ValueError: there is no such measure, or the result is that of a search.
+    """
+    if not isinstance(result, SearchResult):
+        return study_content(summary_of(result, by))
+    if by is not None:
+        raise ValueError("`by` is for studies: the designs of a search are ordered by what it minimises.")
+    return search_content(result)
 
 
-def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
+def write_pictures(content: Content, folder: Path) -> None:
+    """Write the charts of a study or a search into its folder, each by its id, and its scenes as placements.png."""
+    from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes a while
+    from wirerope_mj.views.plots.scene_plan import save_scenes
+
+    blocks = list(content.blocks())
+    for chart in blocks:
+        if isinstance(chart, Chart):
+            save_charts([chart], folder / f"{chart.id}.png", title=content.title)
+    scenes = [block for block in blocks if isinstance(block, SceneView)]
+    if scenes:
+        save_scenes(scenes, folder / "placements.png", title=content.title)
+
+
+def write_study_report(
+    folder: str | Path,
+    *,
+    by: str | None = None,
+    out: str | Path | None = None,
+    pdf: bool = False,
+    force: bool = False,
+) -> list[Path]:
+    """Write the report of a study and return the files, the page first.
+
+    Args:
+        folder: of the study; nothing outside it is read.
+        by: measure that is looked at most; travel if anything is rated.
+        out: the page, .html; by default report.html in the study's folder, which is made anew.
+        pdf: whether a PDF of the page is written beside it.
+        force: whether files at `out` are replaced.
+
+    Raises:
+        RecordError: the folder is not a study that is complete, or a file is there and must not be replaced.
+        ValueError: there is no such measure.
+        WireRopeError: a PDF cannot be made here.
+    """
+    from wirerope_mj.runs.page import page_files
+    from wirerope_mj.runs.report import write_page  # late, too
+    from wirerope_mj.views.report.page import report_html
+
+    folder = Path(folder)
+    files = page_files(folder, out, pdf=pdf, force=force)
+    result = load_study(folder)
+    if not result.complete:
+        raise RecordError(result.message)
+    write_page(report_html(result_content(result, by)), files)
+    return files
+
+
+def write_worst(result: StudyResult, by: str | None, count: int) -> list[Path]:
     """Write the worst variants, or the best designs of a search, as runs, and return the paths that can be opened.
 
     A run replaces one that is there. Of a search they are its front's: the knee, the ends, those between; without a front
@@ -68,7 +109,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
 
     Args:
         result: of the study.
-        by: measure whose largest values are the worst.
+        by: measure whose largest values are the worst; None for that which is looked at most.
         count: how many.
     """
     from wirerope_mj.views.recording import record_overlay
@@ -76,6 +117,7 @@ def write_worst(result: StudyResult, by: str, count: int) -> list[Path]:
 
     folders = {}
     checked_count(count)
+    by = by or (result.minimise[0] if isinstance(result, SearchResult) else summary_of(result).by)
     best = result.chosen[:count] if isinstance(result, SearchResult) else []
     for number in best or worst(result.independent, by, count):
         folder = result.folder / WORST / f"variant-{number:06d}"
@@ -97,7 +139,7 @@ def _tables(result: StudyResult, by: str) -> list[Table]:
     if isinstance(result, SearchResult):
         return [front_table(result, _ROWS)] if result.front.num_rows else []
     summary = summary_of(result, by)
-    return [measures_table(summary), worst_table(summary, _ROWS, inputs=4)]
+    return [measures_table(summary), worst_table(summary)]
 
 
 def _inputs(result: StudyResult, number: int) -> dict[str, str]:

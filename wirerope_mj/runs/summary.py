@@ -7,11 +7,12 @@ from typing import Any
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.foundation.absent import Absent
-from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.content.run import SUMMARY_SECTIONS, run_content
+from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
+from wirerope_mj.views.json_content import plain_content
 
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
@@ -29,6 +30,7 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
         **summary(response, judged.verdicts),
         **_random_content(judged),
         **({"untested": judged.untested} if judged.untested else {}),
+        "content": plain_content(run_content(judged), *SUMMARY_SECTIONS),
         "numerics": {
             "timestep_s": numerics.timestep,
             "steps": numerics.steps,

@@ -3,7 +3,8 @@
 import json
 import math
 import tomllib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -16,6 +17,7 @@ from wirerope_mj.content.judged_run import JudgedRun, judged_run
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.engine.simulation.simulate import checked_corners
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
@@ -23,14 +25,36 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
-from wirerope_mj.motions.copies import copy_records
 from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.runs.checksums import write_checksums
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
 from wirerope_mj.runs.judging import judge_table, judged_by
-from wirerope_mj.runs.progress_line import progress_line
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
+
+_REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured
+
+
+@contextmanager
+def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
+    """Show on standard error what is being written while the block runs, if that is a terminal; nothing of it stays there.
+
+    Yields:
+        What to call with the name of what comes next.
+    """
+    from rich.console import Console  # late: nothing of it is needed where nothing is shown
+    from rich.progress import Progress, SpinnerColumn, TextColumn
+
+    console = Console(stderr=True) if enabled else None
+    if console is None or not console.is_terminal:
+        yield lambda name: None
+        return
+    columns = SpinnerColumn(), TextColumn("writing {task.description}")
+    with Progress(*columns, console=console, transient=True, refresh_per_second=_REFRESH) as progress:
+        task = progress.add_task("")
+        yield lambda name: progress.update(task, description=name, refresh=True)
+
 
 STREAM_SAMPLES = 10_000
 """Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
@@ -178,6 +202,8 @@ def _scenario_text(
     judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
     if judge:
         content["judge"] = judge
+    if warned := aliasing([scenario.motion], resolved["sample_rate"]):
+        content["warning"] = warned
     return tomli_w.dumps(content, multiline_strings=True)
 
 
@@ -204,7 +230,8 @@ def _write_views(
         save_charts([charts["loops"]], folder / "loops.png", title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
-        save_charts([charts[f"record-{record.path.name}"]], folder / name, title=title)
+        chart = charts[f"record-{record.path.name}"]
+        save_charts([chart], folder / name, title=f"{title}: {chart.caption}")
     writing("the report")
     (folder / REPORT).write_text(report_html(content), encoding="utf-8")
 

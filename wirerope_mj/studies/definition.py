@@ -20,8 +20,7 @@ from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.budget import require_time
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.motions.copies import check_records
-from wirerope_mj.motions.restore import motion_from_dict
+from wirerope_mj.motions.restore import check_records, motion_from_dict
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs.check import check_variants
 from wirerope_mj.studies.inputs.column import InputColumn

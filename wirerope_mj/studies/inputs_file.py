@@ -10,7 +10,7 @@ import tomli_w
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.toml_file import toml_content
-from wirerope_mj.motions.copies import copy_records
+from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.studies.checked_inputs import check_inputs
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.distributions import distribution_to_dict

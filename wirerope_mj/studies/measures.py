@@ -7,7 +7,7 @@ from functools import cache
 import numpy as np
 
 from wirerope_mj.engine.response.peaks import Peak, Peaks
-from wirerope_mj.engine.statics.result import forces_at_rest
+from wirerope_mj.engine.statics.loading import forces_at_rest
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import SIDES

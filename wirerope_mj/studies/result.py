@@ -15,7 +15,6 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import finite, integer
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
@@ -169,8 +168,6 @@ class StudyResult(Exportable, Summarised):
             raise ValueError(f"`probabilities` must be from 0 to 1, got {list(probabilities)}.")
         table = self.independent
         return quantiles(values_of(table, checked_measure(table, measure)), probabilities)
-
-    chance = Renamed("exceedance")
 
     def exceedance(self, measure: str = "travel", limit: float | None = None) -> Exceedance:
         """Return how often a measure exceeds a limit, with bounds of the probability and the number of variants that failed.

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 import pyarrow as pa
 
-from wirerope_mj.engine.simulation.initial import initial_state
+from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
 from wirerope_mj.studies.inputs.column import InputColumn

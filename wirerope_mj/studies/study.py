@@ -4,11 +4,12 @@ import math
 from functools import partial
 from pathlib import Path
 
+from wirerope_mj.engine.simulation.run import warn_of_aliasing
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.folder import TABLE, computed_alone, finish, prepare
 from wirerope_mj.studies.loading import read_result
-from wirerope_mj.studies.responses import KEPT
+from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.summary_file import summary
 from wirerope_mj.studies.run import checked_engine, chunk_size, compute_missing
@@ -94,6 +95,8 @@ class Study(StudyDefinition):
         one_of("keep", keep, KEPT)
         self.table()  # every variant is checked before anything is written
         identity = prepare(self, folder, keep=keep, resume=resume, force=force)
+        if keep == RESPONSES:
+            warn_of_aliasing(self.motions, self.sample_rate)
         with computed_alone(folder, identity):
             if not (folder / TABLE).is_file():
                 compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)

@@ -4,7 +4,7 @@ import hashlib
 from functools import cache
 from pathlib import Path
 
-from wirerope_mj.foundation.versions import version_of
+from wirerope_mj.foundation.resources import version_of
 
 PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")
 """Packages on which the last bit of a number may depend."""

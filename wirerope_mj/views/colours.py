@@ -4,8 +4,12 @@ Texts in these colours have a contrast of 4.5 at least. Neighbours in the order 
 sees all colours and for who lacks one kind of cones. Red is for limits alone.
 """
 
+import math
 from dataclasses import dataclass
 
+import numpy as np
+
+from wirerope_mj.content.panels import Field
 from wirerope_mj.content.selection import Selection
 
 Color = tuple[int, int, int]
@@ -46,8 +50,44 @@ LIGHT = Colours(
 )
 
 
+def hexadecimal(colour: Color) -> str:
+    """Return a colour as pages and pictures take it, #rrggbb."""
+    return f"#{bytes(colour).hex()}"
+
+
 def colour_of(selection: Selection, name: str, ground: Colours = DARK) -> Color:
     """Return the colour of a mount, a body or a point: grey if it is not among those that are named."""
     if selection.run_color is not None and ground is DARK:
         return selection.run_color
     return ground.series[selection.numbers[name]] if name in selection.numbers else ground.others
+
+
+_PALE = 0.86  # fraction of white in the colour of a field's least value
+_LEVELS = 6  # colours in the key of a field
+
+
+def field_colours(field: Field) -> list[list[str]]:
+    """Return the colours of a field's cells, "" where there is no value: blue, the deeper the larger; red beyond the limit."""
+    finite = field.values[np.isfinite(field.values)]
+    low, high = (float(finite.min()), float(finite.max())) if finite.size else (0.0, 1.0)
+    return [[_shade(value, low, high, field.limit) for value in row] for row in field.values.tolist()]
+
+
+def field_key(field: Field) -> list[tuple[str, str]]:
+    """Return colours of a field with the values that they stand for, the least first."""
+    finite = field.values[np.isfinite(field.values)]
+    if not finite.size:
+        return []
+    low, high = float(finite.min()), float(finite.max())
+    levels = np.linspace(low, high, _LEVELS).tolist()
+    texts = [*(f"{level:.3g}" for level in levels[:-1]), f"{high:.3g}: {field.name}"]
+    return [(_shade(level, low, high, field.limit), text) for level, text in zip(levels, texts, strict=True)]
+
+
+def _shade(value: float, low: float, high: float, limit: float | None) -> str:
+    if not math.isfinite(value):
+        return ""
+    white = _PALE * (1.0 - (value - low) / ((high - low) or 1.0))
+    colour = LIGHT.limit if limit is not None and value > limit else LIGHT.series[0]
+    red, green, blue = (round(part + white * (255 - part)) for part in colour)
+    return hexadecimal((red, green, blue))

@@ -8,6 +8,7 @@ from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
 
@@ -49,9 +50,11 @@ def without_reader() -> None:
 
 
 def show(content: Content, *sections: str) -> None:
-    """Print sections of a result by their ids, each block below a blank line; those without blocks are left out."""
+    """Print sections of a result by their ids, or its title and all; those without blocks are left out."""
+    if not sections:
+        console().print(Text(plain_lines(content.title), style="bold"), soft_wrap=True)
     for section in content.sections:
-        if section.id in sections:
+        if not sections or section.id in sections:
             for block in section.blocks:
                 print_block(block)
 
@@ -84,14 +87,9 @@ def print_headline(statement: Statement) -> None:
 def print_table(table: Table) -> None:
     """Print a table with its title and note; in a narrow terminal its columns move together."""
     screen = console()
-    title = Text(plain_lines(table.title), style="bold", no_wrap=True, overflow="ignore")  # may be wider than its table
-    shown = RichTable(
-        box=box.SIMPLE_HEAD,
-        title=title if table.title else None,
-        title_justify="left",
-        title_style="none",
-        show_edge=False,
-    )
+    if table.title:
+        print_lines([Text(plain_lines(table.title), style="bold")], indent="")
+    shown = RichTable(box=box.SIMPLE_HEAD, show_edge=False)
     shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
     for column in table.columns:
         shown.add_column(
@@ -111,10 +109,14 @@ def print_table(table: Table) -> None:
 
 
 def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
-    """Print lines as they are, however long they are."""
+    """Print lines, which break between words on a terminal; elsewhere they stay as they are, however long they are."""
     screen = console()
     for line in lines:
-        screen.print(Text(indent) + line if isinstance(line, Text) else f"{indent}{line}", soft_wrap=True, markup=False)
+        text = line if isinstance(line, Text) else Text(plain_lines(line))
+        if screen.is_terminal:
+            screen.print(Padding(text, (0, 0, 0, len(indent))))
+        else:
+            screen.print(Text(indent) + text, soft_wrap=True)
 
 
 def print_warnings(warnings: Iterable[str]) -> None:

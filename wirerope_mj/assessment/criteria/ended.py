@@ -6,14 +6,15 @@ A sine without end is steady when the last third of the run reaches nothing new.
 """
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
 from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
-from wirerope_mj.assessment.criteria.verdict import WITHIN, Verdict
+from wirerope_mj.assessment.criteria.verdict import CLEAR, NOT_JUDGED, WITHIN, Verdict
 from wirerope_mj.engine.response import Response
 
 TOO_EARLY = "the run ends at"
@@ -39,16 +40,32 @@ _NEAR = 1e-9  # [s]
 
 def too_short(response: Response) -> str:
     """Return why a run ends before its peaks are over, as a note; "" if it does not, or if older responses do not say it."""
-    end, over = response.final_state.time, response.numerics.motion_end
-    parts = list(elements(response.motion))
+    numerics = response.numerics
+    return ends_early(
+        response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end,
+        numerics.slowest_period,
+    )  # fmt: skip
+
+
+def ends_early(motion: Mapping[str, Any], run: tuple[float, float], over: float, slowest: float) -> str:
+    """Return why a run ends before its peaks are over, as a note; "" if it does not.
+
+    Args:
+        motion: as plain values, as a response holds it.
+        run: its start and its end [s].
+        over: when the motion is over [s]; NaN if it has no end.
+        slowest: slowest period for small amplitudes [s]; NaN if it is not known, then nothing is said.
+    """
+    start, end = run
+    parts = list(elements(motion))
     kinds = {str(part.get("kind")) for part in parts}
-    period = PERIODS * response.numerics.slowest_period
+    period = PERIODS * slowest
     if math.isnan(period) or not kinds:
         return ""
-    random, _, falls = steady_interval(response.motion)
+    random, _, falls = steady_interval(motion)
     if math.isnan(over):
         longest = max([period, *(1.0 / float(part["frequency"]) for part in parts if "frequency" in part)])
-        needed = response.initial_state.time + SWINGS * longest
+        needed = start + SWINGS * longest
         why = f"under a motion without end it takes {SWINGS:g} swings of {_seconds(longest)} at the least"
     elif random or "sweep" in kinds:
         needed, why = falls if random else over, f"the motion goes on until {_seconds(falls if random else over)}"
@@ -62,10 +79,15 @@ def too_short(response: Response) -> str:
 
 
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
-    """Return verdicts, of which those within their limits are not judged where the peak is not over when the run ends."""
+    """Return verdicts, of which those within their limits are not judged where the peak is not over when the run ends.
+
+    Neither is a stop, or a pair of geoms, that has not been touched until then.
+    """
     early = too_short(response)
     return tuple(
-        replace(row, limit=None, note="; ".join(part for part in (early or growth, row.note) if part))
+        replace(row, contact=NOT_JUDGED, note=early)
+        if early and row.contact == CLEAR
+        else replace(row, limit=None, note="; ".join(part for part in (early or growth, row.note) if part))
         if row.verdict == WITHIN and (early or (growth := _growing(response, row)))
         else row
         for row in verdicts

@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.engine.response import Response, Scene
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 
 
 def foundation_force(response: Response, names: Collection[str] | None = None) -> Array:

@@ -41,7 +41,7 @@ def judge(
             *rattle_verdicts(response, limits),
         ),
     )
-    contacts = contact_verdicts(response)
+    contacts = require_over(response, contact_verdicts(response))
     if statics is None:
         return Verdicts((*begin, *starting_load_verdicts(response), *contacts))
     return Verdicts((*begin, *contacts, *static_load_verdicts(statics), *missing_load_verdicts(statics)))

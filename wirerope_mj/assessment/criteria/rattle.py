@@ -13,8 +13,8 @@ from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.payload_limits import BETWEEN, PayloadLimit
-from wirerope_mj.foundation.rotation import rotation_matrices
 
 UNLIMITED = "no clearance is stated"
 

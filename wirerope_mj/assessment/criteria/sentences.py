@@ -147,5 +147,6 @@ def _combined_line(verdicts: Sequence[Verdict]) -> list[str]:
     if worst is None:
         return []
     over = sum(row.verdict == EXCEEDED for row in rows)
-    answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else f"is within at all {len(rows)} mounts"
+    which = "the only mount" if len(rows) == 1 else f"all {len(rows)} mounts"
+    answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else f"is within at {which}"
     return [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)."]

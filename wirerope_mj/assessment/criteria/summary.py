@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import Any
 
+from wirerope_mj.assessment.criteria.criterion import CONTACT, STOP
 from wirerope_mj.assessment.criteria.headline import headline
 from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.sentences import verdict_lines
@@ -50,14 +51,14 @@ def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[dict[str,
     """Return every pair of geoms that may touch and every stop; None where contacts were not recorded."""
     if response.peaks.contacts is None:
         return None
-    judged = {row.subject: row.verdict for row in verdicts if row.contact}
+    judged = {row.subject: row.verdict for row in verdicts if row.criterion in (CONTACT, STOP)}
     return [
         {
             "name": name,
             "geoms": list(contact.geoms),
             "bodies": list(contact.bodies),
             "mount": contact.mount,
-            "verdict": judged[name],
+            "verdict": judged.get(name, NOT_JUDGED),
             "from_start": contact.from_start,
             "touches": contact.touches,
             "first_touch_s": contact.first_touch,

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.foundation.json_values import json_values
-from wirerope_mj.foundation.renamed import Renamed
+from wirerope_mj.foundation.summary import json_values
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
 STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
@@ -26,7 +25,7 @@ class Verdict:
         unit: SI unit of both, "" for a ratio.
         time: instant at which the value was reached [s]; None if it has none.
         note: why nothing is judged, or what the value rests on.
-        contact: STRUCK, TOUCHING or CLEAR for a contact pair; "" for everything else.
+        contact: STRUCK, TOUCHING, CLEAR or NOT_JUDGED for a contact pair; "" for everything else.
     """
 
     criterion: Criterion
@@ -43,8 +42,6 @@ class Verdict:
             object.__setattr__(self, "criterion", Criterion(self.criterion))
         if self.limit is not None and not 0.0 < self.limit < math.inf:
             raise ValueError(f"`limit` must be a finite number > 0 or None, got {self.limit!r}.")
-
-    share = Renamed("utilisation")
 
     @property
     def utilisation(self) -> float | None:

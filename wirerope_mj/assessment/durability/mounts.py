@@ -13,7 +13,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.mounts.isolator import AXES
 
 Quantity = Literal["deflection", "force"]

@@ -11,7 +11,7 @@ from wirerope_mj.assessment.durability.cycles import rainflow_cycles
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
-from wirerope_mj.motions.spectra.arguments import check_samples, octave_grid
+from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, ramp_steps
 
 

@@ -6,11 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.criterion import Criterion
+from wirerope_mj.assessment.criteria.ended import PERIODS, require_over
 from wirerope_mj.assessment.criteria.verdict import Verdict, smallest_margin
 from wirerope_mj.assessment.selection.select import NOT_GIVEN, UNSTATED, Candidate
 from wirerope_mj.assessment.selection.worksheet import Shock, Worksheet
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import VelocityStep
@@ -22,7 +24,7 @@ _START = 0.01
 """Instant of the shock [s]: a moment of rest before it shows the sag."""
 
 _CYCLES = 2.0
-"""Periods of the shock stiffness simulated after the shock: the first swing and the rebound hold the extremes."""
+"""Periods of the shock stiffness simulated after the shock at the least: the first swing and the rebound hold the extremes."""
 
 _ACCURACY = 1e-3
 """Error of the peaks [-]: the table's values are good to two digits."""
@@ -109,10 +111,10 @@ def simulate_candidate(candidate: Candidate, worksheet: Worksheet) -> SimulatedS
             raise ModelError(
                 f"{candidate.part.name}: the table does not state travel and stiffnesses in {axis}; nothing to fit."
             )
-    shock = _shock_along_mode(worksheet)
-    seconds = _START + shock.duration + _CYCLES / candidate.shock_frequency
+    shock, system = _shock_along_mode(worksheet), _system(isolator, worksheet)
+    ringing = max(_CYCLES / candidate.shock_frequency, PERIODS * slowest_period(system))
     response = simulate(
-        _system(isolator, worksheet), shock, duration=seconds, accuracy=_ACCURACY, sample_rate=4000.0
+        system, shock, duration=shock.end + ringing, accuracy=_ACCURACY, sample_rate=4000.0
     )  # a sample every quarter of a millisecond: a mount of 50 Hz has 80 of them in a period
     return _simulated_shock(candidate, isolator, worksheet, response)
 
@@ -134,7 +136,10 @@ def _simulated_shock(
         travel=travel,
         deflection=deflected,
         acceleration=acceleration,
-        verdicts=(*_verdicts(candidate.part, rated, worksheet, deflected, travel, acceleration), candidate.verdicts[0]),
+        verdicts=(
+            *require_over(response, _verdicts(candidate.part, rated, worksheet, deflected, travel, acceleration)),
+            candidate.verdicts[0],
+        ),
         response=response,
     )
 

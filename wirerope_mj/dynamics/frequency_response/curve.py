@@ -1,34 +1,29 @@
-"""The amplitude over frequency between the points of a branch, also where it folds."""
+"""The amplitude over frequency between the points of a branch, also where it folds, and selected motions of it."""
 
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.dynamics.periodic import Branch
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array, Booleans, Integers
 
+# Intervals between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart.
 BETWEEN = 16
-"""Intervals between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart."""
+# Fractions of the highest amplitude at which motions are shown on either side of it.
+FRACTIONS = (0.35, 0.7)
 
 
 @dataclass(frozen=True, kw_only=True)
 class BranchCurve:
-    """A branch as a fine line, in its own order.
+    """A branch as a fine line, in its own order."""
 
-    Attributes:
-        frequency: [Hz], (n,).
-        amplitude: of the payload [m/s^2], (n,).
-        stable: whether the motions on either side are, (n,).
-        point: position in the branch, an integer at its points, (n,).
-    """
-
-    frequency: Array
-    amplitude: Array
-    stable: npt.NDArray[np.bool_]
-    point: Array
+    frequency: Array  # [Hz], (n,)
+    amplitude: Array  # of the payload [m/s^2], (n,)
+    stable: Booleans  # whether the motions on either side are, (n,)
+    point: Array  # position in the branch, an integer at its points, (n,)
 
     @cached_property
     def runs(self) -> list[slice]:
@@ -37,7 +32,7 @@ class BranchCurve:
         ends = [0, *turned.tolist(), self.frequency.size - 1]
         return [slice(a, b + 1) for a, b in zip(ends[:-1], ends[1:], strict=True) if b > a]
 
-    def amplitudes_at(self, frequency: Array) -> list[tuple[Array, npt.NDArray[np.bool_]]]:
+    def amplitudes_at(self, frequency: Array) -> list[tuple[Array, Booleans]]:
         """Return amplitude and stability at frequencies [Hz], (m,), on every run; NaN where a run does not reach."""
         branches = []
         for run in self.runs:
@@ -66,14 +61,52 @@ def curve_of(branch: Branch) -> BranchCurve:
     fine = np.append((along[:-1, None] + np.diff(along)[:, None] * fraction).ravel(), along[-1])
     position = np.interp(fine, along, point)
     stable = branch.stable[np.floor(position).astype(int)] & branch.stable[np.ceil(position).astype(int)]
-    return BranchCurve(
-        frequency=np.exp(scipy.interpolate.Akima1DInterpolator(along, f)(fine)),
-        amplitude=np.exp(scipy.interpolate.Akima1DInterpolator(along, a)(fine)),
-        stable=stable,
-        point=position,
-    )
+    frequency, amplitude = (np.exp(scipy.interpolate.Akima1DInterpolator(along, values)(fine)) for values in (f, a))
+    return BranchCurve(frequency=frequency, amplitude=amplitude, stable=stable, point=position)
 
 
 def relative_steps(f: Array, a: Array) -> Array:
     """Return the distances between successive points, both coordinates relative to their ranges, (n - 1,)."""
     return np.hypot(np.diff(f) / (float(np.ptp(f)) or 1.0), np.diff(a) / (float(np.ptp(a)) or 1.0))
+
+
+def along_resonance(branch: Branch) -> list[int]:
+    """Return points of a branch: below its highest amplitude on either side, and at it.
+
+    The order is that along the branch, so that behind a fold the motions which no sweep reaches are among them.
+    """
+    amplitude, top = branch.amplitude, branch.peak
+    before, after = [], []
+    for fraction in FRACTIONS:
+        lower = np.flatnonzero(amplitude <= fraction * amplitude[top])
+        before += [int(lower[lower < top][-1])] if (lower < top).any() else []
+        after += [int(lower[lower > top][0])] if (lower > top).any() else []
+    return sorted({*before, top, *after})
+
+
+def along_branch(branch: Branch, curve: BranchCurve, count: int) -> Integers:
+    """Return `count` points of a branch in its order, equally far from each other along the curve, the highest among them.
+
+    The length is that in a picture on logarithmic axes whose height is its width: most of it lies in the resonance. A branch
+    with fewer points has some of them several times.
+    """
+    f, a = np.log(curve.frequency), np.log(curve.amplitude)
+    along = np.concatenate([[0.0], np.cumsum(relative_steps(f, a))])
+    positions = np.interp(np.linspace(0.0, along[-1], count), along, curve.point)
+    points = np.round(positions).astype(np.int64)
+    points[np.abs(points - branch.peak).argmin()] = branch.peak
+    return points
+
+
+def busiest_loops(response: Response) -> list[tuple[str, int]]:
+    """Return mount and axis (0 roll, 1 shear, 2 axial) of all loops of a periodic motion, most work per repetition first.
+
+    In vibration this says which mounts move: the utilisation of the rated travel is mostly that of the sag.
+    """
+    work = {}
+    for name, mount in response.mounts.items():
+        for axis in range(3):
+            force, steps = mount.force[:, axis], np.diff(mount.deflection[:, axis])
+            if force.any():
+                work[name, axis] = abs(float(np.sum(0.5 * (force[1:] + force[:-1]) * steps)))
+    return sorted(work, key=lambda loop: work[loop], reverse=True)

@@ -1,12 +1,137 @@
-"""A frequency response: a branch and sweeps at each level."""
+"""A frequency response: its options, a branch and sweeps at each level, and its tables in Parquet files."""
 
+import math
 from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Literal
 
-from wirerope_mj.dynamics.frequency_response.options import ResponseOptions
+import numpy as np
+import numpy.typing as npt
+
 from wirerope_mj.dynamics.periodic import Branch
+from wirerope_mj.dynamics.periodic.storage import check_steps
 from wirerope_mj.dynamics.sweep import FrequencySweep
+from wirerope_mj.engine.simulation.simulate import check_direction
+from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.renamed import Renamed
+from wirerope_mj.foundation.arguments import integer, one_of, positive
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.parquet_files import write_columns
+from wirerope_mj.motions import Sine
+from wirerope_mj.mounts.isolator import AXES
+
+Method = Literal["sweep", "continuation", "both"]
+# Default range: from a quarter of the lowest natural frequency, where the superharmonic resonances of order 2 and 3 lie
+# above, to twice the highest, where every mount isolates.
+BELOW, ABOVE = 4.0, 2.0
+# Natural frequencies below this fraction of the highest belong to what no mount holds back [-].
+STILL = 1e-3
+AnyArray = npt.NDArray[Any]
+BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResponseOptions:
+    """Levels, method and range of a frequency response; `checked` fills in what is left open.
+
+    Attributes:
+        accelerations: levels of the base's acceleration [m/s^2].
+        method: "continuation", "sweep" or "both".
+        payload: body whose acceleration is the amplitude; None: the first payload.
+        response_direction: along which it is taken; None: that of the base.
+        start, stop: range [Hz]; None: from the system's natural frequencies.
+        rate: of the sweeps [octaves/min].
+        periods: of the base after which the motions repeat themselves.
+        largest_step, smallest_step: of the continuation, relative to the frequency.
+        smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; None: as they are.
+        range_from: origin of the range as text; set by `checked`.
+    """
+
+    accelerations: tuple[float, ...]
+    method: Method = "continuation"
+    direction: Direction = "z"
+    payload: str | None = None
+    response_direction: Direction | None = None
+    start: float | None = None
+    stop: float | None = None
+    rate: float = 1.0
+    periods: int = 1
+    largest_step: float = 0.02
+    smallest_step: float = 1e-5
+    smoothing: float | None = None
+    range_from: str = "given"
+
+    def checked(self, system: System) -> "ResponseOptions":
+        """Return the same options with nothing left open.
+
+        Raises:
+            ValueError: a level, the range, a step, the payload or a direction is not valid.
+            ModelError: the base is not driven in this direction, or nothing is mounted on it.
+        """
+        levels = tuple(positive("acceleration", level) for level in self.accelerations)
+        if not levels or len(set(levels)) < len(levels):
+            raise ValueError(f"`acceleration` must be one or several different levels, got {list(levels)}.")
+        direction = checked_direction(self.direction)
+        along = direction
+        if self.response_direction is not None:
+            along = checked_direction(self.response_direction, "response_direction")
+        if self.method != "continuation" and np.count_nonzero(unit_vector(along)) > 1:
+            raise ValueError(
+                f"`response_direction` must lie along x, y or z for sweeps, whose envelopes are kept along these axes; got "
+                f"{direction_text(along)}. Follow the motions only: method continuation."
+            )
+        check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=direction))
+        if not system.payloads:
+            raise ModelError("the model has no payload: no mount carries a body.")
+        payload = one_of("payload", self.payload or system.payloads[0], system.payloads)
+        start, stop, range_from = _range(system, self.start, self.stop)
+        periods = integer("periods", self.periods, least=1)
+        if self.method == "sweep" and (self.smoothing is not None or periods != 1):
+            raise ValueError(
+                "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."
+            )
+        largest, smallest = positive("largest_step", self.largest_step), positive("smallest_step", self.smallest_step)
+        check_steps(smallest, largest)
+        return ResponseOptions(
+            accelerations=tuple(sorted(levels)), method=self.method, direction=direction,
+            payload=payload, response_direction=along, start=start, stop=stop,
+            rate=positive("rate", self.rate), periods=periods, largest_step=largest, smallest_step=smallest,
+            smoothing=None if self.smoothing is None else positive("smoothing", self.smoothing), range_from=range_from,
+        )  # fmt: skip
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Start and stop of checked options [Hz]."""
+        assert self.start is not None
+        assert self.stop is not None
+        return self.start, self.stop
+
+
+def natural_frequencies(system: System) -> list[float]:
+    """Return the frequencies of the system on its unloaded mounts, where they are stiffest [Hz], lowest first."""
+    values = np.abs(np.imag(eigenvalues(system))) / (2.0 * math.pi)
+    frequencies = sorted(values[values > STILL * values.max(initial=0.0)].tolist())
+    return frequencies[::2]  # each appears with both signs of its imaginary part
+
+
+def _range(system: System, start: float | None, stop: float | None) -> tuple[float, float, str]:
+    """Return the range and where it comes from."""
+    source = "given"
+    if start is None or stop is None:
+        natural = natural_frequencies(system)
+        if not natural:
+            raise ModelError(
+                "the system has no natural frequency that a range could be taken from; give `start` and `stop`."
+            )
+        several = f" to {natural[-1]:.3g}" if len(natural) > 1 else ""
+        source = f"from the system's natural frequencies of {natural[0]:.3g}{several} Hz on its unloaded mounts"
+        start = float(f"{natural[0] / BELOW:.2g}") if start is None else start
+        stop = float(f"{natural[-1] * ABOVE:.2g}") if stop is None else stop
+    low, high = positive("start", start), positive("stop", stop)
+    if low >= high:
+        raise ValueError(f"`stop` must be above `start`, got {low:g} to {high:g} Hz; sweeps go up and then down again.")
+    return low, high, source
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -51,8 +176,6 @@ class FrequencyResponse:
     options: ResponseOptions
     levels: tuple[Level, ...]
 
-    question = Renamed("options")
-
     @property
     def complete(self) -> bool:
         """True if every branch reached the end of the range."""
@@ -62,3 +185,59 @@ class FrequencyResponse:
     def branches(self) -> tuple[Branch, ...]:
         """Branches of all levels that have one."""
         return tuple(level.branch for level in self.levels if level.branch is not None)
+
+
+def save_tables(result: FrequencyResponse, folder: Path) -> None:
+    """Write the tables of what was computed into `folder`; SI units, float64."""
+    if result.branches:
+        width = max(branch.floquet_multipliers.shape[1] for branch in result.branches)
+        levels = [(n, level) for n, level in enumerate(result.levels) if level.branch is not None]
+        _write(folder / BRANCHES, [_branch_columns(n, level, width) for n, level in levels])
+    sweeps = [
+        _sweep_columns(n, level, direction, sweep)
+        for n, level in enumerate(result.levels)
+        for direction, sweep in level.sweeps.items()
+    ]
+    if sweeps:
+        _write(folder / SWEEPS, sweeps)
+
+
+def _write(path: Path, tables: list[dict[str, AnyArray]]) -> None:
+    write_columns(path, {name: np.concatenate([table[name] for table in tables]) for name in tables[0]})
+
+
+def _branch_columns(number: int, level: Level, width: int) -> dict[str, AnyArray]:
+    """Return the columns of a branch; `width` multipliers, NaN where it has fewer."""
+    branch = level.branch
+    assert branch is not None
+    n = branch.frequency.size
+    multipliers = np.full((n, width), complex(np.nan, np.nan))
+    multipliers[:, : branch.floquet_multipliers.shape[1]] = branch.floquet_multipliers
+    events = np.full(n, "", dtype=object)
+    for event in branch.bifurcations:
+        events[event.index] = event.description
+    same = ("frequency", "acceleration", "amplitude", "transmissibility", "stable", "neutral", "residual", "steps")
+    columns: dict[str, AnyArray] = {
+        "level": np.full(n, number), "point": np.arange(n), **{name: getattr(branch, name) for name in same},
+        "smoothing_width": branch.smoothing_width, "bifurcation": events,
+    }  # fmt: skip
+    for i in range(width):
+        columns[f"multiplier_{i + 1}/re"] = multipliers[:, i].real
+        columns[f"multiplier_{i + 1}/im"] = multipliers[:, i].imag
+    columns |= {f"unknown/{i}": branch.unknowns[:, i] for i in range(branch.unknowns.shape[1])}
+    return columns
+
+
+def _sweep_columns(number: int, level: Level, direction: str, sweep: FrequencySweep) -> dict[str, AnyArray]:
+    n = sweep.frequency.size
+    columns: dict[str, AnyArray] = {
+        "level": np.full(n, number), "way": np.array([direction] * n, dtype=object), "frequency": sweep.frequency,
+        "acceleration": np.full(n, level.acceleration), "base_amplitude": sweep.base_amplitude,
+        "amplitude": sweep.amplitude, "transmissibility": sweep.transmissibility,
+    }  # fmt: skip
+    for body, envelope in sweep.envelopes.items():
+        columns |= {f"bodies/{body}/acceleration/{c}": envelope.acceleration[:, i] for i, c in enumerate("xyz")}
+    for name, mount in sweep.mounts.items():
+        for extreme, values in (("lowest", mount.minimum), ("highest", mount.maximum)):
+            columns |= {f"mounts/{name}/{extreme}/{c}": values[:, i] for i, c in enumerate(AXES)}
+    return columns

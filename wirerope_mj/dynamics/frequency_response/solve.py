@@ -4,10 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
-from wirerope_mj.dynamics.frequency_response.options import ResponseOptions
-from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
-from wirerope_mj.dynamics.periodic import Branch, follow_branch
-from wirerope_mj.dynamics.periodic.options import require_motion
+from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level, ResponseOptions
+from wirerope_mj.dynamics.periodic import follow_branch
+from wirerope_mj.dynamics.periodic.storage import require_motion
 from wirerope_mj.dynamics.sweep import FrequencySweep, frequency_sweep
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import ConvergenceError, SimulationError
@@ -59,53 +58,33 @@ def _level(
     keep: Path | None,
     progress: bool,
 ) -> Level:
-    branch = up = down = None
-    begun = perf_counter()
+    (start, stop), payload, along = options.range, options.payload, options.response_direction
+    assert payload is not None
+    assert along is not None
+    branch, begun, sweeps, initial = None, perf_counter(), list[FrequencySweep](), None
     if options.method != "sweep":
         report(f"{acceleration:.4g} m/s^2: following periodic motions")
-        branch = _branch(system, options, acceleration, keep, progress)
+        branch = follow_branch(
+            system, start=start, stop=stop, acceleration=acceleration, direction=options.direction, payload=payload,
+            response_direction=along, periods=options.periods, largest_step=options.largest_step,
+            smallest_step=options.smallest_step, smoothing=options.smoothing,
+            out=None if keep is None else keep / f"{acceleration:.6g}_m_s2", progress=progress,
+        )  # fmt: skip
     followed = perf_counter()
     if options.method != "continuation":
         report(f"{acceleration:.4g} m/s^2: sweeping up and down")
-        up, down = _sweeps(system, options, acceleration, progress)
+        for first, last in ((start, stop), (stop, start)):  # down from the final state of the one up
+            sweep = Sweep(
+                start=first, stop=last, rate=options.rate, acceleration=acceleration, direction=options.direction
+            )
+            swept = frequency_sweep(
+                system, sweep, payload=payload, response_direction=along, initial=initial, progress=progress
+            )
+            require_motion(float(swept.amplitude.max(initial=0.0)), acceleration, payload, along)
+            sweeps.append(swept)
+            initial = swept.final_state
+    up, down = sweeps or (None, None)
     return Level(
         acceleration=acceleration, branch=branch, up=up, down=down,
         branch_seconds=followed - begun, sweep_seconds=perf_counter() - followed,
     )  # fmt: skip
-
-
-def _branch(system: System, options: ResponseOptions, acceleration: float, keep: Path | None, progress: bool) -> Branch:
-    start, stop = options.range
-    assert options.payload is not None
-    return follow_branch(
-        system, start=start, stop=stop, acceleration=acceleration, direction=options.direction, payload=options.payload,
-        response_direction=options.response_direction, periods=options.periods, largest_step=options.largest_step,
-        smallest_step=options.smallest_step, smoothing=options.smoothing,
-        out=None if keep is None else keep / f"{acceleration:.6g}_m_s2", progress=progress,
-    )  # fmt: skip
-
-
-def _sweeps(
-    system: System, options: ResponseOptions, acceleration: float, progress: bool
-) -> tuple[FrequencySweep, FrequencySweep]:
-    """Return the sweep up, and the one down from its final state."""
-    low, high = options.range
-    assert options.payload is not None
-    assert options.response_direction is not None
-    initial, sweeps = None, []
-    for start, stop in ((low, high), (high, low)):
-        sweep = Sweep(start=start, stop=stop, rate=options.rate, acceleration=acceleration, direction=options.direction)
-        sweeps.append(
-            frequency_sweep(
-                system,
-                sweep,
-                payload=options.payload,
-                response_direction=options.response_direction,
-                initial=initial,
-                progress=progress,
-            )  # fmt: skip
-        )
-        largest = float(sweeps[-1].amplitude.max(initial=0.0))
-        require_motion(largest, acceleration, options.payload, options.response_direction)
-        initial = sweeps[-1].final_state
-    return sweeps[0], sweeps[1]

@@ -1,14 +1,133 @@
-"""Summary of a frequency response, level by level: what the command prints, and what its file holds."""
+"""What a frequency response says, level by level: resonance peaks, sweeps against branches, orders of a machine's speed."""
 
+import math
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from typing import Any
 
-from wirerope_mj.dynamics.frequency_response.comparison import SweepComparison, compare
+import numpy as np
+
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve, curve_of
-from wirerope_mj.dynamics.frequency_response.peaks import ResonancePeak, peaks_of
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
-from wirerope_mj.foundation.json_values import json_values
+from wirerope_mj.dynamics.periodic import Branch, harmonic_content, resonances
+from wirerope_mj.dynamics.sweep import FrequencySweep
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import json_values
+
+# Highest harmonic that is looked for in a motion.
+HARMONICS = 9
+# Relative distance from a fold within which a sweep jumps and is not compared.
+AWAY = 0.05
+# Speed of a shaft [1/min], and order, at the most: ten times what turns and shakes.
+FASTEST = 1e6
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResonancePeak:
+    """A peak of the amplitude over frequency."""
+
+    frequency: float  # [Hz]
+    amplitude: float  # [m/s^2]
+    transmissibility: float  # amplitude over the base's acceleration
+    point: int  # nearest point of the branch
+    at_edge: bool  # whether it is no peak but the end of the branch
+    # of the largest harmonic of the payload's acceleration other than the fundamental; below 1 for a subharmonic
+    order: float
+    harmonic: str  # its name
+    share: float  # its amplitude over that of the fundamental
+
+
+def peaks_of(branch: Branch) -> list[ResonancePeak]:
+    """Return the peaks of a branch, the highest (or the end of the branch, if that is higher) first, then by frequency."""
+    peaks = [(peak.index, peak.frequency, peak.amplitude, False) for peak in resonances(branch)]
+    top = branch.peak
+    if top not in [index for index, *_ in peaks]:
+        at_edge = top in (0, branch.frequency.size - 1)
+        peaks.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
+    first = max(peaks, key=lambda peak: peak[2])
+    others = sorted((peak for peak in peaks if peak is not first), key=lambda peak: peak[1])
+    return [_peak(branch, *peak) for peak in (first, *others)]
+
+
+def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:
+    content = harmonic_content(
+        branch.orbit(point), payload=branch.payload, direction=branch.response_direction, highest=HARMONICS
+    )
+    others = [i for i, order in enumerate(content.order) if order not in (0, 1)]
+    largest = others[int(np.argmax(content.amplitude[others]))]
+    return ResonancePeak(
+        frequency=frequency, amplitude=amplitude, point=point, at_edge=at_edge,
+        transmissibility=amplitude / abs(float(branch.acceleration[point])),
+        order=float(content.order[largest]), harmonic=content.names[largest],
+        share=float(content.amplitude[largest]) / max(content.of(1), 1e-300),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepJump:
+    """A jump of a sweep near a fold."""
+
+    fold: float  # frequency of the fold [Hz]
+    frequency: float  # at which the sweep changes most steeply near it [Hz]
+    amplitude: float  # of the sweep there [m/s^2]
+
+    @property
+    def past_fold(self) -> float:
+        """Distance from the fold relative to its frequency, with sign [-]."""
+        return self.frequency / self.fold - 1.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class SweepComparison:
+    """A sweep's envelope against the stable motions of a branch, away from jumps."""
+
+    largest: float  # largest difference relative to the branch; NaN if nothing can be compared
+    at: float  # frequency of it [Hz]
+    median: float
+    peak_frequency: float  # of the envelope [Hz], [m/s^2]
+    peak: float
+    jumps: tuple[SweepJump, ...]  # of the sweep, one for every fold that it passes in the direction in which it jumps
+
+
+def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | None) -> SweepComparison:
+    """Return the comparison of a sweep with a branch, if there is one."""
+    f, a = sweep.frequency, sweep.amplitude
+    top = int(np.argmax(a))
+    difference = np.full(f.size, np.nan) if branch is None or curve is None else _differences(f, a, branch, curve)
+    known = np.flatnonzero(np.isfinite(difference))
+    largest = int(known[np.argmax(difference[known])]) if known.size else -1
+    most, at, median = math.nan, math.nan, math.nan
+    if known.size:
+        most, at, median = float(difference[largest]), float(f[largest]), float(np.median(difference[known]))
+    jumps = () if branch is None else _jumps(sweep, branch)
+    return SweepComparison(
+        largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=jumps
+    )
+
+
+def _differences(f: Array, a: Array, branch: Branch, curve: BranchCurve) -> Array:
+    """Return the relative difference to the nearest stable motion, NaN near folds and where there is none, (n,)."""
+    differences = np.full(f.size, np.inf)
+    for amplitude, stable in curve.amplitudes_at(f):
+        here = np.where(stable, np.abs(a / amplitude - 1.0), np.nan)
+        differences = np.fmin(differences, here)
+    for fold in branch.folds:
+        differences[np.abs(f / fold.frequency - 1.0) < AWAY] = np.nan
+    return np.where(np.isfinite(differences), differences, np.nan)
+
+
+def _jumps(sweep: FrequencySweep, branch: Branch) -> tuple[SweepJump, ...]:
+    """Return the jumps of a sweep near the folds of a branch."""
+    f, a = sweep.frequency, sweep.amplitude
+    rising, jumps = bool(f[-1] > f[0]), []
+    for jump in branch.jumps:
+        near = np.flatnonzero(np.abs(f[:-1] / jump.parameter - 1.0) < AWAY)
+        if jump.rising == rising and near.size:
+            steepest = near[np.argmax(np.abs(np.diff(np.log(a)))[near])]
+            jumps.append(SweepJump(fold=jump.parameter, frequency=float(f[steepest]), amplitude=float(a[steepest])))
+    return tuple(jumps)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,25 +155,18 @@ class LevelSummary:
 
 
 def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
-    """Return the summaries of all levels."""
+    """Summarise all levels."""
     return [LevelSummary(level=level) for level in result.levels]
 
 
-def summary(findings: list[LevelSummary]) -> list[dict[str, Any]]:
-    """Return the summaries as plain values, SI units, None where there is no number."""
-    return [_level(one) for one in findings]
-
-
-def _level(summary: LevelSummary) -> dict[str, Any]:
+def plain_summary(summary: LevelSummary) -> dict[str, Any]:
+    """Write a summary as plain values, SI units, None where there is no number."""
     level, branch = summary.level, summary.level.branch
     content: dict[str, Any] = {"acceleration": level.acceleration}
     if branch is not None:
         content["continuation"] = {
-            "points": int(branch.frequency.size),
-            "complete": branch.complete,
-            "message": branch.message,
-            "model_steps": branch.model_steps,
-            "seconds": round(level.branch_seconds, 3),
+            "points": int(branch.frequency.size), "complete": branch.complete, "message": branch.message,
+            "model_steps": branch.model_steps, "seconds": round(level.branch_seconds, 3),
             "peaks": [asdict(peak) for peak in summary.peaks],
             "bifurcations": [
                 {
@@ -78,3 +190,52 @@ def _level(summary: LevelSummary) -> dict[str, Any]:
         content["sweep_seconds"] = round(level.sweep_seconds, 3)
     plain: dict[str, Any] = json_values(content)
     return plain
+
+
+@dataclass(frozen=True, kw_only=True)
+class OrderBand:
+    """Frequencies [Hz] of an order between the lowest and the highest speed of a shaft."""
+
+    order: float
+    low: float
+    high: float
+
+    @property
+    def label(self) -> str:
+        """For instance `order 2`."""
+        return f"order {self.order:g}"
+
+
+def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
+    """Return the bands of orders at speeds [1/min], one or the ends of a range.
+
+    Raises:
+        ValueError: a number is not positive, or there are not one or two speeds.
+    """
+    if len(speed_rpm) not in (1, 2):
+        raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
+    speeds = sorted(_within("--speed-rpm", speed) / 60.0 for speed in speed_rpm)
+    return tuple(
+        OrderBand(order=_within("--orders", order), low=order * speeds[0], high=order * speeds[-1]) for order in orders
+    )
+
+
+def _within(name: str, value: float) -> float:
+    if positive(name, value) > FASTEST:
+        raise ValueError(f"`{name}` must be at most {FASTEST:g}, got {value!r}.")
+    return float(value)
+
+
+def order_statements(bands: Sequence[OrderBand], findings: Sequence[LevelSummary]) -> Iterator[str]:
+    """Yield for every band a sentence on the resonance peaks that lie in it."""
+    for band in bands:
+        there = [
+            f"{peak.frequency:.2f} Hz at {summary.level.acceleration:.4g} m/s²"
+            for summary in findings
+            for peak in summary.peaks
+            if band.low <= peak.frequency <= band.high and not peak.at_edge
+        ]
+        span = f"{band.low:.4g} Hz" if band.low == band.high else f"{band.low:.4g} to {band.high:.4g} Hz"
+        yield f"{band.label.capitalize()}, {span}: " + (
+            f"resonance at {', '.join(there)}." if there else "no resonance."
+        )

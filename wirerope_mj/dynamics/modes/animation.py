@@ -9,41 +9,30 @@ import numpy as np
 from wirerope_mj.dynamics.modes.rest import STATE, AtRest, linearise
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.histories import MemorySamples, Numerics
+from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import BodyPeaks, MountPeaks, Peak, Peaks, PointPeaks
-from wirerope_mj.engine.simulation.scene import scene_of
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
+# Rows of a period: ten degrees each.
 ROWS = 36
-"""Rows of a period: ten degrees each."""
-
+# Periods that each mode is shown, one second long each.
 PERIODS = 2
-"""Periods that each mode is shown, one second long each."""
-
+# Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture.
 FRACTION = 0.5
-"""Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture."""
-
+# That deflection where no height is known [m].
 _FLAT = 0.05
-"""That deflection where no height is known [m]."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModeAnimation:
-    """Modes in motion.
-
-    Attributes:
-        modes: the modes.
-        starts: instant at which each begins [s], (n_modes,).
-        amplitude: of the mount that moves most, as drawn [m].
-        response: the motions, each from its largest displacement on; time is the picture's, not the mode's.
-    """
+    """Modes in motion."""
 
     modes: Modes
-    starts: Array
-    amplitude: float
-    response: Response
+    starts: Array  # instant at which each begins [s], (n_modes,)
+    amplitude: float  # of the mount that moves most, as drawn [m]
+    response: Response  # the motions, each from its largest displacement on; time is the picture's, not the mode's
 
 
 def animated_modes(system: System, modes: Modes) -> ModeAnimation:
@@ -52,10 +41,9 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     heights = [m.isolator.geometry.height for m in system.mounts.values() if m.isolator.geometry is not None]
     known = [height for height in heights if height is not None]
     amplitude = FRACTION * min(known) if known else _FLAT
+    subjects = system.assembly.subjects
     plan = ColumnPlan(
-        bodies=system.assembly.subjects.body_names,
-        points=system.assembly.subjects.point_names,
-        mounts=[(name, ()) for name in system.mounts],
+        bodies=subjects.body_names, points=subjects.point_names, mounts=[(name, ()) for name in system.mounts]
     )
     values = _values(system, modes, rest, plan, amplitude)
     samples = MemorySamples(names=plan.names, values=values)
@@ -67,19 +55,12 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
         peaks=Peaks(
             bodies={name: BodyPeaks(acceleration=_peak(body.acceleration)) for name, body in bodies.items()},
             points={
-                name: PointPeaks(
-                    acceleration=_peak(point.acceleration), relative_displacement=_peak(point.relative_displacement)
-                )
-                for name, point in points.items()
+                name: PointPeaks(acceleration=_peak(p.acceleration), relative_displacement=_peak(p.relative_displacement))
+                for name, p in points.items()
             },
-            mounts={
-                name: MountPeaks(deflection=_peak(mount.deflection), force=_peak(mount.force))
-                for name, mount in mounts.items()
-            },
+            mounts={name: MountPeaks(deflection=_peak(m.deflection), force=_peak(m.force)) for name, m in mounts.items()},
         ),
-        scene=scene_of(system),
-        motion={},
-        events=(),
+        scene=scene_of(system), motion={}, events=(),
         numerics=Numerics(
             timestep=np.nan, accuracy=np.nan, error_estimate=np.nan, steps=0, callback="",
             versions={"mujoco": version("mujoco")},
@@ -99,6 +80,10 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
     mujoco.mj_setState(model, data, modes.equilibrium.state.values, STATE)
     at_rest = data.qpos.copy()
     columns = {name: column for column, name in enumerate(plan.names)}
+
+    def part(name: str, size: int = 3) -> slice:
+        return slice(columns[name], columns[name] + size)
+
     values = np.zeros((modes.frequencies.size * PERIODS * ROWS, len(plan.names)))
     none = np.zeros(3)
     stiffness = {
@@ -114,19 +99,15 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
         mujoco.mj_kinematics(model, data)
         for name in plan.bodies:
             body = data.body(name)
-            line[_from(columns, f"bodies/{name}/position/x", 3)] = body.xipos
-            line[_from(columns, f"bodies/{name}/orientation/w", 4)] = body.xquat
+            line[part(f"bodies/{name}/position/x")] = body.xipos
+            line[part(f"bodies/{name}/orientation/w", 4)] = body.xquat
         for name, site in zip(plan.points, system.assembly.subjects.points, strict=True):
-            line[_from(columns, f"points/{name}/position/x", 3)] = data.site_xpos[site]
+            line[part(f"points/{name}/position/x")] = data.site_xpos[site]
         for name, shape in modes.mounts.items():
             moved = swing * shape[mode]
-            line[_from(columns, f"mounts/{name}/deflection/roll", 3)] = rest.mounts[name].deflection + moved
-            line[_from(columns, f"mounts/{name}/force/roll", 3)] = stiffness[name] @ moved
+            line[part(f"mounts/{name}/deflection/roll")] = rest.mounts[name].deflection + moved
+            line[part(f"mounts/{name}/force/roll")] = stiffness[name] @ moved
     return values
-
-
-def _from(columns: dict[str, int], name: str, size: int) -> slice:
-    return slice(columns[name], columns[name] + size)
 
 
 def _peak(values: Array) -> Peak:

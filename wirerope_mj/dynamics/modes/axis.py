@@ -8,14 +8,12 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.kernels import evaluate
 
+# Samples of a closed cycle: the area of a loop with sharp tips is then right to 1e-6.
 SAMPLES = 256
-"""Samples of a closed cycle: the area of a loop with sharp tips is then right to 1e-6."""
-
+# Step [m] of the elastic part's central difference: its error is below 1e-9 of the slope for travels of millimetres.
 _STEP = 1e-6
-"""Step [m] of the elastic part's central difference: its error is below 1e-9 of the slope for travels of millimetres."""
-
+# Step [m/s] of the derivative by the rate: far below any velocity over which a law smooths its friction.
 _SPEED = 1e-9
-"""Step [m/s] of the derivative by the rate: far below any velocity over which a law smooths its friction."""
 
 
 def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[float, float]:
@@ -24,7 +22,7 @@ def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[floa
     Exact for every rate-independent law: dF/dx = F_x + F_z dz/dx, with the law's own dz/dx for either direction.
     """
     slopes = []
-    elastic = _elastic_slope(law, deflection, states)
+    elastic = elastic_slope(law, deflection, states)
     here = _force(law, deflection, 0.0, states)[0]
     for direction in (-1.0, 1.0):
         rates = _force(law, deflection, direction, states)[1]
@@ -44,7 +42,7 @@ def loading_and_unloading(law: Law, deflection: float, states: Array) -> tuple[f
         pairs = [loading_and_unloading(one, deflection, own) for one, own in _parts(law, states)]
         return sum(on for on, _ in pairs), sum(back for _, back in pairs)
     if not law.rate_independent:
-        slope = _elastic_slope(law, deflection, states)
+        slope = elastic_slope(law, deflection, states)
         return slope, slope
     down, up = one_sided_tangents(law, deflection, states)
     z = sum(states[i] for i in _force_states(law))
@@ -53,17 +51,12 @@ def loading_and_unloading(law: Law, deflection: float, states: Array) -> tuple[f
 
 
 def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: float) -> complex:
-    """Return stiffness + i * loss [N/m] of a closed cycle about `deflection` as its amplitude goes to zero.
+    """Evaluate stiffness + i * loss [N/m] of a closed cycle about `deflection` as its amplitude goes to zero.
 
     Cycles of a rate-independent law with one hysteretic force carry it to where both directions have the same slope dz/dx: to
     zero for Bouc-Wen's law, so that its slope is alpha there. Masing's sliders all stick. Nothing is lost in the limit. A
-    law that depends on the rate is linearised at rest: F_x + i w F_v + F_z (i w - G_z)^-1 (G_x + i w G_v) with zdot = G.
-
-    Args:
-        law: the law.
-        deflection: about which the cycle runs [m].
-        states: internal states there; only wear matters.
-        frequency: of the cycle [Hz]; without effect on a rate-independent law.
+    law that depends on the rate is linearised at rest: F_x + i w F_v + F_z (i w - G_z)^-1 (G_x + i w G_v) with zdot = G. Of
+    the `states` only wear matters.
     """
     if len(law.components) > 1:
         parts = _parts(law, states)
@@ -77,11 +70,6 @@ def vanishing_cycle(law: Law, deflection: float, states: Array, *, frequency: fl
         steady[forces[0]] = _balanced_force(law, deflection, steady, forces[0])
     down, up = one_sided_tangents(law, deflection, steady)
     return complex(0.5 * (down + up), 0.0)
-
-
-def lasting(law: Law, deflection: float) -> float:
-    """Return the slope that is left after long vibration [N/m]: of the elastic part, internal forces having leaked away."""
-    return _elastic_slope(law, deflection, np.zeros(law.n_states))
 
 
 def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: float) -> complex:
@@ -99,13 +87,7 @@ def closed_cycle(law: Law, deflection: float, amplitude: float, *, frequency: fl
             f"`amplitude` is too large: the force of {law.name} leaves the finite numbers within {amplitude:.6g} m of the "
             f"deflection of {deflection:.6g} m."
         )
-    harmonic = 2.0 * complex(force @ np.exp(-1j * angle)) / (SAMPLES * amplitude)
-    return complex(harmonic)
-
-
-def mean_force(law: Law, deflection: float, amplitude: float, *, frequency: float) -> float:
-    """Return the mean force of the same cycle [N]; NaN if the force leaves the finite numbers on the way."""
-    return float(cycle_samples(law, deflection, amplitude, frequency)[1].mean())
+    return 2.0 * complex(force @ np.exp(-1j * angle)) / (SAMPLES * amplitude)
 
 
 def cycle_samples(law: Law, deflection: float, amplitude: float, frequency: float) -> tuple[Array, Array]:
@@ -131,7 +113,7 @@ def _force_states(law: Law) -> list[int]:
     return [i for i, name in enumerate(law.state_names) if name.startswith(("z", "w"))]
 
 
-def _elastic_slope(law: Law, deflection: float, states: Array) -> float:
+def elastic_slope(law: Law, deflection: float, states: Array) -> float:
     """Return dF/dx with the states held [N/m]."""
     above, below = (_force(law, deflection + step, 0.0, states)[0] for step in (_STEP, -_STEP))
     return (above - below) / (2.0 * _STEP)

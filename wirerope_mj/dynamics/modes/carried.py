@@ -9,38 +9,30 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from wirerope_mj.dynamics.modes.axis import closed_cycle, mean_force
-from wirerope_mj.dynamics.modes.plane import SMALL
+from wirerope_mj.dynamics.modes.axis import closed_cycle, cycle_samples
+from wirerope_mj.dynamics.modes.mount import SMALL
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.dynamics.single_mass.cycle import is_neutral
 from wirerope_mj.engine.statics import MountLoad
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.mounts.isolator import Isolator, travel
 from wirerope_mj.mounts.laws import Law
 
+# Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart.
 APART = 0.01
-"""Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Carried:
-    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest.
+    """Modes of an amplitude about where every axis of every mount carries on average what it carried at rest."""
 
-    Attributes:
-        frequencies: [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found.
-        shift: largest distance of such a deflection from rest [m], (n_modes,).
-        mounts: name of the mount that moves by it, (n_modes).
-        apart: indices of the modes whose frequency is not that about rest.
-    """
-
-    frequencies: Array
-    shift: Array
-    mounts: tuple[str, ...]
-    apart: npt.NDArray[np.int64]
+    frequencies: Array  # [Hz], (n_modes,); NaN where the mode tips over or no such deflection was found
+    shift: Array  # largest distance of such a deflection from rest [m], (n_modes,)
+    mounts: tuple[str, ...]  # name of the mount that moves by it, (n_modes)
+    apart: Integers  # indices of the modes whose frequency is not that about rest
 
 
 def carried(system: System, modes: Modes) -> Carried:
@@ -95,7 +87,7 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
     """Return the deflection about which the mean force of a cycle is `force` [m]; NaN if none is found."""
 
     def excess(deflection: float) -> float:
-        return mean_force(law, deflection, amplitude, frequency=frequency) - force
+        return float(cycle_samples(law, deflection, amplitude, frequency)[1].mean()) - force
 
     here = excess(rest)
     if abs(here) <= 1e-9 * (abs(force) + law.initial_stiffness * amplitude):  # rounding of a sum over a cycle
@@ -110,3 +102,18 @@ def _carrying(law: Law, rest: float, force: float, amplitude: float, frequency: 
             return float(scipy.optimize.brentq(excess, before, beyond, xtol=1e-6 * abs(beyond - rest)))
         before, step = beyond, 1.5 * step
     return math.nan
+
+
+def reached_in(modes: Modes, mount: str) -> tuple[Array, Array]:
+    """Return the lowest and highest deflections of a mount over all modes, sag included [m], (3,) each."""
+    rest, amplitudes = modes.equilibrium.mounts[mount].deflection, (modes.amplitude or 0.0) * abs(modes.mounts[mount])
+    largest = amplitudes.max(axis=0, initial=0.0)  # (n_modes, 3) -> (3,)
+    return rest - largest, rest + largest
+
+
+def travel_utilisation(system: System, modes: Modes, mount: str) -> float:
+    """Return the largest utilisation of a rated travel of a mount in any of the modes, sag included [-]; 0 if none is rated."""
+    reached = travel.travel_reached(*reached_in(modes, mount))
+    return max(
+        travel.travel_utilisation(reached, system.mounts[mount].isolator.limits.travel.stated).values(), default=0.0
+    )

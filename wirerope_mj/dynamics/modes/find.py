@@ -1,28 +1,129 @@
-"""Modes about the sagged position, for small amplitudes and for given ones."""
+"""Modes about the sagged position, for small amplitudes and for given ones, and the distance from tipping over."""
 
 import math
+from collections.abc import Callable, Iterator
+from functools import partial
 from typing import TypeVar
 
+import mujoco
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from wirerope_mj.dynamics.modes.eigen import frequency_of, iterate, solve
-from wirerope_mj.dynamics.modes.motion import descriptions_of, participation_of, payload_shapes
-from wirerope_mj.dynamics.modes.rest import AtRest, linearise
-from wirerope_mj.dynamics.modes.result import Modes
-from wirerope_mj.dynamics.modes.tipping import stability_of
+from wirerope_mj.dynamics.modes.rest import AtRest, description_of, linearise, participation_of, payload_shapes
+from wirerope_mj.dynamics.modes.result import Modes, TippingStability
 from wirerope_mj.engine.statics import History, equilibrium
+from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 
-ComplexArray = npt.NDArray[np.complex128]
+# Relative distance of eigenvalues whose shapes may turn into one another.
+CLOSE = 1e-6
+# Relative change of the eigenvalue at which an iterated mode is found.
+TOLERANCE = 1e-9
+# Iterations of a mode, those in which its shape may change, and those that are not damped.
+ROUNDS, DISTINCT, DIRECT = 100, 40, 15
+# Share of the largest eigenvalue below which one is rounding: nothing holds that motion.
+FREE = 1e-9
 AnyArray = TypeVar("AnyArray", Array, ComplexArray)
-
+# Amplitudes, each twice the last, by which a mode is led from the small one to the given one: so it stays itself.
 STEPS = 6
-"""Amplitudes, each twice the last, by which a mode is led from the small one to the given one: so it stays itself."""
+
+
+def solve(stiffness: Array, mass: Array) -> tuple[Array, Array]:
+    """Return the eigenvalues [(rad/s)^2], (n,), from the lowest on, and the shapes, phi^T M phi = 1, as columns (n, n)."""
+    values, shapes = scipy.linalg.eigh(stiffness, mass)
+    values[np.abs(values) < FREE * np.abs(values).max(initial=0.0)] = 0.0
+    return values, shapes
+
+
+def frequency_of(values: Array) -> Array:
+    """Return the frequencies [Hz] of eigenvalues; NaN for those below zero, whose motion runs away."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray(np.sqrt(values) / (2.0 * np.pi))
+
+
+def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -> tuple[float, Array]:
+    """Return eigenvalue and shape of the mode that stands for column `mode` of the shapes `known`, (n, n_known).
+
+    Each of those is given one of the modes, so that their likeness (phi^T M phi)^2 is largest in all: two modes whose
+    frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
+    """
+    likeness = shapes.T @ mass @ known
+    indices, owners = scipy.optimize.linear_sum_assignment(-(likeness**2))
+    best = int(indices[owners == mode][0])
+    close = np.abs(values - values[best]) <= CLOSE * np.abs(values).max()
+    shape = shapes[:, close] @ likeness[close, mode]
+    return float(values[best]), np.asarray(shape / np.sqrt(shape @ mass @ shape))
+
+
+def iterate(
+    stiffness: Callable[[Array, float], ComplexArray], mass: Array, known: Array, mode: int, start: tuple[float, Array]
+) -> tuple[float, Array, ComplexArray]:
+    """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
+
+    Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
+    whose Rayleigh quotient is right to the second order of what the shape lacks. `known` are the shapes of all modes for small
+    amplitudes, phi^T M phi = 1, (n, n); column `mode` is followed, from an eigenvalue and a shape.
+    """
+    value, shape = start
+    matrix = stiffness(shape, value)
+    for count in range(ROUNDS):
+        before = value
+        if count < DISTINCT:
+            value, shape = follow(*solve(matrix.real, mass), mass, known, mode)
+        else:
+            shape = known[:, mode]
+            value = float(shape @ matrix.real @ shape)
+        renewed = stiffness(shape, value)
+        if abs(value - before) <= TOLERANCE * max(abs(value), abs(before)):
+            return value, shape, renewed
+        matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # what alternates is damped
+    return value, shape, matrix
+
+
+def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
+    """Return the stability of a system.
+
+    Args:
+        system: the system.
+        rest: where it rests.
+        tangent: stiffness of the mounts that holds, (n, n): in small cycles, or what lasts.
+        loading: their stiffness on further loading, (n, n).
+    """
+    stiffness = rest.other + rest.weight + tangent
+    values, _ = solve(stiffness, rest.mass)
+    return TippingStability(
+        smallest_eigenvalue=float(values.min(initial=np.inf)), gravity_factor=_critical(rest.other + tangent, -rest.weight),
+        rise=min((_critical(stiffness, load) for load in _overturning(system, rest)), default=np.inf),
+        softest=_critical(rest.other + loading, -rest.weight),
+    )  # fmt: skip
+
+
+def _critical(stiffness: Array, load: Array) -> float:
+    """Return the smallest factor > 0 at which stiffness - factor * load is no longer positive definite."""
+    try:
+        grows = scipy.linalg.eigvalsh(load, stiffness)  # load v = (1 / factor) stiffness v
+    except np.linalg.LinAlgError:
+        return 0.0  # not positive definite without any load
+    largest = float(grows.max(initial=0.0))
+    return 1.0 / largest if largest > FREE else np.inf
+
+
+def _overturning(system: System, rest: AtRest) -> Iterator[Array]:
+    """Yield what the weight of each moving body takes from the stiffness against tilting per metre of height [N], (n, n)."""
+    model, data = system.model, rest.data
+    up = -model.opt.gravity
+    size = float(np.linalg.norm(up))
+    if size == 0.0:
+        return
+    level = np.eye(3) - np.outer(up, up) / size**2
+    for body in (body for mover in movers_of(system) for body in mover.bodies if model.body_dofnum[body]):
+        turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+        mujoco.mj_jacBody(model, data, unused, turn, body)
+        tilt = level @ turn[:, rest.free]
+        yield float(model.body_subtreemass[body]) * size * tilt.T @ tilt
 
 
 def modes(system: System, *, history: History = "virgin", amplitude: float | None = None) -> Modes:
@@ -63,7 +164,8 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     for mode in range(values.size):
         for size in sizes:
             start = float(values[mode]), shapes[:, mode]
-            values[mode], shapes[:, mode], complexes[mode] = springs.mode(known, mode, start, size)
+            found = iterate(partial(springs.at, size), rest.mass, known, mode, start)
+            values[mode], shapes[:, mode], complexes[mode] = found
     damping = np.array([_damping(shapes[:, i], values[i], complexes[i], rest) for i in range(values.size)])
     order = np.argsort(values, kind="stable")
     scaled = np.stack([springs.scaled(shapes[:, i]) for i in order], axis=1)
@@ -72,29 +174,21 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     participation, moving_mass = participation_of(system, rest, scaled)
     return Modes(
         frequencies=np.where((values[order] < 0.0) & bool(static.free), 0.0, frequency_of(values[order])),
-        damping_ratio=damping[order],
-        loading=bracket[0][order],
-        unloading=bracket[1][order],
-        shapes=whole,
-        payloads=payload_shapes(system, rest, scaled),
+        damping_ratio=damping[order], loading=bracket[0][order], unloading=bracket[1][order],
+        shapes=whole, payloads=payload_shapes(system, rest, scaled),
         mounts={name: (mount.jacobian @ scaled).T for name, mount in rest.mounts.items()},
-        participation=participation,
-        moving_mass=moving_mass,
-        descriptions=_with_fate(descriptions_of(system, rest, scaled), values[order]),
-        history=history,
-        amplitude=amplitude,
+        participation=participation, moving_mass=moving_mass,
+        descriptions=tuple(
+            description_of(system, rest, shape) + _fate(value)
+            for shape, value in zip(scaled.T, values[order], strict=True)
+        ),
         stability=stability_of(system, rest, small if history == "virgin" else springs.lasting(), loading),
-        free=rest.free,
-        mass=rest.mass,
-        stiffness=held.real,
-        equilibrium=static,
-    )
+        history=history, amplitude=amplitude, free=rest.free, mass=rest.mass, stiffness=held.real, equilibrium=static,
+    )  # fmt: skip
 
 
-def _with_fate(descriptions: tuple[str, ...], values: Array) -> tuple[str, ...]:
-    """Return the descriptions, those of free and of unstable modes marked; `values` are eigenvalues, (n_modes,)."""
-    fates = ["" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)" for value in values]
-    return tuple(description + fate for description, fate in zip(descriptions, fates, strict=True))
+def _fate(value: float) -> str:
+    return "" if value > 0.0 else " (free)" if value == 0.0 else " (tips over)"
 
 
 class _Springs:
@@ -114,16 +208,10 @@ class _Springs:
                 total += mount.jacobian.T @ mount.loop_stiffness(moved) @ mount.jacobian
         return total
 
-    def mode(
-        self, known: Array, mode: int, start: tuple[float, Array], amplitude: float
-    ) -> tuple[float, Array, ComplexArray]:
-        """Return eigenvalue, shape and complex stiffness of a mode whose largest mount deflection is `amplitude` [m]."""
-
-        def stiffness(shape: Array, value: float) -> ComplexArray:
-            frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # what does not swing has no frequency
-            return self.held(self.scaled(shape), amplitude, frequency)
-
-        return iterate(stiffness, self.rest.mass, known, mode, start)
+    def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
+        """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""
+        frequency = float(np.sqrt(max(value, 0.0))) / (2.0 * np.pi) or 1.0  # what does not swing has no frequency
+        return self.held(self.scaled(shape), amplitude, frequency)
 
     def lasting(self) -> Array:
         """Return the stiffness of the mounts that is left after long vibration, (n, n)."""

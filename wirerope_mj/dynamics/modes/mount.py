@@ -1,35 +1,144 @@
 """Stiffness of a mount in its three axes, two of them coupled where the isolator couples them."""
 
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.dynamics.modes.axis import closed_cycle, lasting, loading_and_unloading, vanishing_cycle
-from wirerope_mj.dynamics.modes.plane import SMALL, loop_cycle, plane_cycle, plane_tangents
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.dynamics.modes.axis import (
+    SAMPLES,
+    closed_cycle,
+    cycle_samples,
+    elastic_slope,
+    loading_and_unloading,
+    vanishing_cycle,
+)
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws import BiaxialBoucWen, BoucWen, Law, LoopBoucWen, LoopCoupling
+from wirerope_mj.mounts.laws.plane import asymmetry_of, elastic_of
 
-ComplexArray = npt.NDArray[np.complex128]
+Coupled = BiaxialBoucWen | LoopBoucWen
+# Amplitude [m] below which a cycle is the vanishing one: forces of kilonewtons are rounded at 1e-4 N/m of slope there.
+SMALL = 1e-8
+# Samples of a cycle of the loop's energy, whose stiffness jumps at the ends of its box: a few parts in ten thousand there.
+FINE = 4096
+
+
+def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
+    """Return the stiffness of two coupled axes on further loading and on unloading [N/m], (2, 2) each.
+
+    With w = z / z_m and its unit vector e:  dz/dx = diag(z_m) [1 - c |w|^n e e^T] diag(1 / x_y), c = 1 on loading and
+    1 - 2 sigma on unloading; F2 multiplies the axial row, and the loop's energy adds its own. Where the axes' energies z_m x_y
+    or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up. `z` are the hysteretic forces [N], those
+    of roll on every scale, then those of the other axis, (2 n_scales,).
+    """
+    if len(coupled.scales) > 1:
+        each = z.reshape(2, -1).T  # of both axes, scale by scale
+        scales: Sequence[Coupled] = coupled.scales
+        pairs = [plane_tangents(scale, deflection, each[number]) for number, scale in enumerate(scales)]
+        return sum(on for on, _ in pairs), sum(back for _, back in pairs)  # type: ignore[return-value]
+    parameters = coupled.rate_parameters()
+    sigma, n, bound, yields = parameters[0], parameters[1], parameters[2:4], parameters[4:6]
+    w = z / bound
+    size = float(np.hypot(*w))
+    along = np.outer(w, w) / size**2 if size > 0.0 else np.zeros((2, 2))
+    at = [(law, float(x), float(force)) for law, x, force in zip(coupled.laws, deflection, z, strict=True)]
+    held = np.diag([_held_slope(law, x, force) for law, x, force in at])
+    factor = np.array([math.exp(asymmetry_of(law) * x) for law, x, _ in at])
+    loop = coupled.loop.stiffness(deflection) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
+    tangents = []
+    for factor_of_z in (1.0, 1.0 - 2.0 * sigma):
+        slope = factor[:, None] * (bound[:, None] * (np.eye(2) - factor_of_z * size**n * along) / yields)
+        tangents.append(0.5 * (slope + slope.T) + held + loop)
+    return tangents[0], tangents[1]
+
+
+def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
+    """Return stiffness + i * loss of both axes in a closed cycle along a straight line [N/m], (2,), without the loop's energy.
+
+    The closed cycle has w parallel to the scaled motion u = x / x_y, so that the hysteretic force of each axis is that of its
+    own law at the amplitude x_y |u|, as far as it moves; the elastic parts, and F2, stay those of the axes.
+    """
+    if len(coupled.scales) > 1:
+        return np.sum([plane_cycle(scale, deflection, amplitude) for scale in coupled.scales], axis=0)
+    yields = coupled.rate_parameters()[4:6]
+    size = float(np.hypot(*(amplitude / yields)))
+    stiffness = np.zeros(2, dtype=np.complex128)
+    for axis, law in enumerate(coupled.laws):
+        x, own, reach = float(deflection[axis]), float(amplitude[axis]), float(yields[axis]) * size
+        if asymmetry_of(law) != 0.0 and own >= SMALL:
+            stiffness[axis] = _asymmetric_harmonic(law, x, own, reach)
+            continue
+        hysteretic = closed_cycle(_without_elastic_part(law), 0.0, reach, frequency=1.0)
+        if asymmetry_of(law) != 0.0:
+            hysteretic *= math.exp(asymmetry_of(law) * x)
+        stiffness[axis] = hysteretic + _elastic_harmonic(law, x, own)
+    return stiffness
+
+
+def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array:
+    """Evaluate the stiffness of the loop's elastic energy over deflection + amplitude cos [N/m], (2, 2); both with signs [m].
+
+    Times the amplitude it is the first harmonic of the force: the mean of the second derivatives with the weight 2 sin^2.
+    """
+    if float(np.hypot(*amplitude)) < SMALL:
+        return loop.stiffness(deflection)
+    angle = 2.0 * np.pi * (np.arange(FINE) + 0.5) / FINE
+    there = loop.stiffness(deflection + np.cos(angle)[:, None] * amplitude)
+    return np.asarray(np.einsum("t,tij->ij", 2.0 / FINE * np.sin(angle) ** 2, there))
+
+
+@lru_cache(maxsize=64)
+def _without_elastic_part(law: Law) -> Law:
+    alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
+    return BoucWen(alpha=alpha, beta=beta, gamma=gamma, n=n)
+
+
+def _asymmetric_harmonic(law: Law, x: float, amplitude: float, reach: float) -> complex:
+    """Return the first harmonic of F2 (z + F1) over x + amplitude cos, over the amplitude [N/m].
+
+    z is the law's own cycle of the amplitude `reach` times amplitude / reach.
+    """
+    angle, own = cycle_samples(_without_elastic_part(law), 0.0, reach, 1.0)
+    path = x + amplitude * np.cos(angle)
+    force = np.exp(asymmetry_of(law) * path) * (amplitude / reach * own + _elastic_force(law, path))
+    return 2.0 * complex(force @ np.exp(-1j * angle)) / (SAMPLES * amplitude)
+
+
+def _elastic_force(law: Law, x: Array | float) -> Array:
+    k1, k2, k3 = elastic_of(law)
+    return np.asarray(x * (k1 + k2 * np.abs(x) + k3 * x * x))
+
+
+def _held_slope(law: Law, x: float, z: float) -> float:
+    """Return the slope of F2 (z + F1) with the hysteretic force held [N/m]."""
+    k1, k2, k3 = elastic_of(law)
+    slope = float(k1 + 2.0 * k2 * abs(x) + 3.0 * k3 * x * x)
+    exponent = asymmetry_of(law)
+    if exponent == 0.0:
+        return slope
+    return math.exp(exponent * x) * (slope + exponent * (z + float(_elastic_force(law, x))))
+
+
+def _elastic_harmonic(law: Law, x: float, amplitude: float) -> float:
+    """Return the first harmonic of the elastic part over x + amplitude cos, over the amplitude [N/m]."""
+    if amplitude < SMALL:
+        return _held_slope(law, x, 0.0)
+    cosine = np.cos(2.0 * np.pi * np.arange(SAMPLES) / SAMPLES)
+    return float(2.0 * _elastic_force(law, x + amplitude * cosine) @ cosine / (SAMPLES * amplitude))
 
 
 @dataclass(frozen=True, kw_only=True)
 class MountAtRest:
-    """A mount where it rests.
-
-    Attributes:
-        isolator: the device.
-        deflection: roll, shear, axial [m], (3,).
-        force: restoring force [N], (3,).
-        states: internal states of each axis.
-        jacobian: deflection by free velocity coordinates, (3, n).
-    """
+    """A mount where it rests."""
 
     isolator: Isolator
-    deflection: Array
-    force: Array
-    states: tuple[Array, Array, Array]
-    jacobian: Array
+    deflection: Array  # roll, shear, axial [m], (3,)
+    states: tuple[Array, Array, Array]  # internal states of each axis
+    jacobian: Array  # deflection by free velocity coordinates, (3, n)
 
     def tangents(self) -> tuple[Array, Array]:
         """Return the stiffness on further loading and on unloading of every axis [N/m], (3, 3) each."""
@@ -51,28 +160,20 @@ class MountAtRest:
         """Return the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
         laws = self.isolator.axes.values()
         slopes = [
-            0.0 if law is None else lasting(law, x) for law, x in zip(laws, self.deflection.tolist(), strict=True)
+            0.0 if law is None else elastic_slope(law, x, np.zeros(law.n_states))
+            for law, x in zip(laws, self.deflection.tolist(), strict=True)
         ]
         return np.diag(slopes) + self.loop_stiffness(np.zeros(3))
 
     def loop_stiffness(self, amplitude: Array) -> Array:
-        """Return what a loop's elastic energy adds to the stiffness of the axes in closed cycles [N/m], (3, 3).
-
-        Args:
-            amplitude: of every axis, with signs, as they move against each other [m], (3,); zero for small cycles.
-        """
+        """Evaluate what a loop's energy adds to the stiffness of the axes in cycles of amplitudes with signs [N/m], (3, 3)."""
         stiffness, axes, loop = np.zeros((3, 3)), list(self.isolator.coupled_axes), self.isolator.loop
         if loop is not None:
             stiffness[np.ix_(axes, axes)] = loop_cycle(loop, self.deflection[axes], amplitude[axes])
         return stiffness
 
     def stiffness(self, amplitude: Array, frequency: float) -> ComplexArray:
-        """Return stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy.
-
-        Args:
-            amplitude: of every axis [m], (3,); zero for the limit of small cycles.
-            frequency: of the cycle [Hz].
-        """
+        """Evaluate stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy."""
         complex_stiffness = np.zeros(3, dtype=np.complex128)
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is None:

@@ -1,45 +1,43 @@
-"""A system linearised where it rests: masses, what holds it besides its mounts, and how coordinates deflect the mounts."""
+"""A system linearised where it rests, and how its payloads move in a mode."""
 
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.modes.mount import MountAtRest
+from wirerope_mj.dynamics.modes.result import PayloadShape
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.rotation import righting_torque
+from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
+from wirerope_mj.engine.statics.payloads import Payload, movers_of, payloads_of
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 
+# Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
 STEP = 1e-6
-"""Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness."""
-
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+# Fraction of the kinetic energy from which a component of the motion is named.
+NAMED = 0.15
+# Fraction of the model's mass below which what can move along an axis is rounding.
+_NOTHING = 1e-9
+_TRANSLATIONS = ("sway x", "sway y", "bounce z")
+_ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
 
 
 @dataclass(frozen=True, kw_only=True)
 class AtRest:
-    """A system at rest in its free velocity coordinates; the base does not move.
+    """A system at rest in its free velocity coordinates; the base does not move."""
 
-    Attributes:
-        free: which of MuJoCo's velocity coordinates these are, (n,).
-        mass: mass matrix, (n, n).
-        other: stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n).
-        weight: stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n).
-        damping: of joints, (n, n).
-        mounts: mounts by name.
-        data: MuJoCo's data in that state.
-    """
-
-    free: npt.NDArray[np.int64]
-    mass: Array
+    free: Integers  # which of MuJoCo's velocity coordinates these are, (n,)
+    mass: Array  # mass matrix, (n, n)
+    # stiffness besides the mounts' tangents: joint springs, contacts and what the mounts resist turning with, (n, n)
     other: Array
+    # stiffness that weight and the mounts' preload add, -W h of a centre of mass above its mounts included, (n, n)
     weight: Array
-    damping: Array
-    mounts: dict[str, MountAtRest]
-    data: mujoco.MjData
+    damping: Array  # of joints, (n, n)
+    mounts: dict[str, MountAtRest]  # mounts by name
+    data: mujoco.MjData  # MuJoCo's data in that state
 
 
 def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
@@ -62,22 +60,13 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     other = _held(system, model, data, None, free)
     model.opt.gravity[:] = gravity
     return AtRest(
-        free=free,
-        mass=mass,
-        other=other,
-        weight=loaded - other,
-        damping=np.diag(model.dof_damping[free]),
-        mounts=mounts,
+        free=free, mass=mass, other=other, weight=loaded - other, damping=np.diag(model.dof_damping[free]), mounts=mounts,
         data=data,
-    )
+    )  # fmt: skip
 
 
 def _held(
-    system: System,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    equilibrium: Equilibrium | None,
-    free: npt.NDArray[np.int64],
+    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers
 ) -> Array:
     """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
 
@@ -128,12 +117,7 @@ def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibriu
 
 
 def _mount(
-    system: System,
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    equilibrium: Equilibrium,
-    name: str,
-    free: npt.NDArray[np.int64],
+    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium, name: str, free: Integers
 ) -> MountAtRest:
     mount, load = system.mounts[name], equilibrium.mounts[name]
     point = data.site(mount.payload_site).xpos
@@ -144,9 +128,108 @@ def _mount(
     first = system.assembly.activation
     states = [data.act[first + part.start : first + part.stop].copy() for part in mount.states]
     return MountAtRest(
-        isolator=mount.isolator,
-        deflection=load.deflection,
-        force=load.force,
-        states=(states[0], states[1], states[2]),
+        isolator=mount.isolator, deflection=load.deflection, states=(states[0], states[1], states[2]),
         jacobian=axes.T @ (payload - base)[:, free],
-    )
+    )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Jacobians:
+    """Velocity of a body by free coordinates: of its centre of mass (3, n), and angular (3, n)."""
+
+    centre: Array
+    turn: Array
+
+
+def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, PayloadShape]:
+    """Return the motion of every payload in the shapes (n, n_modes)."""
+    result = {}
+    for payload in payloads_of(system):
+        tree = _tree(system.model, rest, payload)
+        result[payload.name] = PayloadShape(
+            centre=rest.data.subtree_com[payload.root].copy(), mass=payload.mass,
+            translation=(tree.centre @ shapes).T, rotation=(tree.turn @ shapes).T,
+        )  # fmt: skip
+    return result
+
+
+def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array, Array]:
+    """Return fractions of the mass that takes part along x, y, z in each mode, (n_modes, 3), and that mass [kg], (3,).
+
+    With f = M r the inertia forces of a unit acceleration of the base, (phi^T f)^2 / (phi^T M phi m), where m = f^T M^-1 f is
+    what all motions that joints leave can bring along: of a free body its mass, of a guided one nothing across its guide.
+    """
+    model = system.model
+    force = np.zeros((rest.free.size, 3))
+    for mover in movers_of(system):
+        for body in mover.bodies:
+            force += model.body_mass[body] * _jacobians(model, rest, body).centre.T
+    modal = np.einsum("nj,nk,kj->j", shapes, rest.mass, shapes)
+    moving = np.einsum("na,na->a", force, np.linalg.solve(rest.mass, force))
+    effective = (shapes.T @ force) ** 2 / modal[:, None]
+    with_mass = moving > _NOTHING * model.body_mass.sum()
+    return np.where(with_mass, effective / np.where(with_mass, moving, 1.0), 0.0), np.where(with_mass, moving, 0.0)
+
+
+def description_of(system: System, rest: AtRest, shape: Array) -> str:
+    """Name the components that hold most of the kinetic energy of a shape (n,), largest first."""
+    model = system.model
+    energy = float(shape @ rest.mass @ shape)
+    movers = movers_of(system)
+    ratios: list[tuple[float, str]] = []
+    for payload in movers:
+        tree = _tree(model, rest, payload)
+        velocity, turn = tree.centre @ shape, tree.turn @ shape
+        prefix = f"{payload.name}: " if len(movers) > 1 else ""
+        ratios += [(payload.mass * v * v / energy, prefix + w) for v, w in zip(velocity, _TRANSLATIONS, strict=True)]
+        spin = turn * (_inertia(model, rest, payload) @ turn) / energy
+        ratios += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
+        ratios += _inner(model, rest, payload, shape, velocity, turn, energy)
+    ratios.sort(reverse=True)
+    named = [description for ratio, description in ratios if ratio >= NAMED] or [ratios[0][1]]
+    return " + ".join(named)
+
+
+def _inner(
+    model: mujoco.MjModel, rest: AtRest, payload: Payload, shape: Array, velocity: Array, turn: Array, energy: float
+) -> list[tuple[float, str]]:
+    """Return the energy fraction of each body that moves against its payload's lowest body, as if that were rigid."""
+    centre = rest.data.subtree_com[payload.root]
+    ratios = []
+    for body in payload.bodies:
+        own = _jacobians(model, rest, body)
+        arm = rest.data.xipos[body] - centre
+        along = own.centre @ shape - velocity - np.cross(turn, arm)
+        about = own.turn @ shape - turn
+        energy_in = model.body_mass[body] * along @ along + about @ _body_inertia(rest.data, model, body) @ about
+        if model.body_weldid[body] != payload.root and energy_in > 0.0:
+            ratios.append((float(energy_in) / energy, f"{model.body(body).name} on {payload.name}"))
+    return ratios
+
+
+def _tree(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Jacobians:
+    centre = np.zeros((3, model.nv))
+    mujoco.mj_jacSubtreeCom(model, rest.data, centre, payload.root)
+    return Jacobians(centre=centre[:, rest.free], turn=_jacobians(model, rest, payload.root).turn)
+
+
+def _jacobians(model: mujoco.MjModel, rest: AtRest, body: int) -> Jacobians:
+    centre, turn = np.zeros((3, model.nv)), np.zeros((3, model.nv))
+    mujoco.mj_jacBodyCom(model, rest.data, centre, turn, body)
+    return Jacobians(centre=centre[:, rest.free], turn=turn[:, rest.free])
+
+
+def _body_inertia(data: mujoco.MjData, model: mujoco.MjModel, body: int) -> Array:
+    """Return a body's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
+    axes = data.ximat[body].reshape(3, 3)
+    return np.asarray(axes @ np.diag(model.body_inertia[body]) @ axes.T)
+
+
+def _inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
+    """Return a payload's inertia about its centre of mass, world axes [kg m^2], (3, 3)."""
+    data, total = rest.data, np.zeros((3, 3))
+    for body in payload.bodies:
+        arm = data.xipos[body] - data.subtree_com[payload.root]
+        steiner = model.body_mass[body] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+        total += _body_inertia(data, model, body) + steiner
+    return total

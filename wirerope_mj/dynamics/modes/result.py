@@ -4,15 +4,74 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
-from wirerope_mj.dynamics.modes.tipping import TippingStability
 from wirerope_mj.engine.statics import Equilibrium, History
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.json_values import json_values
-from wirerope_mj.foundation.renamed import Renamed
-from wirerope_mj.foundation.summary import Summarised, quantity
+from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.summary import Summarised, json_values, quantity
+
+_FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far
+# Gravity factor from which a payload stands safely; less is called slender.
+AMPLE = 3.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class TippingStability:
+    """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
+
+    About the virgin position these are those of small cycles. About the relaxed one they are those of the elastic parts alone:
+    under lasting vibration the hysteretic forces leak away, and what they hold up keeps sinking.
+
+    Attributes:
+        smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
+        gravity_factor: times the weight, preload included, at which it tips over; infinite if it never does.
+        rise: by which the centre of mass of a payload, or of a part of it that is jointed, could stand higher before it tips
+            over [m], the smallest of all; infinite if none can, 0 if it does. What stands on a part counts with it.
+        softest: the gravity factor with the mounts' tangents on further loading instead of small cycles.
+    """
+
+    smallest_eigenvalue: float
+    gravity_factor: float
+    rise: float
+    softest: float
+
+    @property
+    def stable(self) -> bool:
+        """True if every displacement is brought back."""
+        return self.smallest_eigenvalue > 0.0
+
+    @property
+    def word(self) -> str:
+        """Return "stable", "slender" (gravity factor below 3), "not held" (a motion without stiffness) or "tips over"."""
+        if self.smallest_eigenvalue < 0.0:
+            return "tips over"
+        if self.smallest_eigenvalue == 0.0:
+            return "not held"
+        return "stable" if self.gravity_factor >= AMPLE else "slender"
+
+    @property
+    def description(self) -> str:
+        """Return a sentence on how far the system is from tipping over."""
+        if self.word == "tips over":
+            return "it tips over: its mounts do not hold its weight upright."
+        if self.word == "not held":
+            return "something moves without any stiffness: no mount, joint or stop holds it."
+        if self.gravity_factor > _FAR and self.rise > _FAR:
+            return f"{self.word}, large margin."
+        limits = []
+        if np.isfinite(self.gravity_factor):
+            limits.append(f"at {self.gravity_factor:.2g} times its weight")
+        if np.isfinite(self.rise):
+            limits.append(f"with its centre of mass, or that of a part on a joint, {self.rise:.2g} m higher")
+        return f"{self.word}; it would tip over {', or '.join(limits)}."
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values; what is infinite is None."""
+        values: dict[str, Any] = {
+            "word": self.word, "smallest_eigenvalue_1_s2": self.smallest_eigenvalue, "gravity_factor": self.gravity_factor,
+            "rise_m": self.rise, "gravity_factor_on_loading": self.softest,
+        }  # fmt: skip
+        return {name: json_values(value) for name, value in values.items()}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,7 +133,7 @@ class Modes(Summarised):
     history: History
     amplitude: float | None
     stability: TippingStability
-    free: npt.NDArray[np.int64]
+    free: Integers
     mass: Array
     stiffness: Array
     equilibrium: Equilibrium
@@ -88,46 +147,36 @@ class Modes(Summarised):
         return f"Modes about the {self.history} equilibrium, {about}", lines
 
     @property
-    def outside_tangents(self) -> npt.NDArray[np.int64]:
+    def outside_tangents(self) -> Integers:
         """Indices of the modes whose frequency does not lie between those of the tangents on loading and on unloading."""
         slack = 1e-6  # laws whose tangents are all one differ by the rounding of their differences
         tangents = np.nan_to_num(np.stack([self.loading, self.unloading]))  # NaN, a mode that tips over, is below all
         low, high = (1.0 - slack) * tangents.min(axis=0), (1.0 + slack) * tangents.max(axis=0)
         return np.flatnonzero((self.frequencies > high) | (self.frequencies < low))
 
-    words, places_in = Renamed("descriptions"), Renamed("indices_in")
-
     def indices_in(self, other: "Modes") -> list[int]:
         """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
-        ours, theirs = (_unit(modes.shapes[self.free], self.mass) for modes in (self, other))
+        free = (modes.shapes[self.free] for modes in (self, other))
+        ours, theirs = (x / np.sqrt(np.einsum("nj,nk,kj->j", x, self.mass, x)) for x in free)
         _, indices = scipy.optimize.linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
         return [int(index) for index in indices]
 
     def to_dict(self) -> dict[str, Any]:
         """Return the modes as plain values, SI; what is not finite is None."""
+        modes = [
+            {
+                "word": description, "frequency_Hz": json_values(self.frequencies[i]),
+                "loading_Hz": json_values(self.loading[i]), "unloading_Hz": json_values(self.unloading[i]),
+                "damping_ratio": json_values(self.damping_ratio[i]), "participation": self.participation[i].tolist(),
+                "payloads": {
+                    name: {"translation": p.translation[i].tolist(), "rotation": p.rotation[i].tolist()}
+                    for name, p in self.payloads.items()
+                },
+                "mounts": {name: shape[i].tolist() for name, shape in self.mounts.items()},
+            }
+            for i, description in enumerate(self.descriptions)
+        ]  # fmt: skip
         return {
-            "history": self.history,
-            "amplitude_m": self.amplitude,
-            "moving_mass_kg": self.moving_mass.tolist(),
-            "modes": [
-                {
-                    "word": description,
-                    "frequency_Hz": json_values(self.frequencies[i]),
-                    "loading_Hz": json_values(self.loading[i]),
-                    "unloading_Hz": json_values(self.unloading[i]),
-                    "damping_ratio": json_values(self.damping_ratio[i]),
-                    "participation": self.participation[i].tolist(),
-                    "payloads": {
-                        name: {"translation": p.translation[i].tolist(), "rotation": p.rotation[i].tolist()}
-                        for name, p in self.payloads.items()
-                    },
-                    "mounts": {name: shape[i].tolist() for name, shape in self.mounts.items()},
-                }
-                for i, description in enumerate(self.descriptions)
-            ],
-            "stability": self.stability.to_dict(),
-        }
-
-
-def _unit(shapes: Array, mass: Array) -> Array:
-    return np.asarray(shapes / np.sqrt(np.einsum("nj,nk,kj->j", shapes, mass, shapes)))
+            "history": self.history, "amplitude_m": self.amplitude, "moving_mass_kg": self.moving_mass.tolist(),
+            "modes": modes, "stability": self.stability.to_dict(),
+        }  # fmt: skip

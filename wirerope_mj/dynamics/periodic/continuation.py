@@ -1,12 +1,8 @@
 """Pseudo-arclength continuation of periodic motions in the frequency or the level of the base's sine.
 
-A point of a branch is y = (x, ln p), p the parameter that is followed. In units in which a step of 1 changes p by the largest
-step allowed, or the motion by a quarter of its ranges, the corrector solves
-
-    P(x, p) - x = 0,        t . (y - y_predicted) = 0
-
-with the matrix of the last point, brought up to date by Broyden's formula; the least solution is taken in the directions in
-which the motion is neutral, so that they neither stop it nor are wandered along.
+A point of a branch is y = (x, ln p), p the parameter that is followed, in units in which a step of 1 changes p by the largest
+step allowed, or the motion by a quarter of its ranges. Its gap is P(x, p) - x. The least solution is taken in the directions in
+which the motion is neutral, so that they neither stop the corrector nor are wandered along.
 """
 
 import math
@@ -14,48 +10,57 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.dynamics.periodic.branch import Parameter
-from wirerope_mj.dynamics.periodic.coordinates import scales
+from wirerope_mj.dynamics.arclength import corrected, crossing, unit_tangent
+from wirerope_mj.dynamics.periodic.branch import Kind, Parameter
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.multipliers import FloquetStability, stability
-from wirerope_mj.dynamics.periodic.observe import ranges
-from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot, least_solution, monodromy, shot
-from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.motion import Drive, ranges, scales
+from wirerope_mj.dynamics.periodic.shooting import (
+    DIFFERENCE,
+    MARGIN,
+    FloquetStability,
+    Shot,
+    monodromy,
+    shot,
+    stability,
+)
 from wirerope_mj.foundation.arrays import Array
 
+# Change of the motion relative to its ranges that counts as one unit of arclength.
 CHANGE = 0.25
-"""Change of the motion relative to its ranges that counts as one unit of arclength."""
-
-CORRECTIONS = 10
-"""Corrector iterations of one point."""
-
+# Component of a unit tangent whose sign may change between two points.
 UNCLEAR = 0.1
-"""Component of a unit tangent whose sign may change between two points."""
-
-SLOW = 0.5
-"""Ratio of two residuals above which the matrix is integrated anew."""
+# Relative distance in the parameter to which events are located.
+CLOSE = 1e-6
+# Fraction of the branch's tolerance to which folds are corrected: where a branch is steep, a residual of 1e-6 moves the
+# parameter by 1e-5.
+TIGHTER = 1e-2
 
 
 @dataclass(frozen=True, kw_only=True)
 class Point:
-    """A corrected point of a branch.
-
-    Attributes:
-        parameter: value of what is followed.
-        matrix: derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1).
-        tangent: unit tangent in the units of arclength, (n_x + 1,).
-        stability: Floquet multipliers.
-        corrections: corrector iterations that it took.
-        width: velocity over which the laws were smoothed [m/s].
-    """
+    """A corrected point of a branch."""
 
     shot: Shot
-    parameter: float
-    matrix: Array
-    tangent: Array
-    stability: FloquetStability
-    corrections: int
-    width: float
+    parameter: float  # value of what is followed
+    matrix: Array  # derivative of the scaled gap by (scaled x, arclength's unit of ln p), (n_x, n_x + 1)
+    tangent: Array  # unit tangent in the units of arclength, (n_x + 1,)
+    stability: FloquetStability  # Floquet multipliers
+    corrections: int  # corrector iterations that it took
+    width: float  # velocity over which the laws were smoothed [m/s]
+
+    @property
+    def unstable(self) -> int:
+        """Number of multipliers outside the unit circle."""
+        return int((np.abs(self.stability.multipliers) > 1.0 + MARGIN).sum())
+
+
+@dataclass(frozen=True, kw_only=True)
+class Event:
+    """A fold or a change of stability between two points, and the multiplier that passes the unit circle there."""
+
+    kind: Kind
+    multiplier: complex
+    point: Point
 
 
 class Continuation:
@@ -77,22 +82,21 @@ class Continuation:
     def point(
         self, motion: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0
     ) -> Point:
-        """Return the point of a motion that repeats itself, its tangent turned like the one `before` or to `sign`."""
-        matrix = self._matrix(motion, value)
-        n = motion.x.size
-        judged = stability(self.flow, motion, matrix[:, :n] + np.eye(n))
+        """Make the point of a motion that repeats itself, its tangent turned like the one `before` or to `sign`."""
+        matrix, n = self._matrix(motion, value), motion.x.size
         return Point(
-            shot=motion,
-            parameter=value,
-            matrix=matrix,
-            tangent=self._tangent(matrix, before, sign),
-            stability=judged,
-            corrections=corrections,
-            width=self.flow.width,
-        )
+            shot=motion, parameter=value, matrix=matrix, corrections=corrections, width=self.flow.width,
+            tangent=unit_tangent(matrix / self._to_arc(n), np.append(np.zeros(n), sign) if before is None else before),
+            stability=stability(self.flow, motion, matrix[:, :n] + np.eye(n)),
+        )  # fmt: skip
+
+    def closed(self, x: Array, value: float) -> Shot | None:
+        """Close the motion near the unknowns at a value of the parameter by Newton's method; None if that fails."""
+        motion = self.search.closed(shot(self.flow, x, self.drive(value)), self.tolerance)
+        return motion if motion.residual <= self.tolerance else None
 
     def _matrix(self, motion: Shot, value: float) -> Array:
-        """Return the derivative of the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
+        """Differentiate the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""
         variational = self.search.variational
         phi = variational.matrix(motion) if variational is not None else None
         if phi is None:
@@ -102,69 +106,87 @@ class Continuation:
         return np.column_stack([phi - np.eye(phi.shape[0]), (end - motion.track.end) / motion.scale / DIFFERENCE])
 
     def _to_arc(self, n: int) -> Array:
-        """Return what a unit of the scaled unknowns (n_x of them) and of ln p / unit counts in arclength, (n_x + 1,)."""
+        """Say what a unit of the scaled unknowns (n_x of them) and of ln p / unit counts in arclength, (n_x + 1,)."""
         return np.append(np.full(n, 1.0 / (CHANGE * math.sqrt(n))), 1.0)
 
-    def _tangent(self, matrix: Array, before: Array | None, sign: float) -> Array:
-        n = matrix.shape[0]
-        arc = self._to_arc(n)
-        row = np.append(np.zeros(n), sign) if before is None else before
-        system = np.vstack([matrix / arc, row])
-        tangent = least_solution(system, np.append(np.zeros(n), 1.0))
-        return np.asarray(tangent / np.linalg.norm(tangent))
-
     def turned(self, point: Point, slope: float, change: Array) -> Point:
-        """Return the point with its tangent in the direction that led there: of the slope in ln p, or of the change of x."""
+        """Turn the tangent of a point in the direction that led there: of the slope in ln p, or of the change of x."""
         along = float(point.tangent[-1]) * slope
         if abs(slope) < UNCLEAR:
             along = float(point.tangent[:-1] @ (change / point.shot.scale))
         return replace(point, tangent=point.tangent if along >= 0.0 else -point.tangent)
 
-    def step(self, last: Point, length: float) -> Point | None:
-        """Return the point an arclength further, None if the corrector does not get there."""
+    def step(self, last: Point, length: float, tolerance: float | None = None) -> Point | None:
+        """Take a step of an arclength; None if the corrector does not get there."""
         arc = self._to_arc(last.shot.x.size)
-        return self._correct(last, length * last.tangent / arc, last.tangent * arc, length)
+        return self._correct(last, length * last.tangent / arc, last.tangent * arc, length, tolerance)
 
     def at_value(self, last: Point, value: float) -> Point | None:
-        """Return the point at a value of the parameter near the last point."""
+        """Find the point at a value of the parameter near the last point."""
         n = last.shot.x.size
         wanted = math.log(value / last.parameter) / self.unit
         tangent = last.tangent / self._to_arc(n)
         length = wanted / tangent[n] if abs(tangent[n]) > 1e-12 else 0.0
         return self._correct(last, np.append((length * tangent)[:n], wanted), np.append(np.zeros(n), 1.0), wanted)
 
-    def _correct(self, last: Point, move: Array, row: Array, wanted: float) -> Point | None:
-        """Return the corrected point after a scaled `move` from the last one, under the constraint row . move = wanted."""
-        scale, n, unit = last.shot.scale, last.shot.x.size, self.unit
-        value = last.parameter * math.exp(unit * move[n])
-        steps = self.drive(value).steps
-        system = np.vstack([last.matrix, row])
-        now = self._moved(last, move, steps)
-        gaps = [now.residual]
-        fresh = False
-        for correction in range(CORRECTIONS):
-            if now.residual <= self.tolerance:
-                value = last.parameter * math.exp(unit * move[n])
-                own = replace(now, scale=scales(self.flow.coordinates, ranges(self.flow.system, now.track)))
-                before = last.tangent * np.append(scale / own.scale, 1.0)
-                return self.point(own, value, before=before, corrections=correction)
-            if not np.isfinite(now.residual):
-                return None
-            left = np.append(-now.gap, wanted - row @ move)
-            change = least_solution(system, left)
-            move = move + change
-            after = self._moved(last, move, steps)
-            if not np.isfinite(after.residual):
-                return None
-            system[:n] += np.outer(after.gap - now.gap - system[:n] @ change, change) / (change @ change)
-            now = after
-            gaps.append(now.residual)
-            if gaps[-1] > SLOW * gaps[-2] and not fresh:
-                value = last.parameter * math.exp(unit * move[n])
-                system[:n], fresh = self._matrix(now, value), True
-        return None
+    def _correct(
+        self, last: Point, move: Array, row: Array, wanted: float, tolerance: float | None = None
+    ) -> Point | None:
+        """Correct a scaled `move` from the last point, under the constraint row . move = wanted."""
+        steps = self.drive(last.parameter * math.exp(self.unit * move[-1])).steps
 
-    def _moved(self, last: Point, move: Array, steps: int) -> Shot:
-        value = last.parameter * math.exp(self.unit * move[-1])
-        x = last.shot.x + last.shot.scale * move[:-1]
-        return shot(self.flow, x, self.drive(value, steps), last.shot.scale)
+        def value(move: Array) -> float:
+            return float(last.parameter * math.exp(self.unit * move[-1]))
+
+        def at(move: Array) -> Shot:
+            x = last.shot.x + last.shot.scale * move[:-1]
+            return shot(self.flow, x, self.drive(value(move), steps), last.shot.scale)
+
+        def matrix_at(motion: Shot, move: Array) -> Array:
+            return self._matrix(motion, value(move))
+
+        found = corrected(at, matrix_at, last.matrix, move, row, wanted, tolerance or self.tolerance)
+        if found is None:
+            return None
+        motion, move, corrections = found
+        own = replace(motion, scale=scales(self.flow.coordinates, ranges(self.flow.system, motion.track)))
+        before = last.tangent * np.append(last.shot.scale / own.scale, 1.0)
+        return self.point(own, value(move), before=before, corrections=corrections)
+
+    def event(self, a: Point, b: Point, length: float) -> Event | None:
+        """Find the event between two points, an arclength apart; None if there is none.
+
+        A fold is where the tangent turns, not where the parameter of the points is largest: the tangent is that of the
+        continuous motion, and at the tip of a needle the reversals that pass a step shake the parameter by twice the steps' own
+        error.
+        """
+        if turns(a, b):
+
+            def tight(arclength: float) -> Point | None:
+                return self.step(a, arclength, TIGHTER * self.tolerance) or self.step(a, arclength)
+
+            point = crossing(tight, (a, b), length, lambda p: float(p.tangent[-1]), CLOSE / self.unit)
+            values = point.stability.multipliers
+            nearest = complex(values[np.argmin(np.abs(values - 1.0))]) if values.size else 1.0 + 0.0j
+            return Event(kind="fold", multiplier=nearest, point=point)
+        low, high = sorted((a.unstable, b.unstable))
+        if low == high:
+            return None
+
+        def modulus(point: Point) -> float:
+            values = point.stability.multipliers
+            return float(np.abs(values[low])) - 1.0 if low < values.size else -1.0
+
+        point = crossing(lambda s: self.step(a, s), (a, b), length, modulus, CLOSE / self.unit)
+        more = a if a.unstable > b.unstable else b
+        critical = complex(more.stability.multipliers[low])
+        if abs(critical.imag) > 1e-6 * abs(critical):
+            kind: Kind = "Neimark-Sacker"
+        else:
+            kind = "period doubling" if critical.real < 0.0 else "symmetry breaking"
+        return Event(kind=kind, multiplier=critical, point=point)
+
+
+def turns(a: Point, b: Point) -> bool:
+    """Say whether the branch turns back between two points."""
+    return float(a.tangent[-1] * b.tangent[-1]) < 0.0

@@ -1,19 +1,44 @@
-"""The map of a system over whole periods of its base's sine: what searches and branches ask of it, whoever steps."""
+"""The map of a system over whole periods of its base's sine, many copies at once, by the kernel or by MuJoCo."""
 
+import copy
+import os
 from abc import ABC, abstractmethod
-from contextlib import AbstractContextManager
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, ExitStack, contextmanager
+from dataclasses import replace
+from typing import cast
 
-from wirerope_mj.dynamics.periodic.coordinates import Coordinates
-from wirerope_mj.dynamics.periodic.track import Drive, Track
+import mujoco
+import numpy as np
+from mujoco.batch import Batch
+
+from wirerope_mj.dynamics.periodic.laws import ScaledStates, width_indices, widths_of
+from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, Track
+from wirerope_mj.dynamics.periodic.stepping import go, look_around
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.layout import MAX_STEPS
+from wirerope_mj.engine.kernel import layout as kernel
+from wirerope_mj.engine.kernel.equations import Equations
+from wirerope_mj.engine.kernel.variants import group_of
+from wirerope_mj.engine.simulation.engines import equations, unsupported_system
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.motions import Sine
+
+STATE_PARTS = ("qpos", "qvel", "act")
+# Copies that there are at least: Newton's trial steps need them; the columns of a matrix need one for each unknown.
+COPIES = 8
+# Place of the deflection's rate in a mount's record, behind deflection and force.
+RATE = 6
 
 
 class Flow(ABC):
     """The map from the unknowns at phase 0 to those some periods later.
 
     Attributes:
-        coordinates: the unknowns.
         system: what is stepped: that of the coordinates, or one with the same states and smoothed laws.
         width: velocity over which its laws are smoothed [m/s]; 0 for laws as they are.
         taken: model steps taken so far, of all copies.
@@ -49,3 +74,245 @@ class Flow(ABC):
     @abstractmethod
     def follow(self, start: Array, drive: Drive) -> Track:
         """Return the track of one copy from `start`, (n_x,)."""
+
+
+class MujocoFlow(Flow):
+    """The map as MuJoCo steps it, with whatever the model has: contacts, limits, constraints."""
+
+    def __init__(self, coordinates: Coordinates, system: System) -> None:
+        super().__init__(coordinates, system)
+        self.model = copy.copy(system.model)
+        copies = max(coordinates.size + 2, COPIES)
+        self._batch = Batch(self.model, nsim=copies, nthread=min(copies, os.cpu_count() or 1))
+        self.width_indices = width_indices(self.system)
+        self._timestep = self._batch.expand("opt.timestep")
+        self._qpos, self._qvel = self._batch.bind("qpos"), self._batch.bind("qvel")
+        assembly = self.system.assembly
+        self._user = assembly.user(self._batch.bind("userdata"))
+        self._dofs = np.array(assembly.driven_dofs, dtype=int)
+        self._driven_qpos = self.model.jnt_qposadr[list(assembly.subjects.driven)]
+
+    def smooth(self, width: float) -> None:
+        """Smooth the laws over a velocity [m/s]."""
+        super().smooth(width)
+        self._batch.expand("numeric_data")[:, self.width_indices] = width
+
+    @contextmanager
+    def ready(self) -> Iterator[None]:
+        """Make the mounts act; everything else of a flow is called within."""
+        with installed(self.model, mujoco.MjData(self.model)) as kind:
+            if kind != "native":
+                raise SimulationError("periodic motions need the native callback, which is not available here.")
+            yield
+
+    def ends(self, starts: Array, drive: Drive) -> Array:
+        """Return the unknowns at the end of each copy's periods, (n, n_x), n at most the number of copies."""
+        copies = np.arange(len(starts))
+        carried = self._begin(starts, drive)
+        for _ in self._tables(copies, drive):
+            self._batch.step(copies, nstep=self._table_steps)
+        return self._finish(carried, copies)
+
+    def follow(self, start: Array, drive: Drive) -> Track:
+        """Return the track of one copy from `start`, (n_x,)."""
+        first = np.zeros(1, dtype=int)
+        carried = self._begin(start[np.newaxis], drive)
+        recorded = {name: [getattr(self._batch, name)[:1].copy()] for name in STATE_PARTS} | {"sensordata": []}
+        for _ in self._tables(first, drive):
+            chunk = self._batch.rollout(self._table_steps, record=tuple(recorded), ids=first)
+            for name, values in chunk.items():
+                recorded[name].append(values[0])
+        # The engine records states at the end of a step, sensors at its start.
+        qpos, qvel, act = (np.concatenate(recorded[name])[:-1] for name in STATE_PARTS)
+        sensors = np.concatenate(recorded["sensordata"])[:, self.system.assembly.sensor :]
+        end = self._finish(carried, first)[0]
+        return Track(end=end, sensors=sensors, qpos=qpos, qvel=qvel, act=act, drive=drive)
+
+    def _begin(self, starts: Array, drive: Drive) -> Array:
+        """Put the copies at their starts; return the state relative to which they are."""
+        carried, n = self.coordinates.carried(drive.frequency, drive.acceleration), len(starts)
+        self._batch.state[:n] = [self.coordinates.to_state(start, carried) for start in starts]
+        self._timestep[:n] = drive.duration / drive.steps
+        self._batch.warning[:n] = 0
+        self._user[:n] = 0.0
+        return carried
+
+    def _tables(self, copies: Integers, drive: Drive) -> Iterator[None]:
+        """Prepare the steps of one stage table after the other; `_table_steps` says how many there are in it."""
+        done, motion = 0, drive.sine(self.coordinates.direction)
+        while done < drive.steps:
+            self._table_steps = min(at.MAX_STEPS, drive.steps - done)
+            self._place(copies.size, motion, drive.duration / drive.steps, done)
+            yield
+            done += self._table_steps
+        self.taken += drive.steps * copies.size
+
+    def _place(self, n: int, motion: Sine, step: float, done: int) -> None:
+        times = step * (done + 0.5 * np.arange(2 * self._table_steps + 1))
+        table = self.system.assembly.tables.drive
+        self._qpos[:n, self._driven_qpos] = (
+            self.model.qpos0[self._driven_qpos] + table @ motion.displacement(times[:1])[0]
+        )
+        self._qvel[:n, self._dofs] = table @ motion.velocity(times[:1])[0]
+        user = self._user[:n]
+        user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = times.size, times[0], 2.0 / step
+        user[:, at.STAGES : at.STAGES + 3 * times.size] = motion.acceleration(times).ravel()
+        self._batch.state[:n, 0] = times[0]  # time, so that rounding does not add up
+
+    def _finish(self, carried: Array, copies: Integers) -> Array:
+        self._batch.forward(copies)  # takes out of the states what the last step carried beyond a slider's slip force
+        ends = np.array([self.coordinates.from_state(self._batch.state[i], carried) for i in copies])
+        astray = self._batch.warning[: copies.size, :, 1].any(axis=1)
+        ends[astray] = np.nan
+        return cast(Array, ends)
+
+
+def flow_of(coordinates: Coordinates, system: System) -> Flow:
+    """Return a flow of the kernel if it can compute the system, one of MuJoCo else."""
+    return MujocoFlow(coordinates, system) if unsupported_system(system) else KernelFlow(coordinates, system)
+
+
+class KernelFlow(Flow):
+    """The map as the kernel steps it; a copy that touches something or comes to a limit is MuJoCo's."""
+
+    def __init__(self, coordinates: Coordinates, system: System) -> None:
+        super().__init__(coordinates, system)
+        self._equations: Equations = equations(system)
+        self._beyond: MujocoFlow | None = None
+        self._within = ExitStack()
+        self._carried = self._steep(ScaledStates(system))
+        self._nowhere = np.zeros((0, coordinates.carried(1.0, 1.0)[coordinates.moving].size))
+
+    @property
+    def steps(self) -> int:
+        """Model steps taken so far, also by MuJoCo, forward passes counted as quarters."""
+        return super().steps + (self._beyond.steps if self._beyond is not None else 0)
+
+    def smooth(self, width: float) -> None:
+        """Smooth the laws over a velocity [m/s]."""
+        super().smooth(width)
+        lay, num = self._equations.lay, self._equations.num.copy()
+        axes = lay[lay[kernel.AXES] :][: 3 * kernel.AXIS_COLUMNS * lay[kernel.N_MOUNTS]].reshape(
+            -1, kernel.AXIS_COLUMNS
+        )
+        first = int(lay[kernel.PARAMETERS])
+        num[first + widths_of(axes[:, :2], num[first:])] = width
+        self._equations = replace(self._equations, num=num)
+        if self._beyond is not None:
+            self._beyond.smooth(width)
+
+    @contextmanager
+    def ready(self) -> Iterator[None]:
+        """Let MuJoCo take over within, should it have to."""
+        with self._within:
+            if self._beyond is not None:
+                self._within.enter_context(self._beyond.ready())
+            yield
+
+    def ends(self, starts: Array, drive: Drive) -> Array:
+        """Return the unknowns at the end of each copy's periods, (n, n_x)."""
+        ends, why = np.empty_like(starts), np.empty(len(starts))
+        for first in range(0, len(starts), WIDTH):
+            own = slice(first, first + WIDTH)
+            ends[own], why[own] = self._go(starts[own], drive, self._nowhere, self._nowhere)
+        beyond = why > kernel.WILD
+        if beyond.any():
+            ends[beyond] = self._by_mujoco().ends(starts[beyond], drive)
+        return ends
+
+    def follow(self, start: Array, drive: Drive) -> Track:
+        """Return the track of one copy from `start`, (n_x,)."""
+        values = np.empty((drive.steps, self._equations.n_values))
+        track = np.empty((drive.steps, self._nowhere.shape[1]))
+        ends, why = self._go(start[np.newaxis], drive, track, values)
+        if why[0] > kernel.WILD:
+            return self._by_mujoco().follow(start, drive)
+        qpos, qvel, act = np.split(track, [self.model.nq, self.model.nq + self.model.nv], axis=1)
+        return Track(end=ends[0], sensors=values, qpos=qpos, qvel=qvel, act=act, drive=drive)
+
+    def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
+        """Write how accelerations, rates and deflections change beside a motion at the start of every step.
+
+        False if some of these states touch something or stand at a limit.
+
+        Args:
+            track: the motion.
+            moves: displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a).
+            wanted: `addresses` of those that are, (n_wanted,).
+            factors: of their changes, (n_wanted,).
+            out: takes the changes in its last rows and first columns, (n_t, n_rows, n or more).
+        """
+        places = np.column_stack([track.qpos, track.qvel, track.act])
+        lanes = np.zeros((out.shape[2], moves.shape[1]))
+        lanes[: len(moves)] = moves
+        lanes = np.ascontiguousarray(lanes.reshape(-1, WIDTH, moves.shape[1]).swapaxes(1, 2))
+        instants = track.drive.duration / track.drive.steps * np.arange(track.drive.steps)
+        motion = track.drive.sine(self.coordinates.direction).acceleration(instants)[np.newaxis]
+        e, group = self._equations, group_of([self._equations] * WIDTH, places[[0] * WIDTH], [0] * WIDTH)
+        look_around(
+            e.lay, e.fix, group.numbers, group.states, group.memory, places, lanes, motion, wanted, factors,
+            out.reshape(*out.shape[:2], -1, WIDTH),
+        )  # fmt: skip
+        self.passes += (1 + len(moves)) * len(places)
+        return not group.memory[e.lay[kernel.FAILED]].any()
+
+    def addresses(self, free: Integers, deflected: Integers) -> Integers:
+        """Return where the kernel keeps accelerations of free coordinates, and rates of the internal states.
+
+        For the states in `deflected` it is the deflection of their axis.
+        """
+        lay = self._equations.lay
+        states = lay[kernel.RATES] + np.arange(self.model.na)
+        states[deflected] = self._records(deflected)[0]
+        return np.concatenate([lay[kernel.RHS] + free, states])
+
+    def _records(self, states: Integers) -> tuple[Integers, Integers]:
+        """Return for some states where the deflection of their axis is recorded, and where its parameters begin, (n,) each."""
+        lay = self._equations.lay
+        axes = lay[lay[kernel.AXES] :][: 3 * kernel.AXIS_COLUMNS * lay[kernel.N_MOUNTS]].reshape(
+            -1, kernel.AXIS_COLUMNS
+        )
+        owner = np.repeat(np.arange(len(axes)), np.where(axes[:, 0] >= 0, axes[:, 3], 0))
+        firsts = np.repeat(axes[:, 2], np.where(axes[:, 0] >= 0, axes[:, 3], 0))
+        within = np.arange(owner.size) - np.searchsorted(owner, owner)
+        row = np.empty(owner.size, dtype=np.int64)
+        row[firsts + within] = owner
+        mount, axis = np.divmod(row[states], 3)
+        return lay[kernel.RECORD] + kernel.RECORD_SIZE * mount + axis, lay[kernel.PARAMETERS] + axes[row[states], 1]
+
+    def _steep(self, scaled: ScaledStates) -> Integers:
+        """Return the states that are carried in closed form, as `go` wants them, (n, 4)."""
+        lay, chosen = self._equations.lay, np.flatnonzero(scaled.steep & ~scaled.smoothed)
+        states = scaled.states[chosen]
+        record, parameters = self._records(states)
+        rows = lay[kernel.NQ] + lay[kernel.NV] + states
+        return np.column_stack([record, record + RATE, parameters + scaled.offsets[chosen], rows])
+
+    def _go(self, starts: Array, drive: Drive, track: Array, values: Array) -> tuple[Array, Array]:
+        """Return the ends of at most WIDTH copies, NaN where one went astray, and why it did, 0 if it did not."""
+        part = self.coordinates
+        carried = part.carried(drive.frequency, drive.acceleration)
+        full = np.array([part.to_state(start, carried) for start in starts])
+        e, group = self._equations, group_of([self._equations] * len(starts), full[:, part.moving], [0] * len(starts))
+        h, motion = drive.duration / drive.steps, drive.sine(part.direction)
+        half = h * (0.5 * np.arange(2 * drive.steps + 1))
+        begins, slides = half[: -1 : 2 * MAX_STEPS], self.system.assembly.tables.drive.T
+        positions, rates = motion.displacement(begins) @ slides, motion.velocity(begins) @ slides
+        go(
+            e.lay, e.fix, group.numbers, group.states, group.memory, positions[np.newaxis], rates[np.newaxis],
+            motion.acceleration(half)[np.newaxis], h, self._carried, len(starts), track, values,
+        )  # fmt: skip
+        self.taken += drive.steps * len(starts)
+        full[:, part.moving] = group.states[:, : len(starts)].T
+        why = group.memory[e.lay[kernel.FAILED], : len(starts)]
+        ends = np.array([part.from_state(one, carried) for one in full])
+        ends[why != 0.0] = np.nan
+        return ends, why
+
+    def _by_mujoco(self) -> MujocoFlow:
+        if self._beyond is None:
+            self._beyond = MujocoFlow(self.coordinates, self.system)
+            self._within.enter_context(self._beyond.ready())
+            if self.width:
+                self._beyond.smooth(self.width)
+        return self._beyond

@@ -3,15 +3,81 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+import mujoco
+
 from wirerope_mj.dynamics.periodic.branch import Branch
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.growing import GrowingBranch
-from wirerope_mj.dynamics.periodic.options import branch_options
+from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
+from wirerope_mj.dynamics.periodic.storage import branch_options
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arguments import integer
+from wirerope_mj.foundation.arguments import integer, nonzero, positive
+from wirerope_mj.foundation.directions import checked_direction
 from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import Sine
+
+
+def periodic_orbit(
+    system: System,
+    *,
+    frequency: float,
+    acceleration: float,
+    direction: str | Sequence[float],
+    periods: int = 1,
+    guess: State | None = None,
+    history: History = "relaxed",
+    accuracy: float = 1e-4,
+    tolerance: float = 1e-8,
+    smoothing: float | None = None,
+) -> PeriodicOrbit:
+    """Return the periodic motion of `system` under a sine of its base, by shooting on the engine's state.
+
+    Newton's method closes the gap between the state at phase 0 and that some periods later; the columns of its matrix are
+    integrated in parallel. The base is prescribed: it is neither among the unknowns nor among the multipliers. Without a guess
+    the system is simulated for a while from its equilibrium, longer if Newton's method fails from there.
+
+    Args:
+        system: the system.
+        frequency: of the base [Hz].
+        acceleration: amplitude of the base's acceleration [m/s^2].
+        direction: of the base, "x", "y", "z" or a vector.
+        periods: number of the base's periods after which the motion is to repeat itself; above 1 for subharmonics.
+        guess: state at phase 0 to start from, for instance that of a neighbouring motion.
+        history: equilibrium about which the motion is looked for; vibration lets the hysteretic part of the load leak away,
+            so that only the relaxed one belongs to a periodic motion of most laws.
+        accuracy: error of the integration allowed, relative to the motion's ranges.
+        tolerance: largest residual.
+        smoothing: fraction of the mounts' largest velocity over which the laws are smoothed, for instance 0.01; None
+            leaves them as they are.
+
+    Raises:
+        ValueError: an argument is out of range.
+        ModelError: the base has no driven slide in this direction.
+        ConvergenceError: no periodic motion was found; states the residual and what was tried.
+        SimulationError: the motion leaves a mount's rated travel or the validity of its law.
+    """
+    sine = Sine(
+        frequency=positive("frequency", frequency), acceleration=nonzero("acceleration", acceleration),
+        direction=checked_direction(direction),
+    )  # fmt: skip
+    integer("periods", periods, least=1)
+    check_direction(system, sine)
+    size = mujoco.mj_stateSize(system.model, STATE)
+    if guess is not None and not isinstance(guess, State):
+        raise ValueError(f"`guess` must be a State, as `PeriodicOrbit.state` is one; got {type(guess).__name__}.")
+    if guess is not None and guess.values.shape != (size,):
+        raise ValueError(f"`guess` has {guess.values.size} values; a state of this system has {size}.")
+    search = OrbitSearch(
+        system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy), smoothing=smoothing
+    )
+    with search.flow.ready():
+        return search.find(
+            sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
+        )
 
 
 def follow_branch(

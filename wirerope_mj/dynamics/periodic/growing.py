@@ -10,34 +10,35 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
-from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
-from wirerope_mj.dynamics.periodic.events import locate, turns, unstable
+from wirerope_mj.dynamics.periodic.continuation import Continuation, Point, turns
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.observe import travel_exceeded
-from wirerope_mj.dynamics.periodic.options import BranchOptions, require_motion
+from wirerope_mj.dynamics.periodic.motion import travel_exceeded
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
-from wirerope_mj.dynamics.periodic.storage import Row, fingerprint, load_rows, row_of, save_rows
+from wirerope_mj.dynamics.periodic.storage import (
+    BranchOptions,
+    Row,
+    fingerprint,
+    load_rows,
+    require_motion,
+    row_of,
+    save_rows,
+)
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
+# First step in units of the largest.
 FIRST = 0.2
-"""First step in units of the largest."""
-
+# Corrector iterations that the step length is steered to.
 AIM = 4
-"""Corrector iterations that the step length is steered to."""
-
+# Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
 LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
-"""Steps, in units of the largest, by which a branch that cannot be followed is taken up again."""
-
+# Distance of two folds in units of the accuracy within which they may be the steps': three were seen.
 RIPPLE = 5.0
-"""Distance of two folds in units of the accuracy within which they may be the steps': three were seen."""
-
+# Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
-"""Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend."""
-
+# Seconds between two looks at the disk: what a killed process loses.
 SAVE_EVERY = 2.0
-"""Seconds between two looks at the disk: what a killed process loses."""
 
 
 class GrowingBranch:
@@ -46,13 +47,9 @@ class GrowingBranch:
     def __init__(self, search: OrbitSearch, options: BranchOptions, folder: Path | None) -> None:
         self.search, self.options, self.system, self.folder = search, options, search.system, folder
         self.path = Continuation(
-            search,
-            parameter=options.parameter,
-            other=options.other,
-            periods=options.periods,
-            unit=options.largest_step,
+            search, parameter=options.parameter, other=options.other, periods=options.periods, unit=options.largest_step,
             tolerance=options.tolerance,
-        )
+        )  # fmt: skip
         self.rows: list[Row] = []
         self.events: list[Bifurcation] = []
         self.gaps: list[tuple[float, float]] = []
@@ -78,13 +75,12 @@ class GrowingBranch:
         """Return a motion a little further on, found anew from the last one, None if there is none."""
         options = self.options
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
-        for leap in LEAPS:
-            value = last.parameter * math.exp(towards * leap * options.largest_step)
+        for unsupported_motion in LEAPS:
+            value = last.parameter * math.exp(towards * unsupported_motion * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
                 return None
-            start = shot(self.search.flow, last.shot.x, self.path.drive(value))
-            motion = self.search.closed(start, options.tolerance)
-            if motion.residual <= options.tolerance:
+            motion = self.path.closed(last.shot.x, value)
+            if motion is not None:
                 self.gaps.append((last.parameter, value))
                 return self.path.point(motion, value, before=None, sign=towards)
         return None
@@ -100,7 +96,7 @@ class GrowingBranch:
             past = self._taken_up(point)
         if past is not None:
             point, length, leapt = past, FIRST, True
-        elif point is None or (turns(last, point) and unstable(last) == unstable(point)):
+        elif point is None or (turns(last, point) and last.unstable == point.unstable):
             # A step that fails, or a fold at which no multiplier passes 1: motions with a long memory, as those of axes that
             # hardly move or of a needle of a resonance, have lost the tangent's direction.
             beyond = self._leap(last)
@@ -134,16 +130,16 @@ class GrowingBranch:
 
     def _past(self, a: Point, b: Point, length: float) -> Point | None:
         """Return the point from which the branch goes on past a fold between two points that is no jump, None if it is one."""
-        event = locate(self.path, a, b, length)
+        event = self.path.event(a, b, length)
         assert event is not None
-        fold, towards = event[2], 1.0 if a.tangent[-1] > 0.0 else -1.0
+        fold, towards = event.point, 1.0 if a.tangent[-1] > 0.0 else -1.0
         passed = pass_by(
             self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
             amplitude=self._row(fold).amplitude, towards=towards,
         )  # fmt: skip
         if passed is None:
             return None
-        self._add(fold, len(self.rows) if event[3] > 0.0 else len(self.rows) - 1)
+        self._add(fold)
         self._note(SideBranch(start=fold.parameter, stop=passed.point.parameter, difference=passed.difference))
         return passed.point
 
@@ -153,7 +149,7 @@ class GrowingBranch:
         if farthest is None or farthest == self._jump:
             return None
         row = self.rows[farthest]
-        value = row.frequency if self.options.parameter == "frequency" else row.acceleration
+        value = self.options.followed(row)
         passed = pass_by(
             self.path, self.options, unknowns=row.unknowns, parameter=value, amplitude=row.amplitude,
             towards=self.options.sign,
@@ -183,21 +179,18 @@ class GrowingBranch:
     def _first(self, guess: State | None) -> Point:
         options = self.options
         drive = self.path.drive(options.start)
-        orbit = self.search.find(
-            drive.frequency, drive.acceleration, options.periods, guess=guess, tolerance=options.tolerance
-        )
-        carried = self.search.coordinates.carried(drive.frequency, drive.acceleration)
-        x = self.search.coordinates.from_state(orbit.state.values, carried)
-        point = self._at(x, options.start, before=None)
+        f, a = drive.frequency, drive.acceleration
+        orbit = self.search.find(f, a, options.periods, guess=guess, tolerance=options.tolerance)
+        x = self.search.coordinates.from_state(orbit.state.values, self.search.coordinates.carried(f, a))
+        point = self._at(x, options.start)
         self._add(point)
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
         return point
 
-    def _at(self, x: Array, value: float, before: Array | None) -> Point:
-        """Return the point of a motion that has been found before."""
-        start = shot(self.search.flow, x, self.path.drive(value))
-        motion = self.search.closed(start, self.options.tolerance)
-        return self.path.point(motion, value, before=before, sign=self.options.sign)
+    def _at(self, x: Array, value: float) -> Point:
+        """Close a motion that has been found before."""
+        motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value)), self.options.tolerance)
+        return self.path.point(motion, value, before=None, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
         """Return the last point of a branch that stands in the folder, None if there is none or it had come to its end."""
@@ -214,10 +207,9 @@ class GrowingBranch:
         last = self.rows[-1]
         if last.smoothing_width:
             self.search.flow.smooth(last.smoothing_width)
-        value = last.frequency if self.options.parameter == "frequency" else last.acceleration
+        point = self._at(last.unknowns, self.options.followed(last))
         if len(self.rows) == 1:
-            return self._at(last.unknowns, value, before=None)
-        point = self._at(last.unknowns, value, before=None)
+            return point
         return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
 
     def _next(self, last: Point, length: float) -> tuple[Point | None, float]:
@@ -231,16 +223,17 @@ class GrowingBranch:
 
     def _between(self, a: Point, b: Point, length: float) -> None:
         """Note what happens between two points (`a` is the last one kept), and the point where it does."""
-        event = locate(self.path, a, b, length)
+        event = self.path.event(a, b, length)
         if event is None:
             return
-        kind, multiplier, point, arclength = event
-        index = len(self.rows) if arclength > 0.0 else len(self.rows) - 1
-        self._add(point, index)
-        row = {name: getattr(self.rows[index], name) for name in ("frequency", "acceleration", "amplitude")}
+        self._add(event.point)
+        row = self.rows[-1]
         self.events.append(
-            Bifurcation(kind=kind, **row, index=index, multiplier=multiplier, before=unstable(a), after=unstable(b))
-        )
+            Bifurcation(
+                kind=event.kind, frequency=row.frequency, acceleration=row.acceleration, amplitude=row.amplitude,
+                index=len(self.rows) - 1, multiplier=event.multiplier, before=a.unstable, after=b.unstable,
+            )
+        )  # fmt: skip
         self._forget_ripple()
 
     def _forget_ripple(self) -> None:
@@ -255,8 +248,8 @@ class GrowingBranch:
         if abs(math.log(second / first)) < RIPPLE * self.options.accuracy:
             del self.events[-2:]
 
-    def _add(self, point: Point, index: int | None = None) -> None:
-        self.rows.insert(len(self.rows) if index is None else index, self._row(point))
+    def _add(self, point: Point) -> None:
+        self.rows.append(self._row(point))
 
     def _row(self, point: Point) -> Row:
         return row_of(self.system, point, self.options.payload, self.options.response_direction)
@@ -267,15 +260,11 @@ class GrowingBranch:
     def _content(self) -> dict[str, Any]:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
         options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("other")
-        steps = self.search.flow.steps + self._earlier_steps
-        progress: dict[str, Any] = {
-            "complete": self.complete,
-            "message": self.message,
-            "model_steps": steps,
-            "gaps": self.gaps,
-        }
-        progress["side_branches"] = [asdict(side) for side in self.side_branches]
-        return {"system": fingerprint(self.system), **options, **progress}
+        return {
+            "system": fingerprint(self.system), **options, "complete": self.complete, "message": self.message,
+            "model_steps": self.search.flow.steps + self._earlier_steps, "gaps": self.gaps,
+            "side_branches": [asdict(side) for side in self.side_branches],
+        }  # fmt: skip
 
     def _save(self) -> None:
         if self.folder is not None and self.rows:
@@ -296,24 +285,19 @@ class GrowingBranch:
             "smoothing_width",
             "unknowns",
             "steps",
+            "residual",
         )
-        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values: dict[str, Any] = {
             name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")
         }
+        kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values |= {name: getattr(options, name) for name in kept}
         return Branch(
-            system=self.system,
-            **values,
-            tangents=np.array([row.tangent for row in rows]),
-            floquet_multipliers=multipliers,
-            bifurcations=tuple(self.events),
-            complete=self.complete,
-            gaps=tuple(self.gaps),
+            system=self.system, **values, tangents=np.array([row.tangent for row in rows]), floquet_multipliers=multipliers,
+            bifurcations=tuple(self.events), complete=self.complete, gaps=tuple(self.gaps),
             side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
-            model_steps=self.search.flow.steps + self._earlier_steps,
-            message=self.message,
-        )
+            model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
+        )  # fmt: skip
 
 
 def _angle(a: Point, b: Point) -> float:

@@ -1,16 +1,18 @@
-"""A motion that repeats itself under a sine of the base, the result of `periodic_orbit`."""
+"""A motion that repeats itself under a sine of the base, the result of `periodic_orbit`, and its harmonics."""
 
 from dataclasses import dataclass, field
+from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
 
-from wirerope_mj.dynamics.periodic.multipliers import Multipliers
-from wirerope_mj.dynamics.periodic.smoothing import smoothed
+from wirerope_mj.dynamics.periodic.laws import smoothed
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.directions import Direction, direction_text
+from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions import Sine
@@ -21,7 +23,6 @@ class PeriodicOrbit(Summarised):
     """A motion that repeats itself after an integer number of the base's periods.
 
     Attributes:
-        system: the system.
         frequency: of the base [Hz].
         acceleration: amplitude of the base's acceleration [m/s^2].
         direction: along which the base moves.
@@ -47,7 +48,7 @@ class PeriodicOrbit(Summarised):
     smoothing_width: float
     state: State = field(repr=False)
     steps: int
-    floquet_multipliers: Multipliers
+    floquet_multipliers: ComplexArray
     neutral: int
     stable: bool
     residual: float
@@ -78,11 +79,71 @@ class PeriodicOrbit(Summarised):
     @cached_property
     def response(self) -> Response:
         """The motion over its own duration, sampled at every step."""
+        system = smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system
+        step = self.duration / self.steps
         return simulate(
-            smoothed(self.system, self.smoothing_width) if self.smoothing_width else self.system,
-            self.motion,
-            duration=self.duration,
-            initial=self.state,
-            timestep=self.duration / self.steps,
+            system, self.motion, duration=self.duration, initial=self.state, timestep=step,
             sample_rate=self.steps / self.duration,
-        )
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class HarmonicContent:
+    """Harmonics of a payload's acceleration over a periodic motion.
+
+    Attributes:
+        order: multiples of the base's frequency, fractions for subharmonics, (n,).
+        frequency: [Hz], (n,).
+        amplitude: [m/s^2], (n,).
+        phase: of a cosine at phase 0 of the base's sine [rad], (n,).
+    """
+
+    order: tuple[Fraction, ...]
+    frequency: Array
+    amplitude: Array
+    phase: Array
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Name of each harmonic."""
+        return tuple(_name(order) for order in self.order)
+
+    def of(self, order: int | Fraction) -> float:
+        """Return the amplitude of one order [m/s^2]; 0 if it is above the highest."""
+        wanted = Fraction(order)
+        return float(self.amplitude[self.order.index(wanted)]) if wanted in self.order else 0.0
+
+    @property
+    def distortion(self) -> float:
+        """Root mean square of all but the fundamental and the mean, over the fundamental."""
+        others = [a for order, a in zip(self.order, self.amplitude, strict=True) if order not in (0, 1)]
+        return float(np.linalg.norm(others) / self.of(1))
+
+
+def harmonic_content(
+    orbit: PeriodicOrbit, *, payload: str, direction: str | tuple[float, float, float] | None = None, highest: int = 20
+) -> HarmonicContent:
+    """Transform a payload's absolute acceleration along a direction, that of the base unless given, up to a highest order.
+
+    Raises:
+        ValueError: the payload is not known.
+    """
+    one_of("payload", payload, orbit.response.bodies)
+    along = unit_vector(orbit.direction if direction is None else checked_direction(direction))
+    acceleration = orbit.response.bodies[payload].acceleration[:-1] @ along
+    spectrum = np.fft.rfft(acceleration) / acceleration.size
+    kept = min(highest * orbit.periods + 1, spectrum.size)
+    amplitude = np.abs(spectrum[:kept]) * np.where(np.arange(kept) == 0, 1.0, 2.0)
+    order = tuple(Fraction(number, orbit.periods) for number in range(kept))
+    frequency = np.array([float(o) * orbit.frequency for o in order])
+    return HarmonicContent(order=order, frequency=frequency, amplitude=amplitude, phase=np.angle(spectrum[:kept]))
+
+
+def _name(order: Fraction) -> str:
+    if order == 0:
+        return "mean"
+    if order == 1:
+        return "fundamental"
+    if order.denominator == 1:
+        return f"superharmonic {order.numerator}"
+    return f"{'sub' if order < 1 else 'ultrasub'}harmonic {order.numerator}/{order.denominator}"

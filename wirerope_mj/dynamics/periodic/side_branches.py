@@ -14,23 +14,19 @@ import numpy as np
 from wirerope_mj.dynamics.periodic.branch import ALIKE, Bifurcation, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
-from wirerope_mj.dynamics.periodic.options import BranchOptions
+from wirerope_mj.dynamics.periodic.motion import Drive
 from wirerope_mj.dynamics.periodic.shooting import Shot, shot
-from wirerope_mj.dynamics.periodic.storage import Row, amplitude_of
-from wirerope_mj.dynamics.periodic.track import Drive
+from wirerope_mj.dynamics.periodic.storage import BranchOptions, Row, amplitude_of
 from wirerope_mj.foundation.arrays import Array
 
+# Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for.
 LEAPS = (0.1, 0.25, 0.5, 1.0)
-"""Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for."""
-
+# Periods after which Newton's method is tried again beyond a fold.
 SETTLE = 60
-"""Periods after which Newton's method is tried again beyond a fold."""
-
+# Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read.
 SETTLING, SEEN = 300, 8
-"""Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read."""
-
+# Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods.
 AWAY = 1e-3
-"""Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,22 +40,16 @@ class Passed:
 def pass_by(
     path: Continuation, options: BranchOptions, *, unknowns: Array, parameter: float, amplitude: float, towards: float
 ) -> Passed | None:
-    """Return the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
+    """Find the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
 
-    Args:
-        path: the numerics of the branch.
-        options: of the branch.
-        unknowns: of the motion that reaches farthest, (n_x,).
-        parameter: its frequency [Hz] or acceleration [m/s^2].
-        amplitude: its amplitude [m/s^2].
-        towards: 1 if the parameter rose up to there, else -1.
+    `unknowns`, `parameter` and `amplitude` are those of the motion that reaches farthest; `towards` is 1 if the parameter rose
+    up to there, else -1.
     """
-    search = path.search
     for value, beyond in _beyond(path, options, unknowns, parameter, towards):
-        back = search.closed(shot(path.flow, beyond.x, path.drive(parameter)), options.tolerance)
-        if back.residual > options.tolerance:
+        back = path.closed(beyond.x, parameter)
+        if back is None:
             continue
-        there = amplitude_of(search.system, back.track, options.payload, options.response_direction)
+        there = amplitude_of(path.search.system, back.track, options.payload, options.response_direction)
         if abs(there / amplitude - 1.0) < ALIKE:
             point = path.point(beyond, value, before=None, sign=towards)
             return Passed(point=point, difference=abs(there / amplitude - 1.0))
@@ -70,7 +60,6 @@ def _beyond(
     path: Continuation, options: BranchOptions, unknowns: Array, value: float, towards: float
 ) -> Iterator[tuple[float, Shot]]:
     """Yield motions beyond a value of the parameter: by Newton's method from there, then after letting the system settle."""
-    search = path.search
     for settling, leap in [(0, leap) for leap in LEAPS] + [(SETTLE, leap) for leap in LEAPS[1:]]:
         further = value * float(np.exp(towards * leap * options.largest_step))
         if (further - options.stop) * options.sign >= 0.0 or (further - options.start) * options.sign <= 0.0:
@@ -80,8 +69,8 @@ def _beyond(
             x = path.flow.ends(
                 x[np.newaxis], replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
             )[0]
-        motion = search.closed(shot(path.flow, x, drive), options.tolerance)
-        if motion.residual <= options.tolerance:
+        motion = path.closed(x, further)
+        if motion is not None:
             yield further, motion
 
 
@@ -90,9 +79,9 @@ def back_on_itself(options: BranchOptions, rows: Sequence[Row], point: Row) -> i
 
     Behind most folds that are jumps the amplitude differs by more before the branch has gone back a step.
     """
-    values = np.array([_parameter(options, row) for row in rows])
+    values = np.array([options.followed(row) for row in rows])
     farthest = int(np.argmax(options.sign * values))
-    here = _parameter(options, point)
+    here = options.followed(point)
     if options.sign * np.log(values[farthest] / here) < options.largest_step:
         return None
     passed = np.flatnonzero((values[:farthest] - here) * (values[1 : farthest + 1] - here) <= 0.0)
@@ -121,7 +110,7 @@ def unstable_stretches(
         tried = [rows[i] for i in sorted({(3 * first + behind) // 4, worst, (first + 3 * behind) // 4})]
         difference = float(np.max([abs(_settled(search, options, row) / row.amplitude - 1.0) for row in tried]))
         if difference < ALIKE:
-            start, stop = (_parameter(options, rows[i]) for i in (first, behind - 1))
+            start, stop = (options.followed(rows[i]) for i in (first, behind - 1))
             yield slice(first, behind), SideBranch(start=start, stop=stop, difference=difference)
 
 
@@ -135,7 +124,3 @@ def _settled(search: OrbitSearch, options: BranchOptions, row: Row) -> float:
     end = search.flow.ends(moved[np.newaxis], drive)[0]
     seen = search.flow.follow(end, replace(drive, periods=SEEN, steps=SEEN * per_period))
     return amplitude_of(search.system, seen, options.payload, options.response_direction)
-
-
-def _parameter(options: BranchOptions, row: Row) -> float:
-    return row.frequency if options.parameter == "frequency" else row.acceleration

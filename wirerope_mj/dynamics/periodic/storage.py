@@ -1,30 +1,34 @@
-"""A branch on disk: one Parquet file that grows while the branch is followed, from which an interrupted one resumes."""
+"""What is asked of a branch and what is kept of it: options, and points in a Parquet file from which one resumes."""
 
 import hashlib
 import json
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.dynamics.periodic.branch import Bifurcation
+from wirerope_mj.dynamics.periodic.branch import Bifurcation, Parameter
 from wirerope_mj.dynamics.periodic.continuation import Point
-from wirerope_mj.dynamics.periodic.observe import amplitude, body_acceleration
-from wirerope_mj.dynamics.periodic.track import Track
+from wirerope_mj.dynamics.periodic.motion import Track, amplitude, body_acceleration, observed_bodies
+from wirerope_mj.engine.simulation.simulate import check_direction
+from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, unit_vector
+from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.parquet_files import read_content, read_table, write_columns
+from wirerope_mj.motions import Sine
 
+# Fraction of the base's acceleration below which a payload stands still but for rounding.
+STILL = 1e-12
 FILE = "branch.parquet"
 _KIND = "the table of a branch"
 _REMEDY = "Remove it, and the branch is followed anew, or give another folder."
+# What says how far a branch has come, and does not belong to its question.
 PROGRESS = ("complete", "message", "model_steps", "gaps", "side_branches")
-"""What says how far a branch has come, and does not belong to its question."""
-
 _COLUMNS = (
     "frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual"
 )  # fmt: skip
@@ -38,13 +42,104 @@ class Row:
     acceleration: float
     amplitude: float
     stable: bool
-    multipliers: npt.NDArray[np.complex128]
+    multipliers: ComplexArray
     neutral: int
     unknowns: Array
     smoothing_width: float
     steps: int
     tangent: float
     residual: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class BranchOptions:
+    """The arguments of `follow_branch`, all checked; `other` is the parameter that stays fixed."""
+
+    parameter: Parameter
+    start: float
+    stop: float
+    other: float
+    direction: Direction
+    payload: str
+    response_direction: Direction
+    periods: int
+    history: History
+    accuracy: float
+    smoothing: float | None
+    tolerance: float
+    largest_step: float
+    smallest_step: float
+    most_points: int
+
+    @property
+    def sign(self) -> float:
+        """1 for a rising parameter, -1 for a falling one."""
+        return 1.0 if self.stop > self.start else -1.0
+
+    def followed(self, row: Row) -> float:
+        """Value of the parameter that is followed."""
+        return row.frequency if self.parameter == "frequency" else row.acceleration
+
+    def fraction(self, value: float) -> float:
+        """Return the fraction of the range that is behind a value, between 0 and 1."""
+        return float(np.clip(np.log(value / self.start) / np.log(self.stop / self.start), 0.0, 1.0))
+
+
+def branch_options(
+    system: System,
+    *,
+    acceleration: float | None,
+    frequency: float | None,
+    direction: str | Sequence[float],
+    payload: str,
+    response_direction: str | Sequence[float] | None,
+    periods: int,
+    most_points: int,
+    history: History,
+    smoothing: float | None,
+    **numbers: float,
+) -> BranchOptions:
+    """Return the options of `follow_branch`; an argument that is out of range is a ValueError."""
+    if (acceleration is None) == (frequency is None):
+        raise ValueError(
+            "give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration)."
+        )
+    values = {name: positive(name, value) for name, value in numbers.items()}
+    if values["start"] == values["stop"]:
+        raise ValueError(
+            f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
+        )
+    check_steps(values["smallest_step"], values["largest_step"])
+    one_of("payload", payload, observed_bodies(system))
+    moved = checked_direction(direction)
+    parameter: Parameter = "frequency" if frequency is None else "acceleration"
+    other = (
+        positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
+    )
+    check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
+    along = moved if response_direction is None else checked_direction(response_direction, "response_direction")
+    return BranchOptions(
+        parameter=parameter, other=other, direction=moved, payload=payload, response_direction=along, periods=periods,
+        history=history, most_points=most_points, smoothing=None if smoothing is None else positive("smoothing", smoothing),
+        **values,
+    )  # fmt: skip
+
+
+def check_steps(smallest: float, largest: float) -> None:
+    """Raise ValueError unless the steps along a branch go together."""
+    if not smallest < largest < 1.0:
+        raise ValueError(
+            f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest!r} and {largest!r}."
+        )
+
+
+def require_motion(amplitude: float, acceleration: float, payload: str, along: Direction) -> None:
+    """Raise ValueError if a payload's amplitude [m/s^2] is zero but for rounding of the base's acceleration [m/s^2]."""
+    if amplitude <= STILL * abs(acceleration):
+        raise ValueError(
+            f"`response_direction`: {payload} does not move along {direction_text(along)} in this motion, so there is no "
+            "response. Leave it out to take the response along the base's motion, or move the base along it."
+        )
 
 
 def amplitude_of(system: System, track: Track, payload: str, direction: Direction) -> float:
@@ -56,18 +151,11 @@ def row_of(system: System, point: Point, payload: str, direction: Direction) -> 
     """Return the row of a point: the payload's acceleration is taken along `direction`."""
     drive = point.shot.track.drive
     return Row(
-        frequency=drive.frequency,
-        acceleration=drive.acceleration,
-        amplitude=amplitude_of(system, point.shot.track, payload, direction),
-        stable=point.stability.stable,
-        multipliers=point.stability.multipliers,
-        neutral=point.stability.neutral,
-        unknowns=point.shot.x,
-        smoothing_width=point.width,
-        steps=drive.steps,
-        tangent=float(point.tangent[-1]),
-        residual=point.shot.residual,
-    )
+        frequency=drive.frequency, acceleration=drive.acceleration,
+        amplitude=amplitude_of(system, point.shot.track, payload, direction), stable=point.stability.stable,
+        multipliers=point.stability.multipliers, neutral=point.stability.neutral, unknowns=point.shot.x,
+        smoothing_width=point.width, steps=drive.steps, tangent=float(point.tangent[-1]), residual=point.shot.residual,
+    )  # fmt: skip
 
 
 def fingerprint(system: System) -> str:

@@ -10,7 +10,7 @@ needs forward passes only, at the start of every step. The kernel makes one for 
 coordinate and a few for all states together: a state's effect on the accelerations follows from the force it adds and the
 mount's deflection gradient, which is force and motion of the same virtual work. The equation is integrated by RK4 over pairs of
 steps, so that its three instants are sampled ones. States that follow Bouc-Wen's equation are scaled by their slope, see
-`wirerope_mj.dynamics.periodic.scaled_states`: their rows are those of the rates of their deflections.
+`wirerope_mj.dynamics.periodic.laws`: their rows are those of the rates of their deflections.
 """
 
 import os
@@ -20,25 +20,19 @@ from typing import cast
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 from mujoco.batch import Batch
 
-from wirerope_mj.dynamics.periodic.flow import Flow
-from wirerope_mj.dynamics.periodic.kernel_flow import KernelFlow
-from wirerope_mj.dynamics.periodic.mujoco_flow import MujocoFlow
-from wirerope_mj.dynamics.periodic.scaled_states import ScaledStates, Slopes
+from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, MujocoFlow
+from wirerope_mj.dynamics.periodic.laws import ScaledStates, Slopes
 from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, Shot
-from wirerope_mj.dynamics.periodic.smoothing import set_width
 from wirerope_mj.dynamics.periodic.stepping import go_along
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.lanes import WIDTH
 
-Instants = npt.NDArray[np.int64]
-
+# Forward passes that are run at once.
 ROWS = 512
-"""Forward passes that are run at once."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,14 +126,14 @@ class MujocoVariational(Variational):
         if self.model.na != self.system.assembly.tables.user.n_states:
             return False
         if self.flow.width:
-            set_width(self._batch, self.flow.width_indices, self.flow.width)
+            self._batch.expand("numeric_data")[:, self.flow.width_indices] = self.flow.width
         drive = at_shot.track.drive
         instants = drive.duration * np.arange(drive.steps) / drive.steps
         base = drive.sine(self.flow.coordinates.direction).acceleration(instants)
         parts = (np.arange(k, min(k + self._instants, drive.steps)) for k in range(0, drive.steps, self._instants))
         return all(self._around(at_shot, part, base, out) for part in parts)
 
-    def _around(self, at_shot: Shot, instants: Instants, base: Array, derivative: Array) -> bool:
+    def _around(self, at_shot: Shot, instants: Integers, base: Array, derivative: Array) -> bool:
         """Fill A at some instants; False where a constraint is active."""
         count = instants.size * self.passes
         self._place(at_shot, instants, base)
@@ -155,7 +149,7 @@ class MujocoVariational(Variational):
         self._write(at_shot, instants, qacc, rates, record, derivative)
         return True
 
-    def _place(self, at_shot: Shot, instants: Instants, base: Array) -> None:
+    def _place(self, at_shot: Shot, instants: Integers, base: Array) -> None:
         """Write the states around some instants into the batch: as it is, q, v and z of every colour moved."""
         track, scale, part = at_shot.track, at_shot.scale, self.flow.coordinates
         model, nf = self.model, self._free.size
@@ -184,14 +178,14 @@ class MujocoVariational(Variational):
         user[:, :, at.STAGE_POINTS] = 1.0
         user[:, :, at.STAGES : at.STAGES + 3] = base[instants, np.newaxis]
 
-    def _write(self, at_shot: Shot, instants: Instants, qacc: Array, rates: Array, record: Array, out: Array) -> None:
+    def _write(self, at_shot: Shot, instants: Integers, qacc: Array, rates: Array, record: Array, out: Array) -> None:
         scale, nf = at_shot.scale, self._free.size
         q, v, z = slice(0, nf), slice(nf, 2 * nf), slice(2 * nf, scale.size)
         step = DIFFERENCE * scale
         a = np.zeros((instants.size, scale.size, scale.size))
         moved = slice(1, 1 + 2 * nf)
-        a[:, v, : 2 * nf] = (qacc[:, moved] - qacc[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
-        a[:, z, : 2 * nf] = (rates[:, moved] - rates[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
+        for rows, values in ((v, qacc), (z, rates)):
+            a[:, rows, : 2 * nf] = (values[:, moved] - values[:, :1]).swapaxes(1, 2) / step[: 2 * nf]
         inverse = np.stack([self._inverse_mass(at_shot.track.qpos[i]) for i in instants])
         # how a mount's deflection follows the free coordinates, (n_instants, n_mounts, 3, nf)
         gradient = (record[:, 1 : 1 + nf, :, 0] - record[:, :1, :, 0]).transpose(0, 2, 3, 1) / step[q]
@@ -201,9 +195,8 @@ class MujocoVariational(Variational):
                 force = (record[:, row, group.mount, 1] - record[:, 0, group.mount, 1])[:, group.axes] / unit
                 pull = np.einsum("kaj,ka->kj", gradient[:, group.mount][:, group.axes], force)
                 a[:, v, 2 * nf + j] = -np.einsum("kij,kj->ki", inverse, pull)
-                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = (rates[:, row] - rates[:, 0])[
-                    :, group.states
-                ] / unit
+                gains = (rates[:, row] - rates[:, 0])[:, group.states]
+                a[:, 2 * nf + np.array(group.states), 2 * nf + j] = gains / unit
         a[:, 2 * nf + self.scaled.states] = 0.0
         a[:, 2 * nf + self.scaled.states, q] = gradient[:, self.scaled.mounts, self.scaled.axes]
         a *= scale / scale[:, np.newaxis]

@@ -1,33 +1,172 @@
-"""A law along one cycle of a periodic deflection, in its steady state: engine-free, what harmonic balance rests on."""
+"""A law along one cycle of a periodic deflection, in its steady state, by the law's own exact steps.
+
+A sampled periodic deflection has its turning points between samples. They belong to the path, for a rate-independent law knows
+the path by them alone: without them the loop would lose its tips, and the force would not be smooth in the samples.
+"""
 
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.dynamics.single_mass.closing import (
-    closed_states,
-    closed_states_in_time,
-    path_between,
-    steady_force,
-    turning_points,
-)
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws import BoucWenBaberNoori, Law, Loop
+from wirerope_mj.mounts.laws.cubic import position, reversals
+from wirerope_mj.mounts.laws.kernels import PARALLEL, component, evaluate
+from wirerope_mj.mounts.laws.power import ORDER
+from wirerope_mj.mounts.laws.steady import carry, next_start
 from wirerope_mj.mounts.laws.timed import follow_time
+
+# Cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two.
+_ROUNDS = 200
+# Share of the largest state by which it may differ after a cycle: rounding.
+_CLOSED = 4e-16
+
+
+@njit
+def path_between(deflection, rate, interval):
+    """Return the closed path through samples and the turning points between them, and where on it the samples stand.
+
+    Between samples the deflection is the cubic through deflections and rates; the last sample repeats the first.
+    """
+    n_t = deflection.size
+    path, place, count = np.empty(3 * n_t), np.zeros(n_t, np.int64), 1
+    path[0] = deflection[0]
+    for t in range(1, n_t):
+        cubic, one, two = reversals(deflection[t - 1], deflection[t], rate[t - 1], rate[t], interval)
+        for instant in (one, two):
+            if 0.0 < instant < interval:
+                path[count] = position(cubic, instant)
+                count += 1
+        path[count] = deflection[t]
+        place[t] = count
+        count += 1
+    return path[:count], place
+
+
+@njit
+def turning_points(path):
+    """Return the ends of a closed path and the points between them where it turns round."""
+    turning, count = np.empty(path.size), 1
+    turning[0] = path[0]
+    for t in range(1, path.size - 1):
+        if (path[t] - turning[count - 1]) * (path[t + 1] - path[t]) < 0.0:
+            turning[count] = path[t]
+            count += 1
+    turning[count] = path[-1]
+    return turning[: count + 1]
+
+
+@njit
+def round_path(law, p, turning, z, c, a):
+    """Carry the states in place along the turning points and return whether they stay finite."""
+    fine = True
+    for t in range(1, turning.size):
+        fine = fine and carry(law, p, turning[t - 1], turning[t], z, c, a)
+    return fine
+
+
+@njit
+def lead_each(p, start, z, memory, cycle):
+    """Lead the state of each law in parallel that has one to where its cycle closes, and return whether any still moves.
+
+    No law sees the states of another. A row of `memory`, (n_states, 6), holds the last two starts and gains, and the bracket.
+    """
+    moves = False
+    for part in range(int(p[0])):
+        _, _, state, count = component(p, 0, part, z.size)
+        if count != 1:
+            continue
+        starts, gains, bracket = memory[state, :2], memory[state, 2:4], memory[state, 4:]
+        starts[0], gains[0] = starts[1], gains[1]
+        starts[1], gains[1] = start[state], z[state] - start[state]
+        small = abs(gains[1]) < 1e-13 * abs(z[state])
+        if gains[1] == 0.0 or (cycle > 3 and small and abs(gains[1]) >= abs(gains[0])):
+            continue  # closed, to rounding
+        moves = True
+        z[state] = next_start(starts, gains, bracket)
+    return moves
+
+
+@njit
+def closed_states(law, p, turning, n_states):
+    """Return the states (n_states,) with which a rate-independent law enters a cycle that it leaves with the same ones.
+
+    The law enters unloaded at zero deflection. One state is found by the secant on what it gains in a cycle, within a bracket,
+    as is that of each law in parallel which has one; others by going round. NaN where the force leaves the finite numbers.
+    """
+    z, start, before = np.zeros(n_states), np.zeros(n_states), np.zeros(n_states)
+    memory = np.zeros((n_states, 6))
+    memory[:, 4], memory[:, 5] = -np.inf, np.inf
+    c, a = np.empty(ORDER + 1), np.empty(ORDER + 1)
+    fine = carry(law, p, 0.0, turning[0], z, c, a) if n_states > 0 else True
+    starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
+    for cycle in range(_ROUNDS if n_states > 0 else 0):
+        start[:] = z
+        fine = fine and round_path(law, p, turning, z, c, a)
+        gain = np.abs(z - start).max()
+        if not fine or gain <= _CLOSED * max(np.abs(z).max(), np.abs(start).max()):
+            break
+        if n_states > 1:
+            if cycle > 1 and (z == before).all():  # two ends that alternate by rounding
+                break
+            before[:] = start
+            if law == PARALLEL and not lead_each(p, start, z, memory, cycle) and cycle > 3:
+                break
+            continue
+        starts[0], gains[0] = starts[1], gains[1]
+        starts[1], gains[1] = start[0], z[0] - start[0]
+        if cycle > 3 and abs(gains[1]) >= abs(gains[0]) and abs(gains[1]) < 1e-13 * abs(z[0]):
+            break  # rounding
+        z[0] = next_start(starts, gains, bracket)
+    if not fine:
+        start[:] = np.nan
+    return start
+
+
+@njit
+def steady_force(law, p, deflection, rate, interval, n_states):
+    """Return the force of a rate-independent law at the samples of a closed cycle (n_t,); NaN where it is lost."""
+    path, place = path_between(deflection, rate, interval)
+    z = closed_states(law, p, turning_points(path), n_states)
+    c, a, unused = np.empty(ORDER + 1), np.empty(ORDER + 1), np.empty(n_states + 1)
+    force, sample = np.full(deflection.size, np.nan), 0
+    for t in range(path.size):
+        if not (np.isfinite(z).all() and (t == 0 or carry(law, p, path[t - 1], path[t], z, c, a))):
+            break
+        if t == place[sample]:
+            force[sample] = evaluate(law, p, 0, path[t], 0.0, z, 0, unused, 0)
+            sample += 1
+    return force
+
+
+@njit
+def closed_states_in_time(law, p, time, deflection, rate, n_states):
+    """Find these states of a law that depends on the rate: `time` [s], `deflection` and `rate` of one closed cycle."""
+    z, start = np.zeros(n_states), np.zeros(n_states)
+    starts, gains, bracket = np.zeros(2), np.zeros(2), np.array([-np.inf, np.inf])
+    for cycle in range(_ROUNDS if n_states > 0 else 0):
+        start[:] = z
+        _, states, _ = follow_time(law, p, time, deflection, rate, z, n_states)
+        z[:] = states[-1]
+        if not np.isfinite(z).all() or np.abs(z - start).max() <= 1e-14 * np.abs(states).max():
+            break
+        if n_states > 1:
+            continue
+        starts[0], gains[0] = starts[1], gains[1]
+        starts[1], gains[1] = start[0], z[0] - start[0]
+        if cycle > 3 and abs(gains[1]) >= abs(gains[0]) and abs(gains[1]) < 1e-12 * np.abs(states).max():
+            break  # rounding of the integration
+        z[0] = next_start(starts, gains, bracket)
+    return start
 
 
 @dataclass(frozen=True, kw_only=True)
 class ClosedCycle:
-    """A law along one closed cycle.
+    """A law along one closed cycle."""
 
-    Attributes:
-        loop: the whole path; with a rate-independent law the turning points between the samples are on it.
-        samples: their indices on that path, (n_t,).
-    """
-
-    loop: Loop
-    samples: npt.NDArray[np.int64]
+    loop: Loop  # the whole path; with a rate-independent law the turning points between the samples are on it
+    samples: Integers  # their indices on that path, (n_t,)
 
     @property
     def force(self) -> Array:

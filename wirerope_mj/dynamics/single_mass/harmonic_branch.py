@@ -2,26 +2,34 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit, checked_harmonics, harmonic_balance, orbit_of
-from wirerope_mj.dynamics.single_mass.fourier import Balance, Solution, newton
+from wirerope_mj.dynamics.arclength import corrected, crossing, unit_tangent
+from wirerope_mj.dynamics.single_mass.balance import (
+    Balance,
+    HarmonicOrbit,
+    Solution,
+    checked_harmonics,
+    harmonic_balance,
+    newton,
+    orbit_of,
+)
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.mounts.laws import Law
 
+# Arclength of the first step and of the shortest; 1 is the whole deflection, or a factor e in frequency.
 _FIRST, _SMALLEST = 0.02, 1e-6
-"""Arclength of the first step and of the shortest; 1 is the whole deflection, or a factor e in frequency."""
-
-_CORRECTIONS, _QUICK = 12, 0.05
-"""Corrections of a step; the Jacobian is made anew when one of them leaves more than a twentieth of the residual."""
-
+# Corrections that the step length is steered to: Broyden's formula needs five to eight to reach 1e-10.
+_AIM = 7
+# Relative distance in the frequency to which folds are located.
+_CLOSE = 1e-9
+# Points after which a branch that does not arrive is going round in circles.
 _MOST = 4000
-"""Points after which a branch that does not arrive is going round in circles."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -60,7 +68,7 @@ class HarmonicBranch(Summarised):
     amplitude: Array = field(repr=False)
     smallest_deflection: Array = field(repr=False)
     largest_deflection: Array = field(repr=False)
-    coefficients: npt.NDArray[np.complex128] = field(repr=False)
+    coefficients: ComplexArray = field(repr=False)
     samples: int
     folds: tuple[HarmonicFold, ...]
     message: str
@@ -151,16 +159,32 @@ def follow_harmonic_balance(
     orbits = [
         orbit_of(balance, Solution(point[:-1], 0.0, 0), float(np.exp(point[-1])), acceleration) for point in points
     ]
+    columns = ("frequency", "amplitude", "smallest_deflection", "largest_deflection", "coefficients")
     return HarmonicBranch(
         law=law, mass=mass, acceleration=acceleration, gravity=gravity, samples=samples,
-        frequency=np.array([orbit.frequency for orbit in orbits]),
-        amplitude=np.array([orbit.amplitude for orbit in orbits]),
-        smallest_deflection=np.array([orbit.smallest_deflection for orbit in orbits]),
-        largest_deflection=np.array([orbit.largest_deflection for orbit in orbits]),
-        coefficients=np.array([orbit.coefficients for orbit in orbits]),
+        **{name: np.array([getattr(orbit, name) for orbit in orbits]) for name in columns},
         folds=tuple(HarmonicFold(frequency=orbits[i].frequency, amplitude=orbits[i].amplitude, index=i) for i in folds),
         message=path.message,
     )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class _Tried:
+    """A point off the branch, (n + 1,), and the balance's residual there, (n,)."""
+
+    y: Array
+    gap: Array
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A point of the branch in its own units: the size of its deflection, and 1 for the logarithm of omega."""
+
+    y: Array  # unknowns and the logarithm of omega, (n + 1,)
+    scale: Array  # units, (n + 1,)
+    matrix: Array  # derivative of the residual in these units, (n, n + 1)
+    tangent: Array  # unit tangent, (n + 1,)
+    corrections: int = 0  # that it took
 
 
 class _Path:
@@ -170,104 +194,66 @@ class _Path:
         self.balance, self.acceleration, self.tolerance = balance, acceleration, tolerance
         self.message = ""
 
-    def residual(self, point: Array) -> Array:
-        """Return the balance's residual at a point."""
-        return self.balance.residual(point[:-1], float(np.exp(point[-1])), self.acceleration)
+    def residual(self, y: Array) -> Array:
+        """Evaluate the balance's residual."""
+        return self.balance.residual(y[:-1], float(np.exp(y[-1])), self.acceleration)
 
-    def jacobian(self, point: Array) -> Array:
-        """Return the derivatives of the residual by the unknowns and by the logarithm of omega, (n, n + 1)."""
-        u, omega, here = point[:-1], float(np.exp(point[-1])), self.residual(point)
-        moved = point.copy()
+    def jacobian(self, y: Array, here: Array) -> Array:
+        """Differentiate the residual, `here` at y, by the unknowns and by the logarithm of omega, (n, n + 1)."""
+        moved = y.copy()
         moved[-1] += 1e-7  # the residual is smooth in the frequency: rounding and curvature are even near there
-        column = (self.residual(moved) - here) / (moved[-1] - point[-1])
-        return np.column_stack([self.balance.jacobian(u, omega, self.acceleration, here), column])
+        column = (self.residual(moved) - here) / (moved[-1] - y[-1])
+        by_unknowns = self.balance.jacobian(y[:-1], float(np.exp(y[-1])), self.acceleration, here)
+        return np.column_stack([by_unknowns, column])
 
-    def tangent(self, jacobian: Array, scale: Array, towards: Array) -> Array:
-        """Return the direction of the branch in scaled coordinates, (n + 1,), oriented like `towards`."""
-        null = np.linalg.svd(jacobian * scale)[2][-1]
-        return null if null @ towards >= 0.0 else -null
+    def point(self, y: Array, like: Array, corrections: int = 0) -> _Point:
+        """Make the point of a solution, its tangent turned like a direction in y."""
+        scale = np.append(np.full(y.size - 1, float(np.linalg.norm(y[:-1]))), 1.0)
+        matrix = self.jacobian(y, self.residual(y)) * scale
+        return _Point(y, scale, matrix, unit_tangent(matrix, like / scale), corrections)
 
-    def correct(self, point: Array, jacobian: Array, scale: Array, normal: Array) -> tuple[Array, int]:
-        """Return the solution in the plane through `point` across `normal`, and the corrections it took; too many: none."""
-        corrected, last = point.copy(), np.inf
-        for correction in range(_CORRECTIONS):
-            residual = self.residual(corrected)
-            size = float(np.abs(residual).max())
-            if size <= self.tolerance:
-                return corrected, correction
-            if not size < 2.0 * last:
-                break
-            if size > _QUICK * last:
-                jacobian = self.jacobian(corrected)
-                if not np.isfinite(jacobian).all():
-                    break
-            bordered = np.vstack([jacobian * scale, normal])
-            corrected = corrected + scale * np.linalg.solve(bordered, np.append(-residual, 0.0))
-            last = size
-        return corrected, _CORRECTIONS
+    def step(self, last: _Point, length: float) -> _Point | None:
+        """Take a step of an arclength; None if the corrector does not get there."""
 
-    def follow(self, point: Array, end: float, largest_step: float) -> Iterator[tuple[Array, bool]]:
+        def at(move: Array) -> _Tried:
+            y = last.y + last.scale * move
+            return _Tried(y, self.residual(y))
+
+        def matrix_at(tried: _Tried, _: Array) -> Array:
+            return self.jacobian(tried.y, tried.gap) * last.scale
+
+        found = corrected(at, matrix_at, last.matrix, length * last.tangent, last.tangent, length, self.tolerance)
+        return None if found is None else self.point(found[0].y, last.scale * last.tangent, found[2])
+
+    def follow(self, begin: Array, end: float, largest_step: float) -> Iterator[tuple[Array, bool]]:
         """Yield the points after the first and whether they are folds, up to the frequency `end` (logarithm of omega)."""
-        begin, sign, length = point[-1], np.sign(end - point[-1]), min(_FIRST, largest_step)
-        scale, jacobian = _scale(point), self.jacobian(point)
-        tangent = self.tangent(jacobian, scale, np.append(np.zeros(point.size - 1), sign))
+        start, sign, length = begin[-1], np.sign(end - begin[-1]), min(_FIRST, largest_step)
+        last = self.point(begin, np.append(np.zeros(begin.size - 1), sign))
         for _ in range(_MOST):
-            corrected, corrections = self.correct(point + length * scale * tangent, jacobian, scale, tangent)
-            if corrections >= _CORRECTIONS:
+            point = self.step(last, length)
+            if point is None:
                 length *= 0.5
                 if length < _SMALLEST:
                     raise ConvergenceError(
-                        f"the branch cannot be followed beyond {np.exp(point[-1]) / (2.0 * np.pi):.6g} Hz: steps of "
+                        f"the branch cannot be followed beyond {np.exp(last.y[-1]) / (2.0 * np.pi):.6g} Hz: steps of "
                         f"{_SMALLEST:g} of the deflection fail. Try more harmonics, or another `start`."
                     )
                 continue
-            after = self.jacobian(corrected)
-            next_tangent = self.tangent(after, scale, tangent)
-            if sign * (corrected[-1] - end) >= 0.0 or sign * (begin - corrected[-1]) > 0.0:
-                last = end if sign * (corrected[-1] - end) >= 0.0 else begin
-                yield self.at(point, corrected, last), False
-                self.message = "reached the last frequency" if last == end else "came back to the first frequency"
+            arrived = sign * (point.y[-1] - end) >= 0.0
+            if arrived or sign * (start - point.y[-1]) > 0.0:
+                yield self.between(last.y, point.y, end if arrived else start), False
+                self.message = "reached the last frequency" if arrived else "came back to the first frequency"
                 return
-            if next_tangent[-1] * tangent[-1] < 0.0:
-                yield self.fold(point, tangent, corrected, next_tangent, scale), True
-            yield corrected, False
-            length *= 1.4 if corrections <= 3 else 1.0 if corrections <= 6 else 0.7
-            length = min(length, largest_step)
-            point, scale = corrected, _scale(corrected)
-            jacobian, tangent = after, self.tangent(after, scale, next_tangent)
+            if point.tangent[-1] * last.tangent[-1] < 0.0:
+                step = partial(self.step, last)
+                yield crossing(step, (last, point), length, lambda p: float(p.tangent[-1]), _CLOSE).y, True
+            yield point.y, False
+            length = min(length * float(np.clip(_AIM / max(point.corrections, 1), 0.7, 1.4)), largest_step)
+            last = point
         self.message = f"ended after {_MOST} points"
 
-    def at(self, before: Array, after: Array, log_omega: float) -> Array:
-        """Return the point between two with a given frequency."""
-        fraction = (log_omega - before[-1]) / (after[-1] - before[-1])
-        guess, omega = before + fraction * (after - before), float(np.exp(log_omega))
-        solution = newton(self.balance, guess[:-1], omega, self.acceleration, self.tolerance)
+    def between(self, before: Array, after: Array, log_omega: float) -> Array:
+        """Find the point between two with a given frequency."""
+        guess = before + (log_omega - before[-1]) / (after[-1] - before[-1]) * (after - before)
+        solution = newton(self.balance, guess[:-1], float(np.exp(log_omega)), self.acceleration, self.tolerance)
         return np.append(solution.u, log_omega)
-
-    def fold(self, before: Array, t0: Array, after: Array, t1: Array, scale: Array) -> Array:
-        """Return the point between two where the tangent is vertical, by the secant on its share in frequency."""
-        low, high, slope_low, slope_high = 0.0, 1.0, t0[-1], t1[-1]
-        chord, corrected = after - before, before
-        normal = chord / scale / np.linalg.norm(chord / scale)
-        for _ in range(6):
-            fraction = low - slope_low * (high - low) / (slope_high - slope_low)
-            jacobian = self.jacobian(before + fraction * chord)
-            corrected, corrections = self.correct(before + fraction * chord, jacobian, scale, normal)
-            if corrections >= _CORRECTIONS:
-                return after if abs(slope_high) < abs(slope_low) else before
-            slope = self.tangent(self.jacobian(corrected), scale, t0 + t1)[-1]
-            if (
-                abs(slope) < 1e-6
-            ):  # the frequency is then within 1e-6 of a step of the fold's, by its second order far closer
-                break
-            if slope * slope_low > 0.0:
-                low, slope_low = fraction, slope
-            else:
-                high, slope_high = fraction, slope
-        return corrected
-
-
-def _scale(point: Array) -> Array:
-    """Return the units of steps from a point: the size of its deflection, and 1 for the logarithm of omega."""
-    size = float(np.linalg.norm(point[:-1]))
-    return np.append(np.full(point.size - 1, size), 1.0)

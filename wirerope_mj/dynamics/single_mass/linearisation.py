@@ -15,31 +15,23 @@ import scipy
 
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.laws import Law
 
+# Amplitudes looked at: from a tenth of what the unloaded stiffness would give, finely enough to tell three roots apart.
 _DECADES, _PER_DECADE = 6.0, 24
-"""Amplitudes looked at: from a tenth of what the unloaded stiffness would give, finely enough to tell three roots apart."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LinearisedOrbit:
-    """A periodic motion estimated by equivalent linearisation, deflection = offset + Re[phasor exp(i w t)].
+    """A periodic motion estimated by equivalent linearisation, deflection = offset + Re[phasor exp(i w t)]."""
 
-    Attributes:
-        oscillator: spring and damper at its amplitude.
-        phasor: complex amplitude of the deflection [m].
-        deflection: at phase 0 of the sine [m].
-        rate: deflection rate there [m/s].
-        states: internal states of the law there, on the closed loop of that amplitude, (n_states,).
-    """
-
-    oscillator: EquivalentOscillator
-    phasor: complex
-    deflection: float
-    rate: float
-    states: Array
+    oscillator: EquivalentOscillator  # spring and damper at its amplitude
+    phasor: complex  # complex amplitude of the deflection [m]
+    deflection: float  # at phase 0 of the sine [m]
+    rate: float  # deflection rate there [m/s]
+    states: Array  # internal states of the law there, on the closed loop of that amplitude, (n_states,)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -62,7 +54,7 @@ class EquivalentLinear(Brief):
     damping_ratio: Array
 
     @property
-    def solutions(self) -> npt.NDArray[np.int64]:
+    def solutions(self) -> Integers:
         """Number of solutions at each frequency, (n_f,)."""
         return np.isfinite(self.deflection).sum(axis=1)
 
@@ -151,11 +143,7 @@ def _orbit(law: Law, oscillator: EquivalentOscillator, phasor: complex) -> Linea
     deflection, rate = oscillator.offset + turning.real, (1j * omega * turning).real
     cycle = steady_cycle(law, deflection, rate, period=1.0 / oscillator.frequency)
     return LinearisedOrbit(
-        oscillator=oscillator,
-        phasor=phasor,
-        deflection=float(deflection[0]),
-        rate=float(rate[0]),
-        states=cycle.states,
+        oscillator=oscillator, phasor=phasor, deflection=float(deflection[0]), rate=float(rate[0]), states=cycle.states
     )
 
 

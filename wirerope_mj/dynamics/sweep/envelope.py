@@ -1,19 +1,20 @@
-"""Envelopes of accelerations and deflections over frequency: the result of a sweep, and its file."""
+"""Envelopes of accelerations and deflections over frequency: the result of a sweep, its file and its collector."""
 
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.dynamics.sweep.channels import Channels, TravelWatch
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.directions import direction_text
+from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.foundation.parquet_files import read_content, read_table, write_rows
+from wirerope_mj.foundation.parquet_files import TableWriter, read_content, read_table, write_rows
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.motions import Sweep, motion_from_dict
@@ -22,11 +23,12 @@ from wirerope_mj.mounts.isolator import AXES as MOUNT_AXES
 AXES = ("x", "y", "z")
 FILE, SUMMARY = "frequency_sweep.parquet", "frequency_sweep.json"
 FORMAT = 1
-
 _KIND = "a table that `FrequencySweep.save` wrote"
 _REMEDY = "Copy it again, or compute the sweep again."
 _FIRST = ("frequency", "base_amplitude", "cycles", "remaining", "settled")
 _PLAIN = ("payload", "response_direction", "excitation", "timestep", "estimated_error", "model_steps")
+# Rows that are kept before a block is written to disk.
+STREAM_ROWS = 4096
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,7 +85,7 @@ class FrequencySweep(Summarised):
     mounts: Mapping[str, MountEnvelope]
     cycles: Array
     remaining: Array
-    settled: npt.NDArray[np.bool_]
+    settled: Booleans
     excitation: dict[str, Any]
     timestep: float
     estimated_error: float
@@ -147,40 +149,26 @@ class FrequencySweep(Summarised):
                 for axis, acceleration, transmissibility in peaks
             }
         mounts = {
-            name: {
-                "lowest_deflection_m": mount.minimum.min(axis=0).tolist(),
-                "highest_m": mount.maximum.max(axis=0).tolist(),
-            }
-            for name, mount in self.mounts.items()
+            name: {"lowest_deflection_m": m.minimum.min(axis=0).tolist(), "highest_m": m.maximum.max(axis=0).tolist()}
+            for name, m in self.mounts.items()
         }
         return {
-            "excitation": self.excitation,
-            "payload": self.payload,
-            "response_direction": self.response_direction,
+            "excitation": self.excitation, "payload": self.payload, "response_direction": self.response_direction,
             "frequencies": int(self.frequency.size),
             "unsettled_frequencies_Hz": [] if self.sweep else self.frequency[~self.settled].tolist(),
-            "cycles": int(self.cycles.sum()),
-            "model_steps": self.model_steps,
-            "largest_step_s": self.timestep,
-            "warnings": list(self.warnings),
-            "bodies": bodies,
-            "mounts_roll_shear_axial": mounts,
-        }
+            "cycles": int(self.cycles.sum()), "model_steps": self.model_steps, "largest_step_s": self.timestep,
+            "warnings": list(self.warnings), "bodies": bodies, "mounts_roll_shear_axial": mounts,
+        }  # fmt: skip
 
     def save(self, folder: str | Path) -> None:
         """Write table and summary into `folder` (made if missing), atomically; those that are there are replaced."""
         bodies = [envelope.acceleration for envelope in self.envelopes.values()]
         mounts = [extreme for mount in self.mounts.values() for extreme in (mount.minimum, mount.maximum)]
         rows = np.column_stack([*(getattr(self, name) for name in _FIRST), *bodies, *mounts])
-        content = {
-            "format": FORMAT,
-            "bodies": list(self.envelopes),
-            "mounts": list(self.mounts),
-            **{name: getattr(self, name) for name in _PLAIN},
-            "initial_state": self.initial_state.to_plain(),
-            "final_state": self.final_state.to_plain(),
-            "warnings": list(self.warnings),
-        }
+        content = {name: getattr(self, name) for name in _PLAIN} | {
+            "format": FORMAT, "bodies": list(self.envelopes), "mounts": list(self.mounts), "warnings": list(self.warnings),
+            "initial_state": self.initial_state.to_plain(), "final_state": self.final_state.to_plain(),
+        }  # fmt: skip
         write_rows(Path(folder) / FILE, column_names(list(self.envelopes), list(self.mounts)), rows, content)
         self.save_summary(Path(folder))
 
@@ -232,3 +220,72 @@ def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
     return names + [
         f"mounts/{m}/{extreme}/{c}" for m in mounts for extreme in ("lowest", "highest") for c in MOUNT_AXES
     ]
+
+
+class Collector:
+    """Takes the extremes at frequency after frequency, in memory or to a file, and makes the result of them."""
+
+    def __init__(self, system: System, *, direction: Direction, out: str | Path | None) -> None:
+        """Prepare for an excitation along `direction`; `out` is the folder that the table goes to, if any."""
+        self._steps, self._largest_step = 0, 0.0
+        self._channels = Channels.of(system)
+        unit = np.abs(unit_vector(direction))
+        self._along = int(np.argmax(unit))  # the component that moves most stands for the whole of a straight motion
+        self._component = float(unit[self._along])
+        self._watch = TravelWatch(system)
+        self._mounts, self._rows, self._writer = list(system.mounts), list[Array](), None
+        if out is None:
+            return
+        if (Path(out) / FILE).exists():
+            raise RecordError(f"{out}: a sweep stands here already; give another `out`, or remove {FILE}.")
+        self._writer = TableWriter(Path(out) / FILE, column_names(self._channels.names, self._mounts))
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if kind is not None and self._writer is not None:
+            self._writer.discard()  # no half-written file
+
+    def count(self, steps: int, largest_step: float) -> None:
+        """Take a number of steps, and the largest of them [s]."""
+        self._steps, self._largest_step = self._steps + steps, max(self._largest_step, largest_step)
+
+    def add(
+        self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool
+    ) -> None:
+        """Take extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and what they have in common."""
+        on = self._channels
+        self._watch.add(frequency, minimum[:, on.mounts], maximum[:, on.mounts])
+        largest = np.maximum(maximum, -minimum)
+        deflections = np.stack([minimum[:, on.mounts], maximum[:, on.mounts]], axis=2)  # (n, n_mounts, 2, 3)
+        base = largest[:, on.base, self._along] / self._component
+        common = np.broadcast_to([cycles, remaining, settled], (frequency.size, 3))
+        vectors = [largest[:, on.bodies].reshape(frequency.size, -1), deflections.reshape(frequency.size, -1)]
+        self._rows.append(np.column_stack([frequency, base, common, *vectors]))
+        if self._writer is not None and sum(block.shape[0] for block in self._rows) >= STREAM_ROWS:
+            self._writer.write(np.concatenate(self._rows))
+            self._rows.clear()
+
+    def finish(
+        self, question: dict[str, Any], *, initial_state: State, final_state: State, warnings: Sequence[str]
+    ) -> FrequencySweep:
+        """Make the result.
+
+        `question` holds payload, response_direction, excitation and the estimated_error of the step; `warnings` go before those
+        of travel.
+        """
+        content = question | {
+            "format": FORMAT, "bodies": list(self._channels.names), "mounts": self._mounts,
+            "timestep": self._largest_step, "model_steps": self._steps,
+            "initial_state": initial_state.to_plain(), "final_state": final_state.to_plain(),
+            "warnings": [*warnings, *self._watch.warnings()],
+        }  # fmt: skip
+        if self._writer is None:
+            return FrequencySweep.of_rows(np.concatenate(self._rows), content)
+        if self._rows:
+            self._writer.write(np.concatenate(self._rows))
+        self._writer.close(content)
+        sweep = load_frequency_sweep(self._writer.path.parent)
+        sweep.save_summary(self._writer.path.parent)
+        return sweep

@@ -9,13 +9,11 @@ The layout (in `numeric_data`) holds a header and tables of integers, the parame
 the axes table. `userdata` holds what the callbacks exchange within and between steps. Nothing lives outside mjModel and mjData.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from wirerope_mj.foundation.arrays import Array
 
-MAGIC = 2004.28
-"""Marks a state actuator: the number of the thesis' report (DCT 2004/28)."""
-
+MAGIC = 2004.28  # marks a state actuator: the number of the thesis' report (DCT 2004/28)
 STATE_ACTUATOR = "wirerope/states"
 LAYOUT = "wirerope/layout"
 PARAMETERS = "wirerope/parameters"
@@ -46,8 +44,8 @@ CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 # userdata, relative to the system's first entry
 STAGE_POINTS, STAGE_START, STAGE_RATE, EVENT, HISTORY, TIME_1, TIME_2, OBSERVING = range(8)
 STAGES = 8
+# steps that one stage table serves: long enough that Python between tables costs nothing, short enough to copy
 MAX_STEPS = 64
-"""Steps that one stage table serves: long enough that Python between tables costs nothing, short enough to copy."""
 
 # values of userdata[EVENT] at the first step of a stage table
 SMOOTH, CORNER, JUMP = 0.0, 1.0, 2.0
@@ -90,51 +88,29 @@ class UserData:
     n_contacts: int
     n_stops: int = 0
     n_forces: int = 0
+    mounts: int = field(init=False)  # deflection and force of every mount, (n_mounts, 6)
+    rates: int = field(init=False)  # rates of the internal states, (n_states,)
+    # spatial accelerations of the bodies about their tree's centre of mass, (n_tree, 6)
+    accelerations: int = field(init=False)
+    channels: int = field(init=False)  # memory of the peak tracker, (n_channels, CHANNEL_MEMORY)
+    contacts: int = field(init=False)  # memory of contacts, (n_contacts, CONTACT_MEMORY)
+    stops: int = field(init=False)  # memory of the stops among the mounts' laws, (n_stops, CONTACT_MEMORY)
+    # forces and moments on the payload at the half steps of a segment, (2 MAX_STEPS + 1, n_forces, 6)
+    forces: int = field(init=False)
+    travels: int = field(init=False)  # memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY)
+    size: int = field(init=False)  # number of entries
 
-    @property
-    def mounts(self) -> int:
-        """Deflection and force of every mount, (n_mounts, 6)."""
-        return STAGES + 3 * (2 * MAX_STEPS + 1)
-
-    @property
-    def rates(self) -> int:
-        """Rates of the internal states, (n_states,)."""
-        return self.mounts + 6 * self.n_mounts
-
-    @property
-    def accelerations(self) -> int:
-        """Spatial accelerations of the bodies about their tree's centre of mass, (n_tree, 6)."""
-        return self.rates + self.n_states
-
-    @property
-    def channels(self) -> int:
-        """Memory of the peak tracker, (n_channels, CHANNEL_MEMORY)."""
-        return self.accelerations + 6 * self.n_tree
-
-    @property
-    def contacts(self) -> int:
-        """Memory of contacts, (n_contacts, CONTACT_MEMORY)."""
-        return self.channels + CHANNEL_MEMORY * self.n_channels
-
-    @property
-    def stops(self) -> int:
-        """Memory of the stops among the mounts' laws, (n_stops, CONTACT_MEMORY)."""
-        return self.contacts + CONTACT_MEMORY * self.n_contacts
-
-    @property
-    def forces(self) -> int:
-        """Forces and moments on the payload at the half steps of a segment, (2 MAX_STEPS + 1, n_forces, 6)."""
-        return self.stops + CONTACT_MEMORY * self.n_stops
-
-    @property
-    def travels(self) -> int:
-        """Memory of the mounts' travel along all axes at once, (n_mounts, TRAVEL_MEMORY)."""
-        return self.forces + 6 * self.n_forces * (2 * MAX_STEPS + 1)
-
-    @property
-    def size(self) -> int:
-        """Number of entries."""
-        return self.travels + TRAVEL_MEMORY * self.n_mounts
+    def __post_init__(self) -> None:
+        half_steps, address = 2 * MAX_STEPS + 1, 0
+        sizes = {
+            "mounts": STAGES + 3 * half_steps, "rates": 6 * self.n_mounts, "accelerations": self.n_states,
+            "channels": 6 * self.n_tree, "contacts": CHANNEL_MEMORY * self.n_channels,
+            "stops": CONTACT_MEMORY * self.n_contacts, "forces": CONTACT_MEMORY * self.n_stops,
+            "travels": 6 * self.n_forces * half_steps, "size": TRAVEL_MEMORY * self.n_mounts,
+        }  # fmt: skip
+        for part, before in sizes.items():  # what stands between this part's address and the last one's
+            address += before
+            object.__setattr__(self, part, address)
 
     def mount_rows(self, user: Array) -> Array:
         """Return deflection and force of every mount from the system's userdata, a view, (..., n_mounts, 2, 3)."""

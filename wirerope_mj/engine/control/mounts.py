@@ -6,17 +6,72 @@ site's point,
     d = R^T (p - p_b)        rate = R^T [v_payload(p) - v_base(p)],   v_body(p) = v_com + omega x (p - com)
 
 so that a rotating base is seen as the mount sees it. The restoring force R F acts on both bodies at p, which balances momentum
-and angular momentum. A mount that resists turning adds opposite torques, see `wirerope_mj.engine.control.rotation`.
+and angular momentum.
+
+A mount that resists turning adds opposite torques, from a potential of the relative orientation. With e = (e0, e) the unit
+quaternion that turns the payload's site, in the base site's axes, from the modelled geometry, and K = diag(roll, shear, axial):
+
+    U = 2 e.K e        torque on the payload = -2 (e0 K e + e x K e)
+
+For a turn theta about one axis that is U = K (1 - cos theta) and K sin theta. Both are the same for e and -e, so that
+orientations need no branch. The torque is -dU for a small turn dtheta of the payload, which changes e by
+(-e.dtheta, e0 dtheta + dtheta x e) / 2; a turn of the base changes it by the opposite, and takes the reaction.
 """
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.rotation import resists_turning, righting_torque
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
-AXIAL = 2
-"""Index of the axial axis."""
+
+@njit
+def product(a0, a1, a2, a3, b0, b1, b2, b3):
+    """Return the product of two quaternions."""
+    return (
+        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
+        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
+        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
+        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
+    )
+
+
+@njit
+def resists_turning(lay, m):
+    """Return whether the mount in row `m` of the layout has a rotational stiffness."""
+    return lay[m + at.TURNING] != 0.0 or lay[m + at.TURNING + 1] != 0.0 or lay[m + at.TURNING + 2] != 0.0
+
+
+@njit
+def turned_by(lay, m, site_xquat):
+    """Return the turn of the payload's site since the modelled geometry as a unit quaternion in the base site's axes."""
+    p, b, r = 4 * int(lay[m]), 4 * int(lay[m + 1]), m + at.MODELLED
+    e0, e1, e2, e3 = product(
+        site_xquat[b], -site_xquat[b + 1], -site_xquat[b + 2], -site_xquat[b + 3],
+        site_xquat[p], site_xquat[p + 1], site_xquat[p + 2], site_xquat[p + 3],
+    )  # fmt: skip
+    return product(e0, e1, e2, e3, lay[r], -lay[r + 1], -lay[r + 2], -lay[r + 3])
+
+
+@njit
+def righting_torque(lay, m, site_xquat):
+    """Return the torque [N m] of the mount in row `m` on its payload, in the base site's axes."""
+    e0, e1, e2, e3 = turned_by(lay, m, site_xquat)
+    k = m + at.TURNING
+    return righting(e0, e1, e2, e3, lay[k], lay[k + 1], lay[k + 2])
+
+
+@njit
+def righting(e0, e1, e2, e3, roll, shear, axial):
+    """Return the torque [N m] of rotational stiffnesses that are turned by a unit quaternion."""
+    k1, k2, k3 = roll * e1, shear * e2, axial * e3
+    return (
+        -2.0 * (e0 * k1 + e2 * k3 - e3 * k2),
+        -2.0 * (e0 * k2 + e3 * k1 - e1 * k3),
+        -2.0 * (e0 * k3 + e1 * k2 - e2 * k1),
+    )
+
+
+AXIAL = 2  # index of the axial axis
 
 
 @inlined
@@ -184,3 +239,46 @@ def copy_rates(lay, i, u, w, act_dot, a):
     for k in range(n_states):
         act_dot[a + k] = u[rates + k]
     return u[rates]
+
+
+@inlined
+def clear_loads(lay, i, xfrc):
+    """Take the wrenches of the last pass off the bodies on which forces may act; those with mounts are cleared again."""
+    j = i + index(lay[i + at.FORCES])
+    for _ in range(index(lay[i + at.N_FORCES])):
+        body = index(lay[j + 1])
+        for c in range(6):
+            xfrc[6 * body + c] = 0.0
+        j += at.FORCE_COLUMNS
+
+
+@inlined
+def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc):
+    """Add the forces and moments of this instant, which act at sites and along their axes."""
+    n_forces = index(lay[i + at.N_FORCES])
+    if n_forces == 0 or u[w + at.STAGE_POINTS] == 0.0:
+        return
+    k = w + index(lay[i + at.USER_FORCES]) + 6 * n_forces * stage_row(u, w, time)
+    j = i + index(lay[i + at.FORCES])
+    for _ in range(n_forces):
+        site, body = index(lay[j]), index(lay[j + 1])
+        s, r = 3 * site, 9 * site
+        fx, fy, fz = turned(site_xmat, r, u, k)
+        tx, ty, tz = turned(site_xmat, r, u, k + 3)
+        add_force(xfrc, body, xipos, site_xpos[s], site_xpos[s + 1], site_xpos[s + 2], fx, fy, fz)
+        xfrc[6 * body + 3] += tx
+        xfrc[6 * body + 4] += ty
+        xfrc[6 * body + 5] += tz
+        j += at.FORCE_COLUMNS
+        k += 6
+
+
+@inlined
+def turned(matrix, r, vector, k):
+    """Return R v, the matrix standing row by row from `r` on and the vector from `k` on."""
+    x, y, z = vector[k], vector[k + 1], vector[k + 2]
+    return (
+        matrix[r] * x + matrix[r + 1] * y + matrix[r + 2] * z,
+        matrix[r + 3] * x + matrix[r + 4] * y + matrix[r + 5] * z,
+        matrix[r + 6] * x + matrix[r + 7] * y + matrix[r + 8] * z,
+    )

@@ -2,22 +2,138 @@
 
 import ctypes
 from functools import cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
-from numba import types
+import mujoco
+from mujoco.introspect import structs
+from mujoco.introspect.ast_nodes import AnonymousStructDecl, AnonymousUnionDecl, ArrayType, PointerType, ValueType
+from numba import carray, types
+from numba.core import cgutils
+from numba.extending import intrinsic
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact
-from wirerope_mj.engine.control.loads import apply_loads, clear_loads
-from wirerope_mj.engine.control.mounts import apply_mounts, copy_rates, drive_base, remove_overshoot
+from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact, track_stops
+from wirerope_mj.engine.control.mounts import (
+    apply_loads,
+    apply_mounts,
+    clear_loads,
+    copy_rates,
+    drive_base,
+    remove_overshoot,
+)
 from wirerope_mj.engine.control.observer import observe
-from wirerope_mj.engine.control.pointers import float64_array, int32_array, int32_member, int64_array, member
-from wirerope_mj.engine.control.stops import track_stops
-from wirerope_mj.engine.control.structs import DATA_FIELDS, offsets, size_of
 from wirerope_mj.foundation.jit import address, inlined, njit
 
-ACCELERATION_STAGE = 3
-"""mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last."""
+MODEL_FIELDS = ("actuator_dynprm", "numeric_data")
+DATA_FIELDS = (
+    "qvel", "act", "qfrc_applied", "xfrc_applied", "qacc", "act_dot", "userdata", "sensordata", "xquat", "xipos",
+    "site_xpos", "site_xmat", "site_xquat", "subtree_com", "cdof", "cvel", "cdof_dot", "qfrc_bias", "qfrc_passive",
+)  # fmt: skip
+
+_SCALARS = {
+    "mjtNum": 8, "mjtSize": 8, "size_t": 8, "uintptr_t": 8, "uint64_t": 8, "int64_t": 8, "double": 8,
+    "int": 4, "float": 4, "unsigned int": 4, "uint32_t": 4,
+    "mjtBool": 1, "mjtByte": 1, "char": 1, "unsigned char": 1,
+}  # fmt: skip
+
+
+def _layout_of_fields(fields: Any, union: bool = False) -> tuple[int, int, dict[str, int]]:
+    """Return size, alignment and offsets by name of a struct's fields by the rules of the C ABI."""
+    end, alignment, offsets = 0, 1, {}
+    for field in fields:
+        size, align = _size_of(field if isinstance(field, AnonymousStructDecl | AnonymousUnionDecl) else field.type)
+        start = 0 if union else -(-end // align) * align
+        offsets[getattr(field, "name", "")] = start
+        end, alignment = max(end, start + size), max(alignment, align)
+    return -(-end // alignment) * alignment, alignment, offsets
+
+
+def _size_of(kind: Any) -> tuple[int, int]:
+    """Return size and alignment of a C type."""
+    if isinstance(kind, PointerType):
+        return 8, 8
+    if isinstance(kind, ArrayType):
+        size, align = _size_of(kind.inner_type)
+        for extent in kind.extents:
+            size *= extent
+        return size, align
+    if isinstance(kind, AnonymousUnionDecl):
+        return _layout_of_fields(kind.fields, union=True)[:2]
+    if isinstance(kind, AnonymousStructDecl):
+        return _layout_of_fields(kind.fields)[:2]
+    assert isinstance(kind, ValueType)
+    if kind.name in _SCALARS:
+        return _SCALARS[kind.name], _SCALARS[kind.name]
+    if kind.name in structs.STRUCTS:
+        return _layout_of_fields(structs.STRUCTS[kind.name].fields)[:2]
+    return 4, 4  # enumerations
+
+
+@cache
+def offsets(struct: str) -> dict[str, int]:
+    """Return the byte offset of every field of a MuJoCo struct."""
+    return _layout_of_fields(structs.STRUCTS[struct].fields)[2]
+
+
+def disagreement(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
+    """Return None if the offsets lead to what the Python views of this model and data show, else what does not."""
+    for owner, struct, names in ((model, "mjModel", MODEL_FIELDS), (data, "mjData", DATA_FIELDS)):
+        for name in names:
+            view = getattr(owner, name)
+            address = ctypes.c_void_p.from_address(owner._address + offsets(struct)[name]).value
+            if view.size and address != view.ctypes.data:
+                return f"{struct}.{name}"
+    if ctypes.c_int64.from_address(model._address + offsets("mjModel")["nu"]).value != model.nu:
+        return "mjModel.nu"
+    if ctypes.c_double.from_address(data._address + offsets("mjData")["time"]).value != data.time:
+        return "mjData.time"
+    if ctypes.c_int.from_address(data._address + offsets("mjData")["ncon"]).value != data.ncon:
+        return "mjData.ncon"
+    return None
+
+
+ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
+
+
+@intrinsic
+def _as_pointer(typing_context, address):  # type: ignore[no-untyped-def]
+    def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
+        return builder.inttoptr(args[0], cgutils.voidptr_t)
+
+    return types.voidptr(types.intp), codegen
+
+
+@inlined
+def float64_array(address):  # type: ignore[no-untyped-def]
+    """Return the float64 array that starts at `address`."""
+    return carray(_as_pointer(address), (ANY_SIZE,), types.float64)
+
+
+@inlined
+def int64_array(address):  # type: ignore[no-untyped-def]
+    """Return the int64 array that starts at `address`."""
+    return carray(_as_pointer(address), (ANY_SIZE,), types.int64)
+
+
+@inlined
+def int32_array(address):  # type: ignore[no-untyped-def]
+    """Return the int32 array that starts at `address`."""
+    return carray(_as_pointer(address), (ANY_SIZE,), types.int32)
+
+
+@inlined
+def int32_member(struct, offset):  # type: ignore[no-untyped-def]
+    """Return the int32 array that the pointer at `offset` in a struct leads to."""
+    return int32_array(int64_array(struct + offset)[0])
+
+
+@inlined
+def member(struct, offset, start=0):  # type: ignore[no-untyped-def]
+    """Return the float64 array that the pointer at `offset` in a struct leads to, from its entry `start`."""
+    return float64_array(int64_array(struct + offset)[0] + 8 * start)
+
+
+ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
 
 
 class Callbacks(NamedTuple):
@@ -50,30 +166,14 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     if not is_system:
         return
     u = member(d, field[0], userdata)
-    drive_base(
-        lay, 0, u, 0, float64_array(d + time)[0],
-        member(d, field[1]),
-        member(d, field[2]),
-        member(d, field[3]),
-    )  # fmt: skip
+    now = float64_array(d + time)[0]
+    drive_base(lay, 0, u, 0, now, member(d, field[1]), member(d, field[2]), member(d, field[3]))
     clear_loads(lay, 0, member(d, field[11]))
     apply_mounts(
-        lay, 0, par, 0, u, 0, member(d, field[4], activation), 0,
-        member(d, field[5]),
-        member(d, field[6]),
-        member(d, field[7]),
-        member(d, field[8]),
-        member(d, field[9]),
-        member(d, field[10]),
-        member(d, field[11]),
+        lay, 0, par, 0, u, 0, member(d, field[4], activation), 0, member(d, field[5]), member(d, field[6]),
+        member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]), member(d, field[11]),
     )  # fmt: skip
-    apply_loads(
-        lay, 0, u, 0, float64_array(d + time)[0],
-        member(d, field[5]),
-        member(d, field[6]),
-        member(d, field[10]),
-        member(d, field[11]),
-    )  # fmt: skip
+    apply_loads(lay, 0, u, 0, now, member(d, field[5]), member(d, field[6]), member(d, field[10]), member(d, field[11]))
 
 
 @inlined
@@ -115,25 +215,13 @@ def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-
     if u[at.OBSERVING] != 0.0:
         _contacts(d, lay, u, now, in_data, in_contact)
         track_stops(
-            lay, 0, par, 0, u, 0, act, 0, now,
-            member(d, field[3]),
-            member(d, field[13]),
-            member(d, field[7]),
+            lay, 0, par, 0, u, 0, act, 0, now, member(d, field[3]), member(d, field[13]), member(d, field[7]),
             member(d, field[8]),
         )  # fmt: skip
     observe(
-        lay, 0, u, 0, act, 0, now,
-        member(d, field[2]),
-        member(d, field[3]),
-        member(d, field[4]),
-        member(d, field[5]),
-        member(d, field[6]),
-        member(d, field[7]),
-        member(d, field[8]),
-        member(d, field[9]),
-        member(d, field[10]),
-        member(d, field[11]),
-        member(d, field[12]),
+        lay, 0, u, 0, act, 0, now, member(d, field[2]), member(d, field[3]), member(d, field[4]), member(d, field[5]),
+        member(d, field[6]), member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]),
+        member(d, field[11]), member(d, field[12]),
     )  # fmt: skip
 
 
@@ -158,7 +246,10 @@ def native_callbacks() -> Callbacks:
     time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
     in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
     contact = offsets("mjContact")
-    in_contact = (*(contact[name] for name in ("dist", "geom", "dim", "efc_address")), size_of("mjContact"))
+    in_contact = (
+        *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
+        _layout_of_fields(structs.STRUCTS["mjContact"].fields)[0],
+    )
 
     def control(m, d):  # type: ignore[no-untyped-def]
         _control(m, d, system, control_fields, time)
@@ -171,11 +262,11 @@ def native_callbacks() -> Callbacks:
             _sensor(m, d, system, sensor_fields, time, in_data, in_contact)
 
     pointer, integer = ctypes.c_void_p, ctypes.c_int
-    structs = (types.intp, types.intp)
+    both = (types.intp, types.intp)  # addresses of mjModel and mjData
     return Callbacks(
-        control=ctypes.CFUNCTYPE(None, pointer, pointer)(address(control, types.void(*structs))),
+        control=ctypes.CFUNCTYPE(None, pointer, pointer)(address(control, types.void(*both))),
         act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, pointer, pointer, integer)(
-            address(act_dyn, types.float64(*structs, types.int32))
+            address(act_dyn, types.float64(*both, types.int32))
         ),
-        sensor=ctypes.CFUNCTYPE(None, pointer, pointer, integer)(address(sensor, types.void(*structs, types.int32))),
+        sensor=ctypes.CFUNCTYPE(None, pointer, pointer, integer)(address(sensor, types.void(*both, types.int32))),
     )

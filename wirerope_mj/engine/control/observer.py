@@ -31,12 +31,8 @@ def body_accelerations(lay, i, out, w, cdof, cdof_dot, qvel, qacc):
 @inlined
 def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, cacc, w):
     """Write position, orientation, velocity, angular velocity, acceleration and angular acceleration of a point."""
-    rx, ry, rz = (
-        point[p] - subtree_com[3 * root],
-        point[p + 1] - subtree_com[3 * root + 1],
-        point[p + 2] - subtree_com[3 * root + 2],
-    )
-    v, g = 6 * body, w + 6 * body
+    v, g, r = 6 * body, w + 6 * body, 3 * root
+    rx, ry, rz = point[p] - subtree_com[r], point[p + 1] - subtree_com[r + 1], point[p + 2] - subtree_com[r + 2]
     wx, wy, wz = cvel[v], cvel[v + 1], cvel[v + 2]
     ax, ay, az = cacc[g], cacc[g + 1], cacc[g + 2]
     vx, vy, vz = cvel[v + 3] + wy * rz - wz * ry, cvel[v + 4] + wz * rx - wx * rz, cvel[v + 5] + wx * ry - wy * rx
@@ -126,11 +122,8 @@ def track_travels(lay, i, u, w, history, t0, t1, t2):
 
     An instant is not judged while the mount moves along its axis in the way that is not rated.
     """
-    row, m, record = (
-        i + index(lay[i + at.MOUNTS]),
-        w + index(lay[i + at.USER_TRAVELS]),
-        w + index(lay[i + at.USER_MOUNTS]),
-    )
+    row = i + index(lay[i + at.MOUNTS])
+    m, record = w + index(lay[i + at.USER_TRAVELS]), w + index(lay[i + at.USER_MOUNTS])
     for _ in range(index(lay[i + at.N_MOUNTS])):
         roll, shear, axial = u[record], u[record + 1], u[record + 2]
         along = lay[row + at.TRAVEL + 2] if axial < 0.0 else lay[row + at.TRAVEL + 3]

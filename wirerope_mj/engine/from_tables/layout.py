@@ -1,14 +1,52 @@
-"""What the tables of a model say, in SI."""
+"""What the tables of a model say, in SI: mass properties, mounts, stops and points, and whether they stand where they can."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.engine.from_tables.mass_properties import MassProperties, combined
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.vendor_parts import VendorPart
+
+# by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
+TOLERANCE = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class MassProperties:
+    """Mass [kg], centre of mass (3,) [m], and tensor of inertia (3, 3) about it, in the table's axes [kg m^2].
+
+    Off-diagonal elements are those of the tensor: ixy = -sum of x y dm.
+    """
+
+    mass: float
+    centre: Array
+    inertia: Array
+
+
+def combined(parts: Sequence[MassProperties]) -> MassProperties:
+    """Return the mass properties of rigidly joined parts: sums, and the theorem of parallel axes (Huygens-Steiner)."""
+    mass = sum(part.mass for part in parts)
+    centre = sum((part.mass * part.centre for part in parts), np.zeros(3)) / mass
+    inertia = np.zeros((3, 3))
+    for part in parts:
+        arm = part.centre - centre
+        inertia += part.inertia + part.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    return MassProperties(mass, centre, inertia)
+
+
+def why_impossible(inertia: Array) -> str:
+    """Return why no body has this tensor of inertia, "" if one has: moments < 0, or the largest above the sum of the others."""
+    small, middle, large = np.linalg.eigvalsh(inertia)
+    slack = TOLERANCE * max(abs(large), abs(small))
+    values = f"its principal moments are {small:.4g}, {middle:.4g} and {large:.4g} kg m^2"
+    if small < -slack:
+        return f"{values}, and none can be negative"
+    if large > small + middle + slack:
+        return f"{values}, and none can be larger than the sum of the other two"
+    return ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,20 +69,15 @@ class StopLaw:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mount or a stop: name, position of its mid-height (3,) [m], axes, and the isolator's name.
-
-    Attributes:
-        axes: roll, shear and axial as rows (3, 3), unit vectors; axial points from the base's side to the payload's.
-        location: file and row that say so, for messages.
-        law: of a stop with figures of its own; else the isolator's file says it.
-    """
+    """A mount or a stop: name, position of its mid-height (3,) [m], axes, and the isolator's name."""
 
     name: str
     position: Array
+    # roll, shear and axial as rows (3, 3), unit vectors; axial points from the base's side to the payload's
     axes: Array
     isolator: str
-    location: str
-    law: StopLaw | None = None
+    location: str  # file and row that say so, for messages
+    law: StopLaw | None = None  # of a stop with figures of its own; else the isolator's file says it
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,20 +90,15 @@ class Point:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layout:
-    """A payload on mounts as tables say it.
+    """A payload on mounts as tables say it."""
 
-    Attributes:
-        name: of the model and of the payload.
-        forces: points at which forces may act on the payload.
-        isolators: files, or parts of the vendors' tables, that mounts and stops name, by name.
-    """
-
-    name: str
+    name: str  # of the model and of the payload
     masses: tuple[Mass, ...]
     mounts: tuple[Placed, ...]
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
-    forces: tuple[Point, ...] = ()
+    forces: tuple[Point, ...] = ()  # points at which forces may act on the payload
+    # files, or parts of the vendors' tables, that mounts and stops name, by name
     isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
 
     @property
@@ -92,3 +120,44 @@ def axes_along(axial: Array, bars: Array | None = None) -> Array:
     shear = bars - (bars @ axial) * axial
     shear /= np.linalg.norm(shear)
     return np.array([np.cross(shear, axial), shear, axial])
+
+
+_SAME = 1e-3  # closer than this no two mounts can stand [m]
+_LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
+
+# radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
+_FAR = 20.0
+
+
+def check_places(layout: Layout, masses: Path) -> None:
+    """Raise RecordError if the masses make no body, or a mount stands where none can."""
+    payload = layout.payload
+    if np.linalg.eigvalsh(payload.inertia)[0] <= 1e-9 * payload.inertia.trace() or why_impossible(payload.inertia):
+        raise RecordError(
+            f'{masses}: the masses together have no moment of inertia about some axis. Fill in columns "ixx", "iyy" '
+            'and "izz" of at least one of them.'
+        )
+    radius = float(np.sqrt(0.5 * payload.inertia.trace() / payload.mass))
+    for placed in (*layout.mounts, *layout.stops):
+        distance = float(np.linalg.norm(placed.position - payload.centre))
+        if distance > _FAR * radius:
+            raise RecordError(
+                f'{placed.location}: "{placed.name}" stands outside, {distance:.4g} m from the centre of mass of a payload '
+                f'whose radius of gyration is {radius:.4g} m. Check columns "x", "y", "z" and their units in both tables.'
+            )
+    for mount in layout.mounts:
+        axial, towards = mount.axes[2], payload.centre - mount.position
+        level = abs(axial[2]) <= _LEVEL
+        away = axial[:2] @ towards[:2] < -_SAME if level else axial[2] < 0.0 and towards[2] > _SAME
+        if away:
+            raise RecordError(
+                f'{mount.location}: mount "{mount.name}" has its sites swapped: its direction leads from the base to the '
+                "payload, and here it leads away from the payload's centre of mass. Turn the direction round."
+            )
+    for n, mount in enumerate(layout.mounts):
+        for other in layout.mounts[:n]:
+            if np.linalg.norm(mount.position - other.position) < _SAME:
+                raise RecordError(
+                    f'{mount.location}: columns "x", "y", "z": mount "{mount.name}" stands where "{other.name}" stands '
+                    f"({other.location})."
+                )

@@ -19,8 +19,7 @@ _ABOUT = """
     Axes of a site: x roll (across the bars), y shear (along the bars), z axial, from the base's bar to the payload's.
     Boxes show the masses, each the uniform box of its inertia; deck plate, boxes and balls are drawn only.
   """
-_SPHERE = 0.03
-"""Radius of what is drawn for a point mass and for a stop [m]."""
+_SPHERE = 0.03  # radius of what is drawn for a point mass and for a stop [m]
 
 
 def mjcf_of(layout: Layout) -> str:

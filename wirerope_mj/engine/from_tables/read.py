@@ -6,11 +6,18 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.engine.from_tables.cad_text import read_cad_text
-from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed, Point, StopLaw, axes_along
-from wirerope_mj.engine.from_tables.mass_properties import MassProperties, why_impossible
-from wirerope_mj.engine.from_tables.placing import check_places
-from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.engine.from_tables.layout import (
+    Layout,
+    Mass,
+    MassProperties,
+    Placed,
+    Point,
+    StopLaw,
+    axes_along,
+    check_places,
+    why_impossible,
+)
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_cad_text, read_sheet
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.plain_text import short
@@ -21,15 +28,15 @@ _DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x
 _ANGLES = {"inclination": "angle", "azimuth": "angle"}
 _MOMENTS, _PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
 _SIZES = ("size_x", "size_y", "size_z")
+# depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
-"""Depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]."""
 
 
 def read_layout(
     name: str, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
     forces: Path | None = None, positive_products: bool = False,
 ) -> Layout:  # fmt: skip
-    """Return what the tables of a model say, checked.
+    """Read and check the tables of a model.
 
     Args:
         name: of the model and its payload.
@@ -45,7 +52,10 @@ def read_layout(
         RecordError: a table is wrong; says file, row and column.
         ModelError: an isolator's file is wrong.
     """
-    _check_name(name)
+    if not name or name == "deck" or not all(c.isalnum() or c in "_-." for c in name) or name.startswith("."):
+        raise ValueError(
+            f'the model\'s name must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
+        )
     heavy = _read_masses(masses, sign=-1.0 if positive_products else 1.0)
     isolators: dict[str, Path | VendorPart] = {}
     placed = _read_mounts(mounts, isolators)
@@ -53,39 +63,26 @@ def read_layout(
     for stop in stopped:
         if stop.name in {mount.name for mount in placed}:
             raise RecordError(f'{stop.location}: a mount is called "{stop.name}" too. Give the stop another name.')
-    observed = _read_points(points) if points else ()
-    loaded = _read_points(forces) if forces else ()
     layout = Layout(
-        name=name, masses=heavy, mounts=placed, stops=stopped, points=observed, forces=loaded, isolators=isolators
-    )
+        name=name, masses=heavy, mounts=placed, stops=stopped, points=_read_points(points), forces=_read_points(forces),
+        isolators=isolators,
+    )  # fmt: skip
     check_places(layout, masses)
     return layout
 
 
-def _check_name(name: str) -> None:
-    if not name or name == "deck" or not all(c.isalnum() or c in "_-." for c in name) or name.startswith("."):
-        raise ValueError(
-            f'the model\'s name must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
-        )
-
-
 def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
     if path.suffix.lower() == ".txt":
-        return (_cad_mass(path, sign),)
+        properties = read_cad_text(path, sign=sign)
+        if properties.mass <= 0.0:
+            raise RecordError(f"{path}: the mass must be > 0, got {properties.mass:g} kg.")
+        if why := why_impossible(properties.inertia):
+            raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
+        return (Mass(path.stem, properties),)
     needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
     further = {**dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia"), **dict.fromkeys(_SIZES, "length")}
     rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
     return tuple(_mass(row, sign) for row in rows)
-
-
-def _cad_mass(path: Path, sign: float) -> Mass:
-    """Return the one mass that a CAD program's text describes."""
-    properties = read_cad_text(path, sign=sign)
-    if properties.mass <= 0.0:
-        raise RecordError(f"{path}: the mass must be > 0, got {properties.mass:g} kg.")
-    if why := why_impossible(properties.inertia):
-        raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
-    return Mass(path.stem, properties)
 
 
 def _mass(row: Row, sign: float) -> Mass:
@@ -176,7 +173,9 @@ def _stop_law(row: Row) -> StopLaw:
     return StopLaw(gap, stiffness, damping, rounding)
 
 
-def _read_points(path: Path) -> tuple[Point, ...]:
+def _read_points(path: Path | None) -> tuple[Point, ...]:
+    if path is None:
+        return ()
     rows = read_sheet(path, kind="table of points", needed=_POSITION, further={})
     return tuple(Point(_site_name(row), _position(row)) for row in rows)
 

@@ -1,12 +1,16 @@
-"""A table of a model: a CSV file, or the first sheet of an XLSX file, with units in its header."""
+"""A table of a model: a CSV file, or the first sheet of an XLSX file, with units in its header; or a CAD program's text."""
 
 import math
+import re
 import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
+from wirerope_mj.engine.from_tables.layout import MassProperties
 from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.csv_units import (
     Header,
@@ -22,6 +26,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
 _POUND = 0.45359237
+# units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
 UNITS: dict[str, Mapping[str, float]] = {
     "length": {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "in": LENGTH_UNITS["in"]},
     "mass": {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": _POUND},
@@ -36,30 +41,20 @@ UNITS: dict[str, Mapping[str, float]] = {
     } | {"MN/m": 1e6},
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
 }  # fmt: skip
-"""Units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)."""
 
+# bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list
 _UNPACKED = 20.0
-"""Bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list."""
-
-PURE, TEXT = "number", "text"
-"""Kinds of columns that need no unit."""
+PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 
 
 @dataclass(frozen=True)
 class Row:
-    """A row of a table: its cells as texts, by the names of the columns.
+    """A row of a table: its cells as texts, by the names of the columns."""
 
-    Attributes:
-        location: file and line or row, as messages begin.
-        cells: texts; a column that is not in the table is not here.
-        kinds: of quantity, by column.
-        factors: of the columns' units, in SI.
-    """
-
-    location: str
-    cells: Mapping[str, str]
-    kinds: Mapping[str, str]
-    factors: Mapping[str, float]
+    location: str  # file and line or row, as messages begin
+    cells: Mapping[str, str]  # texts; a column that is not in the table is not here
+    kinds: Mapping[str, str]  # of quantity, by column
+    factors: Mapping[str, float]  # of the columns' units, in SI
 
     def has(self, column: str) -> bool:
         """Return whether the cell is there and not empty."""
@@ -207,3 +202,67 @@ def _as_text(value: Any) -> str:
     if value is None:
         return ""
     return repr(value) if isinstance(value, float) else str(value).strip()
+
+
+_MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": 0.45359237}
+_LENGTH = {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0, "inches": LENGTH_UNITS["in"]}
+_NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
+_HOW = 'Export the mass properties as text in English, with "Mass = .. kilograms", "Center of mass" and "Moments of inertia".'
+
+
+def read_cad_text(path: Path, *, sign: float) -> MassProperties:
+    """Return the mass properties in a text as SolidWorks writes it, about the centre of mass, in the output coordinate system.
+
+    Args:
+        path: of the text.
+        sign: 1 if the text's products are elements of the tensor, -1 if they are +sum x y dm.
+
+    Raises:
+        RecordError: something is missing, in unknown units, or not said in the way above.
+    """
+    try:
+        text = regular(path).read_text(encoding="utf-8-sig", errors="replace")
+    except OSError as error:
+        raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
+    mass, unit = _found(path, text, rf"^\s*Mass\s*=\s*{_NUMBER}\s*(\w+)", "the mass")
+    centre = _block(path, text, r"Center of mass\s*:?\s*\(\s*(\w+)\s*\)", "the centre of mass")
+    place = [
+        float(_found(path, centre[1], rf"\b{axis}\s*=\s*{_NUMBER}", f"{axis} of the centre of mass")[0])
+        for axis in "XYZ"
+    ]
+    inertia = _block(
+        path, text, r"Moments of inertia\s*:?\s*\(\s*(\w+\s*\*\s*square\s+\w+)\s*\)\s*Taken at the center of mass",
+        "the moments of inertia taken at the center of mass",
+    )  # fmt: skip
+    weight, length = re.split(r"\s*\*\s*square\s+", inertia[0])
+    factor = _unit(path, weight, _MASS) * _unit(path, length, _LENGTH) ** 2
+    tensor = np.empty((3, 3))
+    for i, first in enumerate("xyz"):
+        for j, second in enumerate("xyz"):
+            value = _found(path, inertia[1], rf"\bL{first}{second}\s*=\s*{_NUMBER}", f"L{first}{second}")[0]
+            tensor[i, j] = float(value) * factor * (1.0 if i == j else sign)
+    if not np.allclose(tensor, tensor.T, rtol=1e-4, atol=1e-6 * tensor.trace()):  # the digits that are printed
+        raise RecordError(f"{path}: the moments of inertia are not symmetric: Lxy and Lyx, for instance, differ.")
+    scale = _unit(path, centre[0], _LENGTH)
+    return MassProperties(float(mass) * _unit(path, unit, _MASS), scale * np.array(place), 0.5 * (tensor + tensor.T))
+
+
+def _found(path: Path, text: str, pattern: str, what: str) -> tuple[str, ...]:
+    match = re.search(pattern, text, flags=re.MULTILINE)
+    if match is None:
+        raise RecordError(f"{path}: {what} is not found in this text. {_HOW}")
+    return match.groups()
+
+
+def _block(path: Path, text: str, heading: str, what: str) -> tuple[str, str]:
+    """Return the unit in a heading and the text below it."""
+    match = re.search(heading, text, flags=re.IGNORECASE)
+    if match is None:
+        raise RecordError(f"{path}: {what} is not found in this text. {_HOW}")
+    return match[1], text[match.end() :]
+
+
+def _unit(path: Path, name: str, known: dict[str, float]) -> float:
+    if name not in known:
+        raise RecordError(f'{path}: the unit "{name}" is unknown. Known units: {", ".join(known)}.')
+    return known[name]

@@ -1,15 +1,25 @@
-"""Internal states of the mounts carried on straight lines of their deflections, infinitely slowly."""
+"""Internal states of the mounts carried on straight lines of their deflections, infinitely slowly.
+
+Coupled axes go on straight lines in the plane of two deflections: with w = z / z_m and a line of the length S in deflections
+over x_y, e its direction there and n across it, w = a e + b n follows
+
+    a' = 1 - a^2 r^(n-2),    b' = -a b r^(n-2),    r = |w|
+
+where it loads, a >= 0, and goes on doing so (`wirerope_mj.mounts.laws.plane_kernels.biaxial_rates`). There r grows, and the
+only short length is r itself, so that the steps of a fifth-order method are known beforehand; straight ahead, b = 0, n = 1 has
+a closed form. Lines that unload, and those near zero that would take many steps, are left to the laws' own integration.
+"""
 
 import math
 
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.foundation.lanes import WIDTH, rows, some, table, where
+from wirerope_mj.foundation.lanes import WIDTH, lane, power, rows, some, table, where
 from wirerope_mj.mounts.laws.kernels import ASYMMETRIC_BOUC_WEN, BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.path import advance
+from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
 
-NEVER = 1e300
-"""Length after which a state comes to zero that never does [m]."""
+NEVER = 1e300  # length after which a state comes to zero that never does [m]
 
 
 @inlined
@@ -85,3 +95,110 @@ def carry_states(structure, numbers, states, memory, before, carried, follows, s
                     law, numbers, number, p, sizes[k], x0, x1, states, carried, state, n_states, first_state + state,
                     scratch,
                 )  # fmt: skip
+
+
+# longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
+STEP = 0.08
+MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
+LINE = 12  # index of a line's start and direction among the parameters of the biaxial kernel
+
+
+@inlined
+def slope(a, b, n):
+    """Return a' and b'."""
+    square = max(a * a + b * b, 1e-300)
+    bend = power(math.sqrt(square), n) / square * a
+    return 1.0 - bend * a, -bend * b
+
+
+@inlined
+def step_ahead(a, b, n, h):
+    """Return a and b after a step of Dormand and Prince's method, as `wirerope_mj.mounts.laws.adaptive` has it."""
+    a1, b1 = slope(a, b, n)
+    a2, b2 = slope(a + h * (1 / 5 * a1), b + h * (1 / 5 * b1), n)
+    a3, b3 = slope(a + h * (3 / 40 * a1 + 9 / 40 * a2), b + h * (3 / 40 * b1 + 9 / 40 * b2), n)
+    a4, b4 = slope(
+        a + h * (44 / 45 * a1 - 56 / 15 * a2 + 32 / 9 * a3), b + h * (44 / 45 * b1 - 56 / 15 * b2 + 32 / 9 * b3), n
+    )
+    a5, b5 = slope(
+        a + h * (19372 / 6561 * a1 - 25360 / 2187 * a2 + 64448 / 6561 * a3 - 212 / 729 * a4),
+        b + h * (19372 / 6561 * b1 - 25360 / 2187 * b2 + 64448 / 6561 * b3 - 212 / 729 * b4),
+        n,
+    )
+    a6, b6 = slope(
+        a + h * (9017 / 3168 * a1 - 355 / 33 * a2 + 46732 / 5247 * a3 + 49 / 176 * a4 - 5103 / 18656 * a5),
+        b + h * (9017 / 3168 * b1 - 355 / 33 * b2 + 46732 / 5247 * b3 + 49 / 176 * b4 - 5103 / 18656 * b5),
+        n,
+    )
+    return (
+        a + h * (35 / 384 * a1 + 500 / 1113 * a3 + 125 / 192 * a4 - 2187 / 6784 * a5 + 11 / 84 * a6),
+        b + h * (35 / 384 * b1 + 500 / 1113 * b3 + 125 / 192 * b4 - 2187 / 6784 * b5 + 11 / 84 * b6),
+    )
+
+
+@njit
+def carry_lanes(num, p, dx, dy, y, j, k, zx, zy):
+    """Write the states `zx`, `zy` carried over a line (dx, dy) to y[j] and y[k]; returns 1 for the lanes that are not done."""
+    n, bx, by = num[p + 1], num[p + 2], num[p + 3]
+    ux, uy, wx, wy = dx / num[p + 4], dy / num[p + 5], zx / bx, zy / by
+    length = math.sqrt(ux * ux + uy * uy)
+    moves = length > 0.0
+    divisor = where(moves, length, 1.0)
+    ex, ey = where(moves, ux / divisor, 1.0), uy / divisor
+    a, b = wx * ex + wy * ey, wy * ex - wx * ey
+    size = math.sqrt(wx * wx + wy * wy)
+    ahead = (b == 0.0) & (n == 1.0) & (a >= 0.0)
+    steps = -math.floor(-length * max(n, 1.0) / (STEP * max(min(1.0, 2.0 * size), 1e-9)))
+    left = where(moves & (a >= 0.0) & (steps <= MOST), steps, 0.0)
+    late = moves & ((a < 0.0) | (steps > MOST))
+    not_done = where(ahead, 0.0, where(late, 1.0, 0.0))
+    left = where(ahead, 0.0, left)
+    straight = a + (1.0 - a) * -math.expm1(-length)
+    h = length / max(left, 1.0)
+    while some(left > 0.0):
+        one, other = step_ahead(a, b, n, h)
+        a, b = where(left > 0.0, one, a), where(left > 0.0, other, b)
+        left = left - 1.0
+    a = where(ahead, straight, a)
+    y[j] = where(moves, bx * (a * ex - b * ey), zx)
+    y[k] = where(moves, by * (a * ey + b * ex), zy)
+    return not_done
+
+
+@njit
+def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
+    """Carry the states of one lane over a line by the laws' own integration."""
+    p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
+    for i in range(RATE_NUMBERS):
+        p[i] = numbers[first + i, number]
+    for i in range(RATE_NUMBERS, LINE + 2):
+        p[i] = 0.0  # of work, which is not needed; a line is the same wherever it begins
+    length = math.sqrt(dx * dx + dy * dy)
+    p[LINE + 2], p[LINE + 3] = dx / length, dy / length
+    z[0], z[1] = zx, zy
+    advance(BIAXIAL, p, 0, 0.0, length, z, 0, 2, slopes, trial)
+    states[j, number], states[k, number] = z[0], z[1]
+
+
+@njit
+def carry_coupled(structure, numbers, states, memory, before, carried, scratch):
+    """Carry the states of all coupled axes; the arguments are those of `carry.carry_states`."""
+    lay, num, y, work = table(structure), rows(numbers), rows(states), rows(memory)
+    start, z0 = rows(before), rows(carried)
+    m, axis, record, first_state = lay[at.MOUNTS], lay[at.AXES], lay[at.RECORD], lay[at.NQ] + lay[at.NV]
+    for mount in range(lay[at.N_MOUNTS]):
+        if lay[m + at.COUPLING] >= 0:
+            p, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
+            j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
+            dx, dy = work[record] - start[3 * mount], work[record + other] - start[3 * mount + other]
+            for _ in range(lay[axis + 3]):
+                late = carry_lanes(num, p, dx, dy, y, first_state + j, first_state + k, z0[j], z0[k])
+                if some(late > 0.0):
+                    for number in range(WIDTH):
+                        if lane(late, number) > 0.0:
+                            carry_line(
+                                numbers, number, p, lane(dx, number), lane(dy, number), states, first_state + j,
+                                first_state + k, carried[j, number], carried[k, number], scratch,
+                            )  # fmt: skip
+                p, j, k = p + RATE_NUMBERS, j + 1, k + 1
+        m, axis, record = m + at.MOUNT_COLUMNS, axis + 3 * at.AXIS_COLUMNS, record + at.RECORD_SIZE

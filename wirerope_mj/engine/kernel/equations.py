@@ -10,9 +10,8 @@ import numpy.typing as npt
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.mounts import AXIAL
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Writer, inertia_of, modelled
-from wirerope_mj.engine.kernel.touching import pair_rows
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.kernel.bodies import HERE, Bodies, Writer, inertia_of, modelled, pair_rows
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.friction import ELEMENTS
@@ -20,8 +19,8 @@ from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, SMOOTHED, STOP, TA
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
+# places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes
 KNOTS = 4
-"""Places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes."""
 
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
@@ -29,20 +28,14 @@ _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
 
 @dataclass(frozen=True, kw_only=True)
 class Equations:
-    """Equations of one system, as `wirerope_mj.engine.kernel.layout` describes them.
+    """Equations of one system, as `wirerope_mj.engine.kernel.layout` describes them."""
 
-    Attributes:
-        lay: structure, (n_lay,).
-        fix: numbers that systems of one structure must share to be computed side by side, (n_fix,).
-        num: numbers of the system, (n_num,).
-        counts: integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel.
-        rest: the links' rows of working memory that no step changes: axes of what never turns, (n_rows,) from KIN on.
-    """
-
-    lay: Integers
-    fix: Array
-    num: Array
+    lay: Integers  # structure, (n_lay,)
+    fix: Array  # numbers that systems of one structure must share to be computed side by side, (n_fix,)
+    num: Array  # numbers of the system, (n_num,)
+    # the links' rows of working memory that no step changes: axes of what never turns, (n_rows,) from KIN on
     rest: Array
+    # integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel
     counts: tuple[int, ...] = ()
 
     @property
@@ -62,31 +55,22 @@ class Equations:
 
 
 def equations_of(system: System) -> Equations:
-    """Return the equations of a system that `fits` (`wirerope_mj.engine.kernel.judge`) lets pass."""
+    """Return the equations of a system of which `not_held` finds nothing."""
     model, tables, bodies = system.model, system.assembly.tables, Bodies(system.model)
     fix, num, lay = Writer([]), Writer([]), np.zeros(at.HEADER, dtype=np.int64)
     links, kinds = _links(bodies, fix, num)
     dofs = _dofs(system, bodies, kinds, fix)
     mounts, runs = _mounts(system, bodies, kinds, fix, num)
     frames = _frames(system, bodies, fix, num)
-    lay[at.GRAVITY] = fix.put(_gravity(model))
-    lay[at.DRIVEN] = fix.put(
-        [[*row, control_mass] for row, control_mass in zip(tables.drive, _drive_masses(tables), strict=True)]
-    )
+    weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
+    lay[at.GRAVITY] = fix.put(np.zeros(3) if weightless else model.opt.gravity)
+    masses = tables.rows(control.DRIVEN, control.DRIVEN_COLUMNS, len(tables.drive))[:, 1]  # as the callback has them
+    lay[at.DRIVEN] = fix.put([[*row, mass] for row, mass in zip(tables.drive, masses, strict=True)])
     lay[at.PARAMETERS] = num.put(tables.parameters)
-    axes = _axes(tables)
-    stops = _stops(tables, axes)
-    parts: list[Any] = [
-        links,
-        _trees(model, bodies, kinds, dofs, num),
-        dofs,
-        runs,
-        mounts,
-        axes,
-        frames,
-        tables.channels[tables.tracked],
-        stops,
-    ]
+    axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
+    stops, trees = _stops(tables, axes), _trees(model, bodies, kinds, dofs, num)
+    tracked = tables.channels[tables.tracked]
+    parts: list[Any] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
     flat = [np.asarray(part, dtype=np.int64).ravel() for part in parts]
     lay[at.LINKS : at.LINKS + len(flat)] = at.HEADER + np.cumsum([0] + [part.size for part in flat[:-1]])
@@ -95,7 +79,7 @@ def equations_of(system: System) -> Equations:
     n_values += control.MOUNT_VALUES * len(mounts) + n_states
     n_values += int(tables.layout[control.N_PAIRS])  # no pair of geoms touches here, and their forces stay zero
     counts = {
-        at.N_LINKS: n_links, at.N_TREES: len(parts[1]), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
+        at.N_LINKS: n_links, at.N_TREES: len(trees), at.NQ: model.nq, at.NV: model.nv, at.N_STATES: n_states,
         at.N_MOUNTS: len(mounts), at.N_FRAMES: len(frames), at.N_CHANNELS: tables.tracked.size, at.N_STOPS: len(stops),
         at.N_SLIPPING: int(tables.layout[control.N_SLIPPING]), at.N_DRIVEN: len(tables.drive), at.N_VALUES: n_values,
         at.N_RUNS: len(runs),
@@ -104,7 +88,7 @@ def equations_of(system: System) -> Equations:
     flat.append(np.array(pairs, dtype=np.int64).ravel())
     for entry, number in counts.items():
         lay[entry] = number
-    _sections(lay, largest=max((row[2] for row in parts[1]), default=0))
+    _sections(lay, largest=max((row[2] for row in trees), default=0))
     return Equations(
         lay=np.concatenate([lay, *flat]),
         fix=np.array(fix.numbers),
@@ -130,17 +114,6 @@ def _sections(lay: Integers, *, largest: int) -> None:
         lay[section] = total
         total += int(size)
     lay[at.N_WORK] = total
-
-
-def _gravity(model: mujoco.MjModel) -> Array:
-    off = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
-    return np.zeros(3) if off else model.opt.gravity.copy()
-
-
-def _drive_masses(tables: Tables) -> list[float]:
-    """Return the inertia of every driven slide, as the callback has it."""
-    first = int(tables.layout[control.DRIVEN])
-    return [float(tables.layout[first + control.DRIVEN_COLUMNS * i + 1]) for i in range(len(tables.drive))]
 
 
 def _links(bodies: Bodies, fix: Writer, num: Writer) -> tuple[list[list[int]], list[int]]:
@@ -243,9 +216,7 @@ def _mounts(
     tables = system.assembly.tables
     rows: list[list[int]] = []
     runs: list[list[int]] = []
-    first = int(tables.layout[control.MOUNTS])
-    for number in range(tables.user.n_mounts):
-        row = tables.layout[first + control.MOUNT_COLUMNS * number :][: control.MOUNT_COLUMNS]
+    for row in tables.rows(control.MOUNTS, control.MOUNT_COLUMNS, tables.user.n_mounts):
         (payload, site), (base, base_site) = (bodies.site(int(row[c])) for c in (0, 1))
         turning, rated = row[control.TURNING : control.TURNING + 3], row[control.TRAVEL : control.TRAVEL + 4]
         points = num.put(
@@ -253,17 +224,8 @@ def _mounts(
         )
         axes = seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
-        rows.append(
-            [
-                int(row[6]),
-                points,
-                frame,
-                int(row[control.COUPLING]),
-                int(row[control.PARTNER]),
-                int(turning.any()),
-                int(np.array_equal(axes, np.eye(3))),
-            ]
-        )
+        coupling, aligned = (int(row[control.COUPLING]), int(row[control.PARTNER])), np.array_equal(axes, np.eye(3))
+        rows.append([int(row[6]), points, frame, *coupling, int(turning.any()), int(aligned)])
         if runs and runs[-1][:2] == [payload, base]:
             runs[-1][2] += 1
         else:
@@ -276,26 +238,15 @@ def seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
     return modelled(bodies, link).axes if link < len(kinds) and kinds[link] == at.STRAIGHT else np.eye(3)
 
 
-def _axes(tables: Tables) -> list[list[int]]:
-    first = int(tables.layout[control.AXES])
-    size = 3 * control.AXIS_COLUMNS * tables.user.n_mounts
-    return tables.layout[first : first + size].reshape(-1, control.AXIS_COLUMNS).astype(np.int64).tolist()
-
-
 def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
     """Return the integers among the parameters, which say how the numbers behind them are read."""
     par = tables.parameters
     found: list[int] = []
 
     def law_counts(law: int, p: int) -> None:
-        at_law = {
-            MASING: [p + ELEMENTS],
-            SMOOTHED: [p + 1],
-            TABULATED: [p + KNOTS],
-            STOP: [p + N_POINTS],
-            PARALLEL: [p],
-        }
-        found.extend(int(par[entry]) for entry in at_law.get(law, []))
+        where = {MASING: p + ELEMENTS, SMOOTHED: p + 1, TABULATED: p + KNOTS, STOP: p + N_POINTS, PARALLEL: p}
+        if law in where:
+            found.append(int(par[where[law]]))
         if law == SMOOTHED:
             law_counts(int(par[p + 1]), p + 2)
         for part in range(int(par[p]) if law == PARALLEL else 0):
@@ -305,8 +256,7 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
 
     for law, first, _, _ in axes:
         law_counts(law, first)
-    rows = tables.layout[int(tables.layout[control.MOUNTS]) : int(tables.layout[control.AXES])]
-    for mount, row in enumerate(rows.reshape(-1, control.MOUNT_COLUMNS)):
+    for mount, row in enumerate(tables.rows(control.MOUNTS, control.MOUNT_COLUMNS, tables.user.n_mounts)):
         if row[control.COUPLING] >= 0.0 and row[control.PARTNER] == AXIAL:  # the grid of a loop's energy
             first = int(row[control.COUPLING]) + RATE_NUMBERS * axes[3 * mount][3]
             found.extend(int(par[first + entry]) for entry in (4, 5))
@@ -340,10 +290,41 @@ def _frames(system: System, bodies: Bodies, fix: Writer, num: Writer) -> list[li
         rows.append(
             [bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)]
         )
-    first = int(tables.layout[control.POINTS])
-    for number, site in enumerate(assembly.subjects.points):
+    points = assembly.subjects.points
+    for site, row in zip(points, tables.rows(control.POINTS, control.POINT_COLUMNS, len(points)), strict=True):
         link, pose = bodies.site(site)
-        offset = tables.layout[first + control.POINT_COLUMNS * number :][4:7]
-        there = [bodies.link[base], num.put(base_centre), fix.put(offset)]
+        there = [bodies.link[base], num.put(base_centre), fix.put(row[4:7])]
         rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *there, 1])
     return rows
+
+
+_ENABLED = mujoco.mjtEnableBit.mjENBL_ENERGY | mujoco.mjtEnableBit.mjENBL_FWDINV
+
+
+@once_per_system
+def equations(system: System) -> Equations:
+    """Return the equations of a system that the kernel's can be; made once."""
+    return equations_of(system)
+
+
+@once_per_system
+def not_held(system: System) -> str:
+    """Return which part of a model the kernel's equations do not hold, "" if there is none."""
+    model, assembly = system.model, system.assembly
+    counts = {
+        "equality constraints": model.neq, "tendons": model.ntendon, "actuators of its own": model.nu - 1,
+        "plugins": model.nplugin, "flexible bodies": model.nflex, "mocap bodies": model.nmocap,
+        "gravity compensation": model.ngravcomp, "springs that yield": model.nplastic,
+        "activations of its own": model.na - assembly.tables.user.n_states,
+    }  # fmt: skip
+    kinds, free = model.jnt_type, mujoco.mjtJoint.mjJNT_FREE
+    held = {
+        "ball joints": kinds == mujoco.mjtJoint.mjJNT_BALL, "dry friction in joints": model.dof_frictionloss > 0.0,
+        "springs of floating bodies": (kinds == free) & (model.jnt_stiffness != 0.0),
+        "springs or dampers that are not linear": [model.jnt_stiffnesspoly.any(), model.dof_dampingpoly.any()],
+        "a medium around it": [model.opt.density, model.opt.viscosity],
+        "options of MuJoCo's that change its steps": [model.opt.enableflags & ~_ENABLED],
+    }  # fmt: skip
+    parts = [name for name, number in counts.items() if number > 0]
+    parts += [name for name, values in held.items() if np.any(values)]
+    return f"the model has {', '.join(parts)}" if parts else ""

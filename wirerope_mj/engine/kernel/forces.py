@@ -1,9 +1,8 @@
 """Forces of the mounts on the links, and the rates of their states: the same laws that the callback evaluates."""
 
-from wirerope_mj.engine.control.mounts import AXIAL
-from wirerope_mj.engine.control.rotation import righting
+from wirerope_mj.engine.control.mounts import AXIAL, righting
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.vectors import (
+from wirerope_mj.engine.kernel.links import (
     cross,
     dot,
     grow,

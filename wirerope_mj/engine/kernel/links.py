@@ -1,22 +1,155 @@
-"""Motion of the links: origins, axes, velocities, and accelerations as far as they do not come from the coordinates' own."""
+"""Vectors, rotations and quaternions as tuples, of floats or lanes, and the motion of the links.
+
+That is origins, axes, velocities, and accelerations as far as they do not come from the coordinates' own.
+"""
 
 import math
 
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.vectors import (
-    cross,
-    grow,
-    keep,
-    orient,
-    plus,
-    product,
-    quaternion,
-    times,
-    turned,
-    unit,
-    vector,
-)
 from wirerope_mj.foundation.jit import inlined, njit
+
+
+@inlined
+def vector(a, i):
+    """Return the three entries from a[i]."""
+    return a[i], a[i + 1], a[i + 2]
+
+
+@inlined
+def keep(a, i, v):
+    """Write a vector to a[i:]."""
+    a[i], a[i + 1], a[i + 2] = v[0], v[1], v[2]
+
+
+@inlined
+def grow(a, i, v):
+    """Add a vector to a[i:]."""
+    a[i], a[i + 1], a[i + 2] = a[i] + v[0], a[i + 1] + v[1], a[i + 2] + v[2]
+
+
+@inlined
+def plus(a, b):
+    """Return a + b."""
+    return a[0] + b[0], a[1] + b[1], a[2] + b[2]
+
+
+@inlined
+def minus(a, b):
+    """Return a - b."""
+    return a[0] - b[0], a[1] - b[1], a[2] - b[2]
+
+
+@inlined
+def times(s, a):
+    """Return s a."""
+    return s * a[0], s * a[1], s * a[2]
+
+
+@inlined
+def dot(a, b):
+    """Return a . b."""
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+
+
+@inlined
+def cross(a, b):
+    """Return a x b."""
+    return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]
+
+
+@inlined
+def turned(a, r, v):
+    """Return R v, the matrix row by row in a[r:]."""
+    return (
+        a[r] * v[0] + a[r + 1] * v[1] + a[r + 2] * v[2],
+        a[r + 3] * v[0] + a[r + 4] * v[1] + a[r + 5] * v[2],
+        a[r + 6] * v[0] + a[r + 7] * v[1] + a[r + 8] * v[2],
+    )
+
+
+@inlined
+def turned_back(a, r, v):
+    """Return R^T v, the matrix row by row in a[r:]."""
+    return (
+        a[r] * v[0] + a[r + 3] * v[1] + a[r + 6] * v[2],
+        a[r + 1] * v[0] + a[r + 4] * v[1] + a[r + 7] * v[2],
+        a[r + 2] * v[0] + a[r + 5] * v[1] + a[r + 8] * v[2],
+    )
+
+
+@inlined
+def symmetric(i, v):
+    """Return I v of the symmetric matrix i = xx, yy, zz, xy, xz, yz."""
+    return (
+        i[0] * v[0] + i[3] * v[1] + i[4] * v[2],
+        i[3] * v[0] + i[1] * v[1] + i[5] * v[2],
+        i[4] * v[0] + i[5] * v[1] + i[2] * v[2],
+    )
+
+
+@inlined
+def six(a, i):
+    """Return the six entries from a[i]."""
+    return a[i], a[i + 1], a[i + 2], a[i + 3], a[i + 4], a[i + 5]
+
+
+@inlined
+def product(p, q):
+    """Return the product of two quaternions."""
+    return (
+        p[0] * q[0] - p[1] * q[1] - p[2] * q[2] - p[3] * q[3],
+        p[0] * q[1] + p[1] * q[0] + p[2] * q[3] - p[3] * q[2],
+        p[0] * q[2] - p[1] * q[3] + p[2] * q[0] + p[3] * q[1],
+        p[0] * q[3] + p[1] * q[2] - p[2] * q[1] + p[3] * q[0],
+    )
+
+
+@inlined
+def quaternion(a, i):
+    """Return the four entries from a[i]."""
+    return a[i], a[i + 1], a[i + 2], a[i + 3]
+
+
+@inlined
+def unit(q):
+    """Return a quaternion of length 1."""
+    s = 1.0 / math.sqrt(q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3])
+    return q[0] * s, q[1] * s, q[2] * s, q[3] * s
+
+
+@inlined
+def orient(kin, k, q, r):
+    """Write a unit quaternion and its matrix to kin[k:] and kin[r:]."""
+    w, x, y, z = q
+    kin[k], kin[k + 1], kin[k + 2], kin[k + 3] = w, x, y, z
+    kin[r], kin[r + 1], kin[r + 2] = 1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
+    kin[r + 3], kin[r + 4], kin[r + 5] = 2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)
+    kin[r + 6], kin[r + 7], kin[r + 8] = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)
+
+
+@inlined
+def half_turn(s):
+    """Return cos(t / 2) and sin(t / 2) / t of the square s of an angle t <= 2: their series to 1e-17."""
+    h = 0.25 * s
+    c = 1 / 40320.0 - h * (1 / 3628800.0 - h * (1 / 479001600.0 - h * (1 / 87178291200.0 - h * (1 / 20922789888000.0))))
+    c = 1.0 - h * (0.5 - h * (1 / 24.0 - h * (1 / 720.0 - h * c)))
+    d = 1 / 362880.0 - h * (1 / 39916800.0 - h * (1 / 6227020800.0 - h * (1 / 1307674368000.0)))
+    d = 1.0 - h * (1 / 6.0 - h * (1 / 120.0 - h * (1 / 5040.0 - h * d)))
+    return c, 0.5 * d
+
+
+@inlined
+def turn_rate(u, w):
+    """Return the rate of the rotation vector u whose angular velocity, in the turned axes, is w: dexp^-1.
+
+    w + u x w / 2 + k u x (u x w), k = 1/t^2 - cot(t / 2) / (2 t) with t = |u| <= 1 by its series; `half_turn` and this make
+    Runge and Kutta's method on orientations one of fourth order (Munthe-Kaas 1999), as MuJoCo's is.
+    """
+    s = dot(u, u)
+    k = 1 / 30240.0 + s * (1 / 1209600.0 + s * (1 / 47900160.0 + s * (691 / 1307674368000.0 + s * (1 / 74724249600.0))))
+    k = 1 / 12.0 + s * (1 / 720.0 + s * k)
+    one = cross(u, w)
+    return plus(plus(w, times(0.5, one)), times(k, cross(u, one)))
 
 
 @inlined

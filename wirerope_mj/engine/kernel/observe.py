@@ -5,15 +5,14 @@ import math
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.forces import orientation
-from wirerope_mj.engine.kernel.links import carried, swung
-from wirerope_mj.engine.kernel.vectors import keep, minus, plus, turned, vector
+from wirerope_mj.engine.kernel.links import carried, keep, minus, plus, swung, turned, vector
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import some, where
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force
 
+# entries of the clock: instants of the last two steps, how many of them a parabola may use, what begins with this step, and
+# which of a channel's three recent vectors is next
 TIME_1, TIME_2, HISTORY, EVENT, TURN, CLOCK_SIZE = range(6)
-"""Entries of the clock: instants of the last two steps, how many of them a parabola may use, what begins with this step, and
-which of a channel's three recent vectors is next."""
 
 
 @inlined

@@ -10,23 +10,21 @@ import math
 import numpy as np
 
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.carry import carry_states
-from wirerope_mj.engine.kernel.carry_plane import carry_coupled
+from wirerope_mj.engine.kernel.carry import carry_coupled, carry_states
 from wirerope_mj.engine.kernel.forces import deflect
-from wirerope_mj.engine.kernel.links import place_links
+from wirerope_mj.engine.kernel.links import half_turn, place_links, product, quaternion, unit
 from wirerope_mj.engine.kernel.steps import forward
-from wirerope_mj.engine.kernel.vectors import half_turn, product, quaternion, unit
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import WIDTH, rows, table
 
+# what a lane evaluates next: its position, a column of the Jacobian to either side, a trial position, or nothing more
 BEGIN, ABOVE, BELOW, TRY, FOUND, LOST = range(6)
-"""What a lane evaluates next: its position, a column of the Jacobian to either side, a trial position, or nothing more."""
 
 # settings of the search, see `wirerope_mj.engine.statics.roots` and `wirerope_mj.engine.statics.loading`
 TOLERANCE, ACCEPTED, DIFFERENCE, LONGEST, SLOW, ITERATIONS, HALVINGS, MOST, SETTINGS = range(9)
 
+# pivot relative to the largest entry of its column below which a Jacobian is not inverted here, and its lane is lost
 SINGULAR = 1e-9
-"""Pivot relative to the largest entry of its column below which a Jacobian is not inverted here, and its lane is lost."""
 
 
 @njit
@@ -242,12 +240,9 @@ def settle(structure, shared, numbers, states, memory, free, loads, follows, siz
     first = nq + nv
     gravity = shared[structure[at.GRAVITY] : structure[at.GRAVITY] + 3].copy()
     position, trial = np.ascontiguousarray(states[:nq].T), np.empty((WIDTH, nq))
-    value, step, inverse = np.zeros((WIDTH, n)), np.zeros((WIDTH, n)), np.zeros((WIDTH, n, n))
-    phase, counts, jacobian = (
-        np.zeros(WIDTH, dtype=np.int64),
-        np.zeros((WIDTH, 4), dtype=np.int64),
-        np.zeros((WIDTH, n, n)),
-    )
+    value, step = np.zeros((WIDTH, n)), np.zeros((WIDTH, n))
+    inverse, jacobian = np.zeros((WIDTH, n, n)), np.zeros((WIDTH, n, n))
+    phase, counts = np.zeros(WIDTH, dtype=np.int64), np.zeros((WIDTH, 4), dtype=np.int64)
     before, carried = np.zeros((structure[at.N_MOUNTS] * 3, WIDTH)), np.zeros((structure[at.N_STATES] + 1, WIDTH))
     search = (phase, counts, value, step, inverse, trial)
     whole, result = np.zeros(nv), np.empty(n)

@@ -7,14 +7,14 @@ MuJoCo's has, so that both push back on it alike.
 """
 
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.links import swung
-from wirerope_mj.engine.kernel.vectors import (
+from wirerope_mj.engine.kernel.links import (
     cross,
     dot,
     keep,
     minus,
     plus,
     six,
+    swung,
     symmetric,
     times,
     turned,
@@ -72,7 +72,7 @@ def slide(lay, t, fix, num, y, work):
     force = plus(vector(work, lay[at.WRENCH] + 6 * link), times(mass, vector(fix, lay[at.GRAVITY])))
     for i in range(n):
         d = lay[at.DOFS] + at.DOF_COLUMNS * (first + i)
-        work[lay[at.MASS] + i] = dot(vector(fix, lay[d + at.DOF_FIX] + at.AXIS), force) + resistance(
+        work[lay[at.MASS] + i] = dot(vector(fix, lay[d + at.DOF_FIX] + at.AXIS), force) + joint_passive_force(
             lay, d, first + i, fix, y
         )
     a = times(0.0, force)
@@ -87,8 +87,8 @@ def slide(lay, t, fix, num, y, work):
 
 
 @inlined
-def resistance(lay, d, dof, fix, y):
-    """Return what spring and damper of a joint push with."""
+def joint_passive_force(lay, d, dof, fix, y):
+    """Return the force of spring and damper of a joint [N or N m]."""
     f = lay[d + at.DOF_FIX]
     force = -fix[f + at.DAMPING] * y[lay[at.NQ] + dof]
     if lay[d + at.DOF_KIND] <= at.HINGE:
@@ -204,7 +204,7 @@ def balance(lay, first, n, fix, y, work, base):
             work[lay[at.RHS] + dof] = side + fix[lay[at.DRIVEN] + 4 * number + 3] * drive(lay, fix, number, base)
             continue
         side -= dot(turn, vector(work, c + at.COM_B + 3)) + dot(shift, vector(work, c + at.COM_B))
-        work[lay[at.RHS] + dof] = side + resistance(lay, d, dof, fix, y)
+        work[lay[at.RHS] + dof] = side + joint_passive_force(lay, d, dof, fix, y)
 
 
 @njit
@@ -225,11 +225,8 @@ def solve_tree(lay, t, fix, num, y, work, base):
     factor(lay, first, n, work)
     substitute(lay, first, n, work)
     for i in range(link, end):
-        row, c, k = (
-            lay[at.LINKS] + at.LINK_COLUMNS * i,
-            lay[at.COMPOSITE] + at.COM_SIZE * i,
-            lay[at.KIN] + at.KIN_SIZE * i,
-        )
+        row, k = lay[at.LINKS] + at.LINK_COLUMNS * i, lay[at.KIN] + at.KIN_SIZE * i
+        c = lay[at.COMPOSITE] + at.COM_SIZE * i
         over = lay[at.COMPOSITE] + at.COM_SIZE * lay[row + at.PARENT]
         for j in range(6):  # angular acceleration and that of `ref`, beyond the links' own
             work[c + j] = work[over + j] if lay[row + at.PARENT] >= link else 0.0 * work[c]

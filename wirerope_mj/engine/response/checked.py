@@ -11,10 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.response.histories import Numerics
-from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, Peak
+from wirerope_mj.engine.response.histories import ColumnPlan, Numerics
+from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, ContactPeak, Peak
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, one_of, positive
 from wirerope_mj.foundation.errors import ModelError
@@ -23,9 +21,8 @@ from wirerope_mj.motions import RandomVibration, motion_from_dict
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
+# takes the key and the value, like the checks of arguments, and raises ValueError
 Check = Callable[[str, Any], object]
-"""Takes the key and the value, like the checks of arguments, and raises ValueError."""
-
 _SHAPES = ("box", "sphere", "capsule", "cylinder", "ellipsoid", "plane", "mesh")
 _UNIT = 1e-6  # by which the length of a stored quaternion may differ from 1: far above rounding, far below a turn that shows
 
@@ -57,11 +54,8 @@ def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
     for group in ("bodies", "points"):
         _list(_text)(group, content[group])
     _list(_row(_text, _list(_state_name)))("mounts", content["mounts"])
-    mounts = [(name, tuple(states)) for name, states in content["mounts"]]
     _list(_text)("contacts", content.get("contacts", []))  # older responses have none
-    plan = ColumnPlan(
-        bodies=content["bodies"], points=content["points"], mounts=mounts, contacts=content.get("contacts", ())
-    )
+    plan = ColumnPlan.of(content)
     if len(set(plan.names)) < len(plan.names):
         raise ValueError("`bodies`, `points` or `mounts` name one thing twice.")
     return plan
@@ -162,8 +156,10 @@ def _state_name(key: str, name: Any) -> None:
         raise ValueError(f"`{key}` must begin with {', '.join(AXES)}, got {name!r}.")
 
 
-def _table(key: str, value: Any, needed: Collection[str] = (), *, known: Collection[str] | None = None) -> None:
-    """Check the keys of a table: those it needs, and, unless None, those it may have."""
+def _table(
+    key: str, value: Any, needed: Collection[str] = (), *, known: Collection[str] | None = None
+) -> dict[str, Any]:
+    """Check the keys of a table: those it needs, and, unless None, those it may have; returns it."""
     if not isinstance(value, dict):
         raise ValueError(f"`{key}` must be a table, got {_shown(value)}.")
     for name in needed:
@@ -172,50 +168,35 @@ def _table(key: str, value: Any, needed: Collection[str] = (), *, known: Collect
     unknown = [] if known is None else [name for name in value if name not in known]
     if unknown:
         raise ValueError(f"`{key}` has an unknown {unknown[0]!r}; known: {', '.join(known or ()) or 'none'}.")
+    return value
 
 
 def _values(check: Check) -> Check:
-    """Return a check of a table's values, whatever its keys."""
-
-    def values(key: str, value: Any) -> None:
-        _table(key, value)
-        for name, item in value.items():
-            check(f"{key}.{name}", item)
-
-    return values
+    """Check a table's values, whatever its keys."""
+    return lambda key, value: [check(f"{key}.{name}", item) for name, item in _table(key, value).items()]
 
 
 def _record(kind: Any, **checks: Check) -> Check:
-    """Return a check of a stored dataclass: its keys, and its values by their types unless `checks` names another check."""
+    """Check a stored dataclass: its keys, and its values by their types unless `checks` names another check."""
     known = {field.name: field for field in fields(kind)}
     needed = [name for name, field in known.items() if field.default is MISSING and field.default_factory is MISSING]
-
-    def record(key: str, value: Any) -> None:
-        _table(key, value, needed, known=known)
-        for name, item in value.items():
-            (checks.get(name) or _BY_TYPE[known[name].type])(f"{key}.{name}", item)
-
-    return record
+    return lambda key, value: [
+        (checks.get(name) or _BY_TYPE[known[name].type])(f"{key}.{name}", item)
+        for name, item in _table(key, value, needed, known=known).items()
+    ]
 
 
 def _list(check: Check, size: int | None = None) -> Check:
-    """Return a check of a list's items, all by one check."""
-
-    def items(key: str, value: Any) -> None:
-        for i, item in enumerate(_sequence(key, value, size)):
-            check(f"{key}.{i}", item)
-
-    return items
+    """Check a list's items, all by one check."""
+    return lambda key, value: [check(f"{key}.{i}", item) for i, item in enumerate(_sequence(key, value, size))]
 
 
 def _row(*checks: Check) -> Check:
-    """Return a check of a list of as many items as checks, each by its own."""
-
-    def row(key: str, value: Any) -> None:
-        for i, (check, item) in enumerate(zip(checks, _sequence(key, value, len(checks)), strict=True)):
-            check(f"{key}.{i}", item)
-
-    return row
+    """Check a list of as many items as checks, each by its own."""
+    return lambda key, value: [
+        check(f"{key}.{i}", item)
+        for i, (check, item) in enumerate(zip(checks, _sequence(key, value, len(checks)), strict=True))
+    ]
 
 
 def _sequence(key: str, value: Any, size: int | None) -> list[Any]:

@@ -1,24 +1,24 @@
-"""Time histories of base, bodies, points and mounts, as columns in memory or in a file, and how they were computed."""
+"""Time histories of base, bodies, points and mounts as sampled columns, in memory or in a file, and how they were computed."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.summary import Brief, Summarised
+from wirerope_mj.foundation.exports import Column, Exported
+from wirerope_mj.foundation.summary import Brief, ByName, Summarised
+from wirerope_mj.mounts.isolator import AXES
 
+# what limits the steps of a run whose error estimate is the spread of several steps
 SENSITIVE = "what it hits: the answer is sensitive, and finer steps do not agree better"
-"""What limits the steps of a run whose error estimate is the spread of several steps."""
 
+# rows of samples that are handed on at once where a long response must not stand in memory as a whole
 BLOCK_ROWS = 1 << 16
-"""Rows of samples that are handed on at once where a long response must not stand in memory as a whole."""
-
-BLOCK_NUMBERS = 1 << 22
-"""Numbers that are handed on at once: of hundreds of columns fewer rows."""
+BLOCK_NUMBERS = 1 << 22  # numbers that are handed on at once: of hundreds of columns fewer rows
 
 
 def block_rows(columns: int) -> int:
@@ -157,33 +157,21 @@ class BaseResponse(Brief):
 
 @dataclass(frozen=True, kw_only=True)
 class Numerics:
-    """Numerical settings of a response, and their estimated error.
+    """Numerical settings of a response, and their estimated error."""
 
-    Attributes:
-        timestep: largest step [s].
-        accuracy: error allowed, relative to the peaks; NaN where the step was given.
-        error_estimate: error of samples and peaks estimated by step halving before the run; NaN where the step was given.
-        steps: number of steps.
-        callback: "native" or "python".
-        versions: of the packages that computed it.
-        limited_by: what keeps the step from being longer; "" for older responses, which do not say it.
-        engine: "kernel" or "mujoco".
-        why: why it was not the kernel; "" for older responses, which knew none.
-        motion_end: instant at which the motion is over [s]; NaN if it has no end, and for older responses.
-        slowest_period: of the slowest mode for small amplitudes [s]; NaN for older responses.
-    """
-
-    timestep: float
-    accuracy: float
+    timestep: float  # largest step [s]
+    accuracy: float  # error allowed, relative to the peaks; NaN where the step was given
+    # error of samples and peaks estimated by step halving before the run; NaN where the step was given
     error_estimate: float
-    steps: int
-    callback: str
-    versions: dict[str, str]
-    limited_by: str = ""
-    engine: str = "mujoco"
-    why: str = ""
+    steps: int  # number of steps
+    callback: str  # "native" or "python"
+    versions: dict[str, str]  # of the packages that computed it
+    limited_by: str = ""  # what keeps the step from being longer; "" for older responses, which do not say it
+    engine: str = "mujoco"  # "kernel" or "mujoco"
+    why: str = ""  # why it was not the kernel; "" for older responses, which knew none
+    # instant at which the motion is over [s]; NaN if it has no end, and for older responses
     motion_end: float = math.nan
-    slowest_period: float = math.nan
+    slowest_period: float = math.nan  # of the slowest mode for small amplitudes [s]; NaN for older responses
 
     @property
     def error_text(self) -> str:
@@ -200,3 +188,122 @@ class Numerics:
     def computed_by(self) -> str:
         """Text on what computed the response, "the kernel" or "MuJoCo, native callback"."""
         return "the kernel" if self.engine == "kernel" else f"MuJoCo, {self.callback} callback"
+
+
+_XYZ = ("x", "y", "z")
+_KINEMATICS = (
+    ("position", _XYZ),
+    ("orientation", ("w", "x", "y", "z")),
+    ("velocity", _XYZ),
+    ("angular_velocity", _XYZ),
+    ("acceleration", _XYZ),
+    ("angular_acceleration", _XYZ),
+)
+_POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
+BASE = ("displacement", "velocity", "acceleration")
+CONTACT = ("force", "gap")
+
+
+@dataclass(frozen=True, kw_only=True)
+class ColumnPlan:
+    """Meaning of the columns of a response, in the order of the system's sensor values."""
+
+    bodies: Sequence[str]  # names
+    points: Sequence[str]
+    mounts: Sequence[tuple[str, tuple[str, ...]]]  # per mount its name and the names of its internal states ("axial.z")
+    contacts: Sequence[str] = ()  # names of the pairs of geoms that the model declares
+
+    @classmethod
+    def of(cls, content: Mapping[str, Any]) -> "ColumnPlan":
+        """Read the plan from a response's metadata."""
+        mounts = [(name, tuple(states)) for name, states in content["mounts"]]
+        contacts = content.get("contacts", ())  # older responses have none
+        return cls(bodies=content["bodies"], points=content["points"], mounts=mounts, contacts=contacts)
+
+    @cached_property
+    def names(self) -> list[str]:
+        """Column names: time, base, bodies, points, mounts, contacts."""
+        names = ["time"]
+        names += [f"base/{part}/{c}" for part in BASE for c in _XYZ]
+        for group, members, parts in (("bodies", self.bodies, _KINEMATICS), ("points", self.points, _POINT)):
+            names += [f"{group}/{m}/{part}/{c}" for m in members for part, cs in parts for c in cs]
+        for mount, states in self.mounts:
+            names += [f"mounts/{mount}/{part}/{c}" for part in ("deflection", "force") for c in AXES]
+            names += [f"mounts/{mount}/state/{state}" for state in states]
+        names += [f"contacts/{pair}/{part}" for part in CONTACT for pair in self.contacts]
+        return names
+
+    @cached_property
+    def _hysteretic(self) -> list[list[list[int]]]:
+        """Per mount the positions of the hysteretic forces of roll, shear and axial among its states."""
+        axes = [f"{axis}.z" for axis in AXES]
+        return [[[i for i, s in enumerate(states) if s.startswith(z)] for z in axes] for _, states in self.mounts]
+
+    @property
+    def first_sensor(self) -> int:
+        """Column of the first sensor value, after time and base."""
+        return 1 + 3 * len(BASE)
+
+    def parts(self, samples: SampledColumns) -> dict[str, Any]:
+        """Return base, bodies, points, mounts and contacts of a response whose columns are `samples`, by their names."""
+        moved = samples.columns(1, self.first_sensor)
+        base = BaseResponse(displacement=moved[:, 0:3], velocity=moved[:, 3:6], acceleration=moved[:, 6:9])
+        column = self.first_sensor
+        bodies, points, mounts = {}, {}, {}
+        for name in self.bodies:
+            bodies[name] = BodyResponse(samples, column)
+            column += _size(_KINEMATICS)
+        for name in self.points:
+            points[name] = PointResponse(samples, column)
+            column += _size(_POINT)
+        for (name, states), z in zip(self.mounts, self._hysteretic, strict=True):
+            mounts[name] = MountResponse(samples, column, z, states)
+            column += 6 + len(states)
+        contacts = {
+            name: ContactResponse(samples, column + k, len(self.contacts)) for k, name in enumerate(self.contacts)
+        }
+        groups: dict[str, Any] = {"bodies": bodies, "points": points, "mounts": mounts, "contacts": contacts}
+        return {"base": base} | {name: ByName(group) for name, group in groups.items()}
+
+
+def same_columns(stored: Sequence[str], now: Sequence[str]) -> bool:
+    """Return whether stored columns are those that would be sampled now; older ones end before those of contacts."""
+    added = now[len(stored) :]
+    return list(stored) == list(now[: len(stored)]) and all(name.startswith("contacts/") for name in added)
+
+
+def _size(parts: Sequence[tuple[str, Sequence[str]]]) -> int:
+    return sum(len(components) for _, components in parts)
+
+
+_UNITS = {
+    "position": "m", "velocity": "m/s", "acceleration": "m/s^2", "displacement": "m", "relative_displacement": "m",
+    "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N", "gap": "m",
+}  # fmt: skip
+
+
+def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported:
+    """Return the samples as they are written: one column for each, called as in response.parquet."""
+    names = samples.names
+
+    def blocks() -> Iterator[Sequence[Column]]:
+        for block in samples.blocks(0, len(names)):
+            yield list(block.T)
+
+    return Exported(
+        names=names,
+        units=[unit_of(name) for name in names],
+        column=lambda number: samples.columns(number, number + 1)[:, 0],
+        blocks=blocks,
+        about=about,
+    )
+
+
+def unit_of(name: str) -> str:
+    """Return the unit of a column: of internal states that of the hysteretic force."""
+    parts = name.split("/")
+    if name == "time":
+        return "s"
+    if parts[-2:-1] == ["state"]:
+        return "N" if ".z" in parts[-1] else ""
+    return next((_UNITS[part] for part in reversed(parts) if part in _UNITS), "")

@@ -1,13 +1,61 @@
-"""Peaks of a response: largest norm, extremes of the components, and their instants."""
+"""Peaks of a response: largest norm, extremes of the components and their instants; and what touched."""
 
 from dataclasses import asdict, dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.engine.response.contacts import ContactPeak
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief, ByName
+
+
+@dataclass(frozen=True, kw_only=True)
+class ContactPeak:
+    """First touch, largest force and deepest penetration of a pair of geoms, or of a stop of a mount, over every step.
+
+    A stop of a mount touches while it presses: its penetration is how far the deflection is beyond the gap.
+    """
+
+    # names of the two geoms; a stop and its pad as the model's `pair` has them; of a mount's stop ""
+    geoms: tuple[str, str]
+    bodies: tuple[str, str]  # names of the bodies that they belong to
+    mount: str = ""  # name of the mount whose law the stop is; "" for geoms
+    touches: int = 0  # how often they came together; a touch that begins and ends between two steps is not seen
+    # whether they touch at the start already, as what rests on its stops does; counted among the touches
+    from_start: bool = False
+    first_touch: float | None = None  # instant of the first touch [s]; None if they never touch
+    duration: float = 0.0  # how long they touch, all touches together [s]
+    force: float = 0.0  # largest normal force [N], all contact points of the pair together
+    force_time: float | None = None  # its instant [s]; None without a force
+    penetration: float = 0.0  # deepest penetration [m]
+    penetration_time: float | None = None  # its instant [s]; None without one
+    # what it took up from the motion, friction included [J]: dissipated once it is open again; None if they never touch,
+    # and in older responses
+    energy: float | None = None
+
+    @property
+    def struck(self) -> bool:
+        """True if they came together during the run; resting on each other from the start is no strike."""
+        return self.touches > int(self.from_start)
+
+    def called(self, name: str) -> str:
+        """Name the contact in a text: a stop of a mount "stop s3", a pair of geoms by its name."""
+        return f"stop {name}" if self.mount and not name.startswith("stop") else name
+
+    def later(self, by: float) -> "ContactPeak":
+        """Return the contact on a timeline `by` seconds later."""
+        times = {name: getattr(self, name) for name in ("first_touch", "force_time", "penetration_time")}
+        return replace(self, **{name: time + by for name, time in times.items() if time is not None})
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the contact as plain values."""
+        return asdict(self) | {"geoms": list(self.geoms), "bodies": list(self.bodies)}  # as a file has them
+
+    @classmethod
+    def from_dict(cls, content: dict[str, Any]) -> "ContactPeak":
+        """Return the contact that `to_dict` wrote."""
+        pairs = {name: (str(content[name][0]), str(content[name][1])) for name in ("geoms", "bodies")}
+        return cls(**(content | pairs))
 
 
 @dataclass(frozen=True, init=False, repr=False)
@@ -130,18 +178,12 @@ class CombinedTravel:
 
     The utilisation is the root of the sum of (deflection / rated travel)^2 of one instant; what is not rated counts nothing.
     While the mount moves along its axis in the way that is not rated, the instant is not judged.
-
-    Attributes:
-        value: largest utilisation.
-        time: its instant [s].
-        judged: largest utilisation of the instants that are judged; None where there is none.
-        judged_time: its instant [s].
     """
 
-    value: float
-    time: float
-    judged: float | None
-    judged_time: float
+    value: float  # largest utilisation
+    time: float  # its instant [s]
+    judged: float | None  # largest utilisation of the instants that are judged; None where there is none
+    judged_time: float  # its instant [s]
 
     def later(self, by: float) -> "CombinedTravel":
         """Return the same on a timeline `by` seconds later."""
@@ -153,19 +195,15 @@ KINDS = {"bodies": BodyPeaks, "points": PointPeaks, "mounts": MountPeaks}
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Peaks(Brief):
-    """Peaks by name of body, point, mount, and of what may touch.
+    """Peaks by name of body, point, mount, and of what may touch."""
 
-    Attributes:
-        bodies, points, mounts: by name.
-        contacts: by name of the pair, "stop_1 on pad_1", or of the mount that has a stop, "s3"; None where they were not
-            recorded, as in older responses.
-        travels: travel along all axes at once by mount; None where it was not followed, as in older responses.
-    """
-
-    bodies: dict[str, BodyPeaks]
+    bodies: dict[str, BodyPeaks]  # by name
     points: dict[str, PointPeaks]
     mounts: dict[str, MountPeaks]
+    # by name of the pair, "stop_1 on pad_1", or of the mount that has a stop, "s3"; None where they were not recorded, as
+    # in older responses
     contacts: dict[str, ContactPeak] | None = None
+    # travel along all axes at once by mount; None where it was not followed, as in older responses
     travels: dict[str, CombinedTravel] | None = None
 
     def __post_init__(self) -> None:

@@ -4,7 +4,7 @@ import math
 import os
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cache, partial
+from functools import cache
 from typing import Any
 
 import mujoco
@@ -12,28 +12,31 @@ import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
-from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import Engine, failure, leap, refused, result_of
-from wirerope_mj.engine.simulation.finished import require_lawful
+from wirerope_mj.engine.simulation.engines import (
+    Engine,
+    equations,
+    failure,
+    refused,
+    result_of,
+    unsupported_motion,
+    unsupported_system,
+)
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.initial import initial_state
-from wirerope_mj.engine.simulation.judge import equations, unfit
-from wirerope_mj.engine.simulation.lockstep import Lockstep
+from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import run
-from wirerope_mj.engine.simulation.same_layout import check_same_layout
+from wirerope_mj.engine.simulation.run import RunResult, require_lawful, run, warn_of_aliasing
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
+    check_size,
     checked_corners,
     checked_step,
-    lengths,
-    versions,
+    numerics_of,
 )
-from wirerope_mj.engine.simulation.size import check_size
+from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, one_of
@@ -43,8 +46,8 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import BaseMotion
 
+# options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data
 _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjENBL_IPC
-"""Options with which MuJoCo keeps more from step to step than a state holds, so that threads cannot share its data."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -149,11 +152,18 @@ def simulate_batch(
         except WireRopeError as error:
             results[number] = BatchFailure(error=error)
     if variants:
+        first, last = min(v.start.time for v in variants), max(v.start.time for v in variants)
+        if first != last:
+            raise ValueError(f"`initial` states must be of one instant, got {first:.6g} s and {last:.6g} s.")
+        # Motions that are variants of one share their corners.
+        own = {motion.corners.tobytes(): motion.corners for motion in {id(one): one for one in motions}.values()}
         grid = time_grid(
-            start=_common_instant(variants), duration=duration, sample_rate=sample_rate, timestep=timestep,
-            motion=motions[0], corners=_all_corners(motions, checked_corners(corners)),
+            start=first, duration=duration, sample_rate=sample_rate, timestep=timestep,
+            motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
+    if responses:
+        warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]
 
 
@@ -176,27 +186,16 @@ def _variants(
     return systems, motions, initial
 
 
-def _all_corners(motions: Sequence[BaseMotion], more: Array) -> Array:
-    """Return the corners of all motions and `more` instants [s]; motions that are variants of one share theirs."""
-    distinct = {id(motion): motion for motion in motions}
-    arrays = {motion.corners.tobytes(): motion.corners for motion in distinct.values()}
-    return joined(more, *arrays.values())
-
-
-def _common_instant(variants: Sequence[_Variant]) -> float:
-    instants = {variant.start.time for variant in variants}
-    if len(instants) > 1:
-        raise ValueError(
-            f"`initial` states must be of one instant, got {min(instants):.6g} s and {max(instants):.6g} s."
-        )
-    return instants.pop()
-
-
 def _together(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, engine: Engine
 ) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid, by the kernel as far as it holds them."""
-    why = {v.number: "it was asked for" if engine == "mujoco" else _why_not(v) for v in variants}
+    why = {
+        v.number: "it was asked for"
+        if engine == "mujoco"
+        else unsupported_system(v.system) or unsupported_motion(v.system, v.motion)
+        for v in variants
+    }
     results: dict[int, BatchResult | BatchFailure] = {}
     if fit := [variant for variant in variants if not why[variant.number]]:
         done, gave_up = _in_lanes(fit, grid, threads, responses)
@@ -207,16 +206,11 @@ def _together(
     return results | (_by_mujoco(rest, grid, threads, responses, why) if rest else {})
 
 
-def _why_not(variant: _Variant) -> str:
-    """Return why the kernel cannot compute a variant, "" if it can."""
-    return unfit(variant.system) or leap(variant.system, variant.motion)
-
-
 def _in_lanes(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool
 ) -> tuple[dict[int, BatchResult | BatchFailure], dict[int, str]]:
-    """Return the results of variants that the kernel computed, and why it gave up the others, by number."""
-    recorders = [_recorder(variant, grid) for variant in variants] if responses else []
+    """Compute variants by the kernel: the results, and why it gave up the others, by number."""
+    recorders = _recorders(variants, grid, responses)
     states = np.array([variant.start.values[moving(variant.system)] for variant in variants])
     done = go_in_lanes(
         [equations(v.system) for v in variants], variants[0].system.assembly.tables.drive, [v.motion for v in variants],
@@ -232,17 +226,14 @@ def _in_lanes(
                 gave_up[variant.number] = why
                 continue
             ended = result_of(variant.system, variant.start, grid, done, group, lane, index)
-            results[variant.number] = _result(
-                variant, grid, ended.final_state, ended.peaks, recorders[index] if responses else None,
-                timestep=ended.largest_step, steps=ended.steps, callback=ended.callback, engine=ended.engine, why="",
-            )  # fmt: skip
+            results[variant.number] = _result(variant, grid, ended, recorders[index] if responses else None)
     return results, gave_up
 
 
 def _by_mujoco(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, why: dict[int, str]
 ) -> dict[int, BatchResult | BatchFailure]:
-    """Return the variants' results by number, all stepped through one grid."""
+    """Compute variants by MuJoCo, all stepped through one grid: the results by number."""
     results: dict[int, BatchResult | BatchFailure] = {}
     model = variants[0].system.model
     with installed(model, mujoco.MjData(model)) as kind:
@@ -250,15 +241,17 @@ def _by_mujoco(
             side_by_side = Lockstep(
                 [v.system for v in variants], [v.motion for v in variants], [v.start for v in variants], threads=threads
             )
-            recorders = [_recorder(variant, grid) for variant in variants] if responses else []
-            side_by_side.go(grid, partial(_add, recorders) if responses else None)
+            recorders = _recorders(variants, grid, responses)
+
+            def sink(sample: int, values: Array) -> None:
+                for recorder, row in zip(recorders, values, strict=True):
+                    recorder.add(sample, row[np.newaxis])
+
+            side_by_side.go(grid, sink if responses else None)
             for index in side_by_side.live.tolist():
-                final, peaks = side_by_side.result(index)
-                results[variants[index].number] = _result(
-                    variants[index], grid, final, peaks, recorders[index] if responses else None,
-                    timestep=side_by_side.largest_step, steps=side_by_side.steps, callback=kind, engine="mujoco",
-                    why=why[variants[index].number],
-                )  # fmt: skip
+                variant = variants[index]
+                done = side_by_side.result(index, why[variant.number])
+                results[variant.number] = _result(variant, grid, done, recorders[index] if responses else None)
             results |= {variants[i].number: BatchFailure(error=error) for i, error in side_by_side.errors.items()}
     # Where it is not known yet what went wrong, it is learned by going the same way alone, as does what threads cannot serve.
     alone = [variant for variant in variants if variant.number not in results]
@@ -267,55 +260,32 @@ def _by_mujoco(
 
 def _alone(variant: _Variant, grid: TimeGrid, kind: Kind, responses: bool, why: str) -> BatchResult | BatchFailure:
     own = replace(grid, motion=variant.motion)
-    recorder = _recorder(variant, grid) if responses else None
-    sink = _forget if recorder is None else recorder.add
+    recorder = next(iter(_recorders([variant], grid, responses)), None)
+    sink = (lambda first, values: None) if recorder is None else recorder.add
     try:
         done = run(variant.system, variant.motion, own, variant.start, callback=kind, sink=sink)
     except WireRopeError as error:
         return BatchFailure(error=error)
-    return _result(
-        variant, grid, done.final_state, done.peaks, recorder,
-        timestep=done.largest_step, steps=done.steps, callback=done.callback, engine="mujoco", why=why,
-    )  # fmt: skip
+    return _result(variant, grid, replace(done, why=why), recorder)
 
 
-def _recorder(variant: _Variant, grid: TimeGrid) -> Recorder:
-    return Recorder(variant.system, variant.motion, grid, None)
-
-
-def _add(recorders: Sequence[Recorder], sample: int, values: Array) -> None:
-    """Give every variant's recorder its row of a sample's sensor values."""
-    for recorder, row in zip(recorders, values, strict=True):
-        recorder.add(sample, row[np.newaxis])
-
-
-def _forget(first: int, values: Array) -> None:
-    """Keep no sample."""
+def _recorders(variants: Sequence[_Variant], grid: TimeGrid, responses: bool) -> list[Recorder]:
+    return [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
 
 
 def _result(
-    variant: _Variant, grid: TimeGrid, final: State, peaks: Peaks, recorder: Recorder | None,
-    *, timestep: float, steps: int, callback: Kind, engine: str, why: str,
-) -> BatchResult | BatchFailure:  # fmt: skip
+    variant: _Variant, grid: TimeGrid, done: RunResult, recorder: Recorder | None
+) -> BatchResult | BatchFailure:
     try:
-        require_lawful(variant.system, peaks)
+        require_lawful(variant.system, done.peaks)
     except SimulationError as error:
         return BatchFailure(error=error)
     response = None
     if recorder is not None:
-        numerics = Numerics(
-            timestep=timestep, accuracy=math.nan, error_estimate=math.nan, steps=steps, callback=callback,
-            versions=dict(versions()), limited_by=limit_of_given(grid.timestep, grid.sample_rate), engine=engine, why=why,
-            **lengths(variant.system, variant.motion),
-        )  # fmt: skip
-        response = recorder.finish(variant.start, final, peaks, numerics)
+        limit, none = limit_of_given(grid.timestep, grid.sample_rate), math.nan
+        numerics = numerics_of(variant.system, variant.motion, done, accuracy=none, error=none, limited_by=limit)
+        response = recorder.finish(variant.start, done.final_state, done.peaks, numerics)
     return BatchResult(
-        peaks=peaks,
-        initial_state=variant.start,
-        final_state=final,
-        timestep=timestep,
-        steps=steps,
-        engine=engine,
-        why=why,
-        response=response,
-    )
+        peaks=done.peaks, initial_state=variant.start, final_state=done.final_state, timestep=done.largest_step,
+        steps=done.steps, engine=done.engine, why=done.why, response=response,
+    )  # fmt: skip

@@ -1,48 +1,187 @@
-"""Which engine computes a run: the kernel where its equations hold, MuJoCo everywhere else."""
+"""Which engine computes a run: the kernel where its equations hold and its steps are MuJoCo's, else MuJoCo."""
 
+import hashlib
+import warnings
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Literal
 
+import mujoco
 import numpy as np
 
-from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.control.install import Kind, state_of
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.group import Group
-from wirerope_mj.engine.simulation.grid import TimeGrid
+from wirerope_mj.engine.kernel.equations import Equations, not_held
+from wirerope_mj.engine.kernel.equations import equations as equations
+from wirerope_mj.engine.kernel.steps import probe
+from wirerope_mj.engine.kernel.variants import Group, group_of
+from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
 from wirerope_mj.engine.simulation.in_lanes import InLanes, final_state, go_in_lanes, moving
-from wirerope_mj.engine.simulation.judge import equations, unfit
 from wirerope_mj.engine.simulation.run import RunResult, peaks_of, run
+from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.stepper import riding_dofs
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.errors import AccuracyWarning, SimulationError
+from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.state import State
-from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions import BaseMotion, Sine
+
+# largest difference from MuJoCo, relative to the scale of what is compared: far above the rounding of either, 1e-12
+AGREEMENT = 1e-9
+STATES = 104  # random states in which accelerations are compared: a hundred, and what fills the last lanes
+
+# random displacement [m], angle [rad] and rate [m/s, rad/s] of a coordinate: millimetres of a mount, degrees of a link
+PLACE, TURN, SPEED = 2e-3, 0.02, 0.2
+STEPS = 40  # steps of the short run
+FINER = 4  # steps that are tried, each a tenth of the one before
+UNJUDGED = "the native callback, with which it is compared, is not available"  # why a system is not judged
+
+_known: dict[bytes, str] = {}
+
+
+@once_per_system
+def unsupported_system(system: System) -> str:
+    """Return why the kernel cannot compute a system, "" if it can.
+
+    Systems of one structure are compared with MuJoCo once.
+
+    Warns:
+        AccuracyWarning: kernel and MuJoCo differ, which should not be; MuJoCo is believed.
+    """
+    beyond = not_held(system)
+    if beyond:
+        return beyond
+    key = hashlib.blake2b(equations(system).key, digest_size=16).digest()
+    if key not in _known:
+        try:
+            _known[key] = _differs(system)
+        except SimulationError as error:
+            return str(error)
+        if _known[key]:
+            warnings.warn(f"MuJoCo computes this system: {_known[key]}.", AccuracyWarning, stacklevel=2)
+    return _known[key]
+
+
+def _differs(system: System) -> str:
+    """Return in what the kernel differs from MuJoCo, "" if it does not."""
+    rng = np.random.default_rng(2004)
+    model = without_constraints(system.model)
+    joints = model.dof_jntid
+    second_half = np.arange(model.nv) >= model.jnt_dofadr[joints] + 3  # of a floating body's coordinates the angles
+    turns = (model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE) | second_half
+    states, expected, base = np.empty((STATES, model.nq + model.nv + model.na)), [], rng.normal(size=(STATES, 3)) * 10.0
+    data = mujoco.MjData(model)
+    user = system.assembly.user(data.userdata)
+    driven = system.assembly.driven_dofs
+    with installed(model, data) as kind:
+        if kind != "native":
+            raise SimulationError(UNJUDGED)
+        for number in range(STATES):
+            mujoco.mj_resetData(model, data)
+            move = rng.normal(size=model.nv) * np.where(turns, TURN, PLACE)
+            move[driven] = 0.0
+            mujoco.mj_integratePos(model, data.qpos, move, 1.0)
+            data.qvel[:], data.act[:] = rng.normal(size=model.nv) * SPEED, rng.uniform(size=model.na)
+            states[number] = np.concatenate([data.qpos, data.qvel, data.act])
+            user[control.STAGE_POINTS], user[control.STAGES : control.STAGES + 3] = 1.0, base[number]
+            mujoco.mj_forward(model, data)
+            expected.append(np.concatenate([data.qacc, data.act_dot]))
+    got = _accelerations(equations(system), states, base)
+    kinds = slice(0, model.nv), slice(model.nv, None)
+    apart = max(_apart(np.array(expected)[:, kind], got[:, kind]) for kind in kinds)
+    if not apart <= AGREEMENT:
+        return f"its accelerations differ from the kernel's by {apart:.1e} of their scale"
+    qvel, step = states[0, model.nq : model.nq + model.nv], min(0.2 * stable_step(system), 1e-3)
+    why = ""
+    for _ in range(FINER):  # springs of joints do not count in the stable step
+        try:
+            apart = _run_apart(system, qvel, step)
+            if apart <= AGREEMENT:
+                return ""
+            why = f"its steps differ from the kernel's by {apart:.1e} of their scale"
+        except SimulationError:
+            why = "its motion grows without bound, however short the step"
+        step /= 10.0  # rounding grows too where a state yields within a step
+    return why
+
+
+def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
+    """Copy a model so that no limit and no contact acts, as where the kernel computes."""
+    model = model.__copy__()
+    model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT
+    return model
+
+
+def _accelerations(own: Equations, states: Array, base: Array) -> Array:
+    """Return accelerations and state rates in states (n, n_state) with the base's accelerations (n, 3), (n, nv + n_states)."""
+    group = group_of([own] * WIDTH, states[:WIDTH], [0] * WIDTH)
+    lanes = [np.ascontiguousarray(one.reshape(-1, WIDTH, one.shape[1]).swapaxes(1, 2)) for one in (states, base)]
+    out = np.empty((len(lanes[0]), states.shape[1] - own.n_extra, WIDTH))
+    probe(own.lay, own.fix, group.numbers, lanes[0], group.memory, lanes[1], out)
+    return out.swapaxes(1, 2).reshape(states.shape[0], -1)
+
+
+def _apart(expected: Array, got: Array) -> float:
+    """Return the largest difference of columns of one kind, each relative to its largest value.
+
+    What is a millionth of the largest column or less is rounding, and relative to that.
+    """
+    scale = np.abs(expected).max(axis=0)
+    scale = np.maximum(scale, 1e-6 * scale.max(initial=0.0))
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(expected - got).max(axis=0) / np.where(scale > 0.0, scale, 1.0)
+    return float(np.max(apart, initial=0.0))
+
+
+def _run_apart(system: System, qvel: Array, step: float) -> float:
+    """Return how far samples of a short run from the modelled geometry lie apart, relative to the largest of their kind."""
+    model, tables = without_constraints(system.model), system.assembly.tables
+    direction = np.linalg.pinv(tables.drive).sum(axis=1) if len(tables.drive) else np.array([0.0, 0.0, 1.0])
+    motion = Sine(frequency=0.05 / step, acceleration=10.0, direction=tuple(direction))
+    grid = time_grid(start=0.0, duration=STEPS * step, sample_rate=0.25 / step, timestep=step, motion=motion)
+    data = mujoco.MjData(model)
+    data.qvel[:] = qvel
+    state = np.concatenate([data.qpos, data.qvel, data.act])
+    channels = tables.channels[:, np.newaxis] + np.arange(3)
+    samples = [np.zeros((grid.sample_times.size, *channels.shape)) for _ in range(2)]
+
+    def sink(which: int, first: int, rows: Array) -> None:
+        samples[which][first : first + len(rows)] = rows[:, channels]
+
+    start = state_of(model, data)
+    run(replace(system, model=model), motion, grid, start, callback="native", sink=lambda i, rows: sink(0, i, rows))
+    go_in_lanes(
+        [equations(system)], tables.drive, [motion], state[np.newaxis], grid, sink=lambda _, i, rows: sink(1, i, rows)
+    )
+    expected, got = (one.reshape(-1, channels.size // 3, 3) for one in samples)
+    n_mounts = len(system.mounts)
+    kinds = np.array(["motion"] * (channels.shape[0] - 2 * n_mounts) + ["deflection", "force"] * n_mounts)
+    worst = 0.0
+    for kind in dict.fromkeys(kinds.tolist()):
+        one, other = (samples[:, kinds == kind] for samples in (expected, got))
+        worst = max(worst, float(np.abs(one - other).max(initial=0.0) / max(np.abs(one).max(initial=0.0), 1e-300)))
+    return worst
+
 
 Engine = Literal["auto", "mujoco", "kernel"]
 
+# reasons why the kernel gives a run up
 WHY = {
     at.WILD: "its motion grew without bound",
     at.LIMITED: "a joint came to its limit",
     at.TOUCHING: "bodies moved by more than the clearance between them and may have touched",
 }
-"""Reasons why the kernel gives a run up."""
 
 
 def compute(
-    system: System,
-    motion: BaseMotion,
-    grid: TimeGrid,
-    start: State,
-    *,
-    engine: Engine,
-    callback: Kind,
-    sink: Callable[[int, Array], None],
-    progress: Callable[[float], None] | None = None,
-) -> RunResult:
-    """Return what comes of a run, as `wirerope_mj.engine.simulation.run.run` does; the kernel gives up what it does not hold.
+    system: System, motion: BaseMotion, grid: TimeGrid, start: State, *, engine: Engine, callback: Kind,
+    sink: Callable[[int, Array], None], progress: Callable[[float], None] | None = None,
+) -> RunResult:  # fmt: skip
+    """Step a system as `wirerope_mj.engine.simulation.run.run` does, by the kernel where it can.
 
     `sink` may be given samples again from the first on.
 
@@ -50,19 +189,16 @@ def compute(
         SimulationError: MuJoCo warned that the state is not valid any more, or "kernel" was asked for and cannot compute this.
     """
     one_of("engine", engine, ("auto", "mujoco", "kernel"))
-    why = (
-        "it was asked for"
-        if engine == "mujoco"
-        else "the callback in Python is MuJoCo's"
-        if callback != "native"
-        else ""
-    )
-    if not why:
-        why = unfit(system) or leap(system, motion)
-        done = None if why else _by_kernel(system, motion, grid, start, sink, progress)
+    if engine == "mujoco":
+        why = "it was asked for"
+    elif callback != "native":
+        why = "the callback in Python is MuJoCo's"
+    else:
+        why = unsupported_system(system) or unsupported_motion(system, motion)
+        done = why or _by_kernel(system, motion, grid, start, sink, progress)
         if isinstance(done, RunResult):
             return done
-        why = why or str(done)
+        why = done
         if engine == "kernel":
             raise SimulationError(refused(why))
     return replace(run(system, motion, grid, start, callback=callback, sink=sink, progress=progress), why=why)
@@ -73,7 +209,7 @@ def refused(why: str) -> str:
     return f'the kernel cannot compute this run: {why}. Ask for `engine` "auto", or "mujoco".'
 
 
-def leap(system: System, motion: BaseMotion) -> str:
+def unsupported_motion(system: System, motion: BaseMotion) -> str:
     """Return why the kernel does not follow a motion, "" if it does."""
     if motion.loaded_sites:
         return "forces act on the payload"
@@ -102,26 +238,22 @@ def _by_kernel(
     system: System, motion: BaseMotion, grid: TimeGrid, start: State, sink: Callable[[int, Array], None],
     progress: Callable[[float], None] | None,
 ) -> RunResult | str:  # fmt: skip
-    """Return what comes of a run by the kernel, or why it gave up."""
+    """Step a system by the kernel; returns the result, or why it gave up."""
     done = go_in_lanes(
         [equations(system)], system.assembly.tables.drive, [motion], start.values[moving(system)][np.newaxis], grid,
         sink=lambda _, first, rows: sink(first, rows), progress=progress,
     )  # fmt: skip
     group = done.groups[0][0]
-    if why := failure(group, 0):
-        return why
-    return result_of(system, start, grid, done, group, 0, 0)
+    return failure(group, 0) or result_of(system, start, grid, done, group, 0, 0)
 
 
 def result_of(
     system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int
 ) -> RunResult:
-    """Return what came of one variant, in a lane of its group."""
+    """Read the result of one variant, in a lane of its group."""
+    final = final_state(system, start, group.states[:, lane], grid.stop)
+    peaks = peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]])
     return RunResult(
-        final_state=final_state(system, start, group.states[:, lane], grid.stop),
-        peaks=peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]]),
-        callback="native",
-        steps=done.steps,
-        largest_step=done.largest_step,
+        final_state=final, peaks=peaks, callback="native", steps=done.steps, largest_step=done.largest_step,
         engine="kernel",
-    )
+    )  # fmt: skip

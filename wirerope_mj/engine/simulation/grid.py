@@ -11,28 +11,20 @@ from wirerope_mj.engine.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 
+# instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it
 SAME_TIME = 1e-10
-"""Instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
-    """Segments of equal steps that never straddle a sample or a corner of the motion.
+    """Segments of equal steps that never straddle a sample or a corner of the motion."""
 
-    Attributes:
-        start, stop: ends of every segment [s], (n_p,).
-        steps: number of steps in every segment, (n_p,).
-        sampled: whether the segment starts at a sample instant, (n_p,).
-        event: SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,).
-        corner_after: whether the motion has a corner at the segment's end, (n_p,).
-    """
-
-    start: Array
+    start: Array  # ends of every segment [s], (n_p,)
     stop: Array
-    steps: npt.NDArray[np.int64]
-    sampled: npt.NDArray[np.bool_]
-    event: Array
-    corner_after: npt.NDArray[np.bool_]
+    steps: npt.NDArray[np.int64]  # number of steps in every segment, (n_p,)
+    sampled: npt.NDArray[np.bool_]  # whether the segment starts at a sample instant, (n_p,)
+    event: Array  # SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,)
+    corner_after: npt.NDArray[np.bool_]  # whether the motion has a corner at the segment's end, (n_p,)
 
     @classmethod
     def empty(cls) -> "Grid":
@@ -50,30 +42,21 @@ class Grid:
         return float(((self.stop - self.start) / self.steps).max()) if self.start.size else 0.0
 
 
+# instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory
 BLOCK = 1 << 15
-"""Instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class TimeGrid:
-    """The segments of a whole run, made block by block: a record may have millions of corners.
+    """The segments of a whole run, made block by block: a record may have millions of corners."""
 
-    Attributes:
-        start, stop: ends of the run [s].
-        sample_rate: of the samples [Hz].
-        timestep: largest step [s].
-        motion: whose events the segments carry.
-        corners: instants at which segments end, those of the motion among them [s], (n_c,).
-        sample_times: sample instants [s], (n_t,); the last may be the end of the last segment.
-    """
-
-    start: float
+    start: float  # ends of the run [s]
     stop: float
-    sample_rate: float
-    timestep: float
-    motion: BaseMotion
-    corners: Array
-    sample_times: Array
+    sample_rate: float  # of the samples [Hz]
+    timestep: float  # largest step [s]
+    motion: BaseMotion  # whose events the segments carry
+    corners: Array  # instants at which segments end, those of the motion among them [s], (n_c,)
+    sample_times: Array  # sample instants [s], (n_t,); the last may be the end of the last segment
 
     def blocks(self) -> Iterator[Grid]:
         """Yield grids that follow each other."""
@@ -93,14 +76,9 @@ class TimeGrid:
 
 
 def time_grid(
-    *,
-    start: float,
-    duration: float,
-    sample_rate: float,
-    timestep: float,
-    motion: BaseMotion,
+    *, start: float, duration: float, sample_rate: float, timestep: float, motion: BaseMotion,
     corners: Sequence[float] | Array = (),
-) -> TimeGrid:
+) -> TimeGrid:  # fmt: skip
     """Return the grid from `start` to `start + duration` [s].
 
     Sample instants k / sample_rate are joined with the motion's corners and with `corners` [s], at which segments end
@@ -196,10 +174,6 @@ def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
     )
     event = _events(motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
     return Grid(
-        start=start,
-        stop=stop,
-        steps=steps_per_segment[interval],
-        sampled=sampled[interval] & is_first,
-        event=event[:-1],
-        corner_after=event[1:] != SMOOTH,
-    )
+        start=start, stop=stop, steps=steps_per_segment[interval], sampled=sampled[interval] & is_first,
+        event=event[:-1], corner_after=event[1:] != SMOOTH,
+    )  # fmt: skip

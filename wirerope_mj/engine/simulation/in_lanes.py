@@ -9,12 +9,12 @@ import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.kernel.equations import Equations
-from wirerope_mj.engine.kernel.group import NOTHING, Group, group_of
+from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
-from wirerope_mj.engine.simulation.stages import Stages, StageTables
+from wirerope_mj.engine.simulation.stages import Stages, StageTables, distinct_motions, events_key
 from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
@@ -22,27 +22,19 @@ from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
+# takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)
 Sink = Callable[[int, int, Array], None]
-"""Takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class InLanes:
-    """Variants at the end of a grid.
+    """Variants at the end of a grid."""
 
-    Attributes:
-        groups: the variants side by side, and those of each group by their numbers.
-        base_peaks: peak of the base's acceleration of every distinct motion.
-        which: number of each variant's motion among these, (n,).
-        steps: number of steps.
-        largest_step: largest of them [s].
-    """
-
-    groups: list[tuple[Group, list[int]]]
-    base_peaks: list[Peak]
-    which: list[int]
-    steps: int
-    largest_step: float
+    groups: list[tuple[Group, list[int]]]  # the variants side by side, and those of each group by their numbers
+    base_peaks: list[Peak]  # peak of the base's acceleration of every distinct motion
+    which: list[int]  # number of each variant's motion among these, (n,)
+    steps: int  # number of steps
+    largest_step: float  # largest of them [s]
 
 
 def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> npt.NDArray[np.int64]:
@@ -93,10 +85,8 @@ def go_in_lanes(
         sink: takes the samples; None if they are not wanted.
         progress: takes the simulated time [s] now and then.
     """
-    distinct = list({id(motion): motion for motion in motions}.values())
-    numbers = {id(motion): number for number, motion in enumerate(distinct)}
-    which = [numbers[id(motion)] for motion in motions]
-    events = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in distinct]
+    distinct, which = distinct_motions(motions)
+    events = [events_key(motion) for motion in distinct]
     groups = _groups(equations, states, which, [events[motion] for motion in which])
     tables = [StageTables(motion, drive) for motion in distinct]
     done, steps, largest, stop = 0, 0, 0.0, grid.start
@@ -137,13 +127,10 @@ def _piece(own: Sequence[Grid], stages: Sequence[Stages]) -> _Piece:
         np.array([grid.start[cut], grid.stop[cut], grid.steps[cut], grid.sampled[cut], grid.event[cut]]) for grid in own
     ]
     return _Piece(
-        grids=grids,
-        positions=np.array([one.positions for one in stages]),
-        rates=np.array([one.rates for one in stages]),
-        accelerations=np.array([one.accelerations for one in stages]),
-        ends=stages[0].ends,
-        samples=int(own[0].sampled[cut].sum()),
-    )
+        grids=grids, positions=np.array([one.positions for one in stages]),
+        rates=np.array([one.rates for one in stages]), accelerations=np.array([one.accelerations for one in stages]),
+        ends=stages[0].ends, samples=int(own[0].sampled[cut].sum()),
+    )  # fmt: skip
 
 
 def _groups(

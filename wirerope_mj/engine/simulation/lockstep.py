@@ -1,20 +1,19 @@
-"""Many systems of one layout through one time grid, side by side on several threads."""
+"""Many systems of one layout through one time grid, side by side on several threads; what must be equal in all."""
 
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 
 import mujoco
 import numpy as np
-from mujoco.batch import Batch
+import numpy.typing as npt
+from mujoco.batch import MODEL_FIELDS, Batch
 from mujoco.batch import SimulationError as BatchError
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.state import STATE
-from wirerope_mj.engine.response.peaks import Peaks
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
-from wirerope_mj.engine.simulation.run import CHECK_EVERY, peaks_of
-from wirerope_mj.engine.simulation.same_layout import expand_differences
-from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables, loads_at
+from wirerope_mj.engine.simulation.run import CHECK_EVERY, RunResult, peaks_of
+from wirerope_mj.engine.simulation.stages import Segment, Stages, StageTables, distinct_motions, events_key, loads_at
 from wirerope_mj.engine.simulation.stepper import (
     Stepper,
     acceleration_before,
@@ -25,9 +24,88 @@ from wirerope_mj.engine.simulation.stepper import (
 )
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.errors import ModelError, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
+
+# beginnings of the names of fields that only name, describe or draw
+_WORDS = ("name", "text", "tuple", "tex_", "skin_", "vis_")
+_STEP = "opt.timestep"  # the option that belongs to the grid and not to a system
+
+
+def check_same_layout(systems: Sequence[System]) -> None:
+    """Raise ModelError if one of the systems differs from the first in more than numbers of its model."""
+    first = systems[0]
+    sizes = _sizes_of(first.model)
+    fixed = {name: getattr(first.model, name).tobytes() for name in _fixed()}
+    for number, system in _distinct(systems):
+        differs = [name for name, size in _sizes_of(system.model).items() if sizes[name] != size]
+        differs += [name for name, content in fixed.items() if getattr(system.model, name).tobytes() != content]
+        here, there = system.assembly, first.assembly
+        parts = ("userdata", "activation", "sensor", "subjects")
+        differs += [part for part in parts if getattr(here, part) != getattr(there, part)]
+        differs += ["mounts"] if list(system.mounts) != list(first.mounts) else []
+        differs += ["drive"] if not np.array_equal(here.tables.drive, there.tables.drive) else []
+        if differs:
+            raise ModelError(
+                f"`systems[{number}]` has another layout than `systems[0]` ({', '.join(differs)} differ): the systems of a "
+                "batch have the same bodies, joints, geoms, mounts and internal states. Give each layout a batch of its own."
+            )
+
+
+def expand_differences(batch: Batch, systems: Sequence[System]) -> None:
+    """Give every simulation of a batch the numbers of its own system's model where they differ from the batch's model."""
+    fields = [field for field in _expandable() if _content(batch.model, field).size]
+    shared = {field: _content(batch.model, field).tobytes() for field in fields}
+    own: dict[int, list[tuple[str, npt.NDArray[np.generic]]]] = {id(systems[0]): []}
+    for _, system in _distinct(systems):
+        contents = ((field, _content(system.model, field)) for field in fields)
+        own[id(system)] = [(field, content) for field, content in contents if content.tobytes() != shared[field]]
+    for number, system in enumerate(systems):
+        for field, content in own[id(system)]:
+            rows = batch.expand(field)
+            rows[number] = content[: rows.shape[1]] if rows.ndim > 1 else content  # the batch shares what is a mesh's
+
+
+def _distinct(systems: Sequence[System]) -> list[tuple[int, System]]:
+    """Return the systems that are not the first object, each once, with their numbers."""
+    numbers = {id(system): number for number, system in reversed(list(enumerate(systems)))}
+    return [(number, systems[number]) for number in sorted(numbers.values()) if number]
+
+
+def _content(model: mujoco.MjModel, field: str) -> npt.NDArray[np.generic]:
+    return np.asarray(getattr(model.opt, field[4:]) if field.startswith("opt.") else getattr(model, field))
+
+
+def _sizes_of(model: mujoco.MjModel) -> dict[str, int]:
+    return {name: getattr(model, name) for name in _sizes()}
+
+
+@cache
+def _sizes() -> tuple[str, ...]:
+    """Return the names of a model's counts; those of names, paths and texts may differ."""
+    may_differ = ("nnames", "nnames_map", "npaths", "ntextdata", "nbuffer", "ntex", "ntexdata")
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    counts = (name for name in dir(model) if name.startswith("n") and isinstance(getattr(model, name), int))
+    return tuple(name for name in counts if name not in may_differ)
+
+
+@cache
+def _expandable() -> tuple[str, ...]:
+    """Return the names of the fields that act and of which every simulation of a batch may have its own."""
+    return tuple(
+        sorted(f for f in MODEL_FIELDS if f != _STEP and not f.startswith(_WORDS) and not f.endswith("pathadr"))
+    )
+
+
+@cache
+def _fixed() -> tuple[str, ...]:
+    """Return the names of the arrays that act and that all simulations of a batch share."""
+    model = mujoco.MjModel.from_xml_string("<mujoco/>")
+    arrays = (name for name in dir(model) if isinstance(getattr(model, name), np.ndarray))
+    kept = (name for name in arrays if name not in MODEL_FIELDS and not name.startswith((*_WORDS, "_", "bvh_")))
+    return tuple(name for name in kept if not name.endswith("pathadr"))
+
 
 Sink = Callable[[int, Array], None]
 
@@ -47,10 +125,8 @@ class Lockstep:
     ) -> None:
         """Prepare for stepping `systems` from `starts` with their bases following `motions`."""
         self.systems, self.motions = systems, motions
-        # One motion may serve many systems: it is evaluated once.
-        distinct = {id(motion): motion for motion in motions}
-        numbers = {key: number for number, key in enumerate(distinct)}
-        self._distinct, self._which = list(distinct.values()), np.array([numbers[id(motion)] for motion in motions])
+        self._distinct, which = distinct_motions(motions)
+        self._which = np.array(which)
         assembly = systems[0].assembly
         self._drive, self._force_sites = assembly.tables.drive, assembly.subjects.force_names
         self._model, self.live = systems[0].model, np.arange(len(systems))
@@ -78,8 +154,7 @@ class Lockstep:
         if sink is not None:
             self._sink, self._sensors = sink, self._batch.bind("sensordata")[:, self.systems[0].assembly.sensor :]
         tables = [StageTables(motion, self._drive, self._force_sites) for motion in self._distinct]
-        # Equal for motions whose segments have the same events.
-        keys = [(one.corners.tobytes(), tuple(time for time, _ in one.velocity_jumps)) for one in self._distinct]
+        keys = [events_key(motion) for motion in self._distinct]
         by_corners = dict(zip(keys, self._distinct, strict=True))
         stop = grid.start
         for block in grid.blocks():
@@ -95,11 +170,13 @@ class Lockstep:
             self._take_sample()
         self._base_peaks = [table.peak for table in tables]
 
-    def result(self, number: int) -> tuple[State, Peaks]:
-        """Return final state and peaks of one of the systems that are live."""
+    def result(self, number: int, why: str) -> RunResult:
+        """Read the result of one of the systems that are live; `why` it was not the kernel's."""
         final = State(values=self._finals[number].copy(), time=float(self._finals[number, 0]))
-        base = self._base_peaks[self._which[number]]
-        return final, peaks_of(self.systems[number], self._user[number], base)
+        peaks = peaks_of(self.systems[number], self._user[number], self._base_peaks[self._which[number]])
+        return RunResult(
+            final_state=final, peaks=peaks, callback="native", steps=self.steps, largest_step=self.largest_step, why=why
+        )
 
     def _advance(self, block: Grid, grids: list[Grid], stages: tuple[Stages, ...]) -> None:
         """Step through the segments of `stages`, each motion's own, in which the motions' `grids` have the events."""

@@ -11,8 +11,8 @@ from wirerope_mj.engine.simulation.grid import TimeGrid
 Update = Callable[[float, float], None]
 
 
+# time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run
 PATIENCE, PACE = 60.0, 0.01
-"""Time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run."""
 
 
 @contextmanager
@@ -67,7 +67,7 @@ def share_bar(
 
 
 def _lines(word: str, text: Callable[[float, float], str], began: float, begun: float) -> Update:
-    """Return what prints a line now and then."""
+    """Make the update that prints a line now and then."""
     last, shown = began, begun
 
     def update(fraction: float, value: float) -> None:

@@ -1,26 +1,152 @@
-"""The samples of a run on their way into a response."""
+"""The samples of a run on their way into a response, with gaps of pairs of geoms and the drawable scene."""
 
+import math
 from pathlib import Path
 from typing import Any
 
+import mujoco
 import numpy as np
 
-from wirerope_mj.engine.response.columns import ColumnPlan
-from wirerope_mj.engine.response.histories import MemorySamples, Numerics
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.response.response import FILE, Response, response_metadata, response_of
-from wirerope_mj.engine.response.storage import load_response
-from wirerope_mj.engine.simulation.gaps import Gaps
+from wirerope_mj.engine.response.response import FILE, Response, load_response, response_metadata, response_of
+from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.engine.system import System, once_per_system
+from wirerope_mj.engine.system import Mount, System, once_per_system
+from wirerope_mj.engine.system.tables import declared_pairs
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-STREAM_ROWS = 4096
-"""Samples that are kept in memory before a block is written to disk."""
+_SHAPES = {
+    mujoco.mjtGeom.mjGEOM_PLANE: "plane",
+    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
+    mujoco.mjtGeom.mjGEOM_BOX: "box",
+    mujoco.mjtGeom.mjGEOM_MESH: "mesh",
+}
+
+
+@once_per_system
+def scene_of(system: System) -> Scene:
+    """Return bodies, geoms and mounts of a system in its modelled geometry; geoms of other kinds are left out."""
+    model = system.model
+    with system.assembly.scratch.data(model) as data:
+        mujoco.mj_kinematics(model, data)
+        bodies = _bodies(system, data)
+        mounts = tuple(_mount(model, data, mount) for mount in system.mounts.values())
+    return Scene(
+        name=system.name, base=system.base, bodies=bodies, mounts=mounts, limits=system.limits,
+        combined_travel=system.combined_travel, areas=system.areas,
+    )  # fmt: skip
+
+
+def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
+    model = system.model
+    base = model.body(system.base).id if system.base else -1
+    bodies = []
+    for body in range(model.nbody):
+        moves = bool(model.body_weldid[body] != 0)
+        fixed = not moves and body != 0
+        bodies.append(
+            SceneBody(
+                name=model.body(body).name or f"world_{body}" if fixed else model.body(body).name,
+                moves=moves,
+                on_base=bool(moves and model.body_weldid[body] == base),
+                position=data.xipos[body].copy(),
+                orientation=data.xquat[body].copy(),
+                geoms=_geoms(model, body),
+            )
+        )
+    return tuple(bodies)
+
+
+def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
+    first = int(model.body_geomadr[body])
+    geoms = []
+    for g in range(first, first + int(model.body_geomnum[body])):
+        shape = _SHAPES.get(mujoco.mjtGeom(model.geom_type[g]))
+        if shape is None:
+            continue
+        material, mesh, more = int(model.geom_matid[g]), int(model.geom_dataid[g]), {}
+        if shape == "mesh":
+            v, f = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
+            vertices, faces = (
+                model.mesh_vert[v:][: model.mesh_vertnum[mesh]],
+                model.mesh_face[f:][: model.mesh_facenum[mesh]],
+            )
+            more = {"vertices": vertices.astype(np.float64), "faces": faces.astype(np.float64)}
+        rgba = model.geom_rgba[g] if material < 0 else model.mat_rgba[material]
+        geoms.append(
+            Geom(
+                name=model.geom(g).name, shape=shape, size=model.geom_size[g].copy(), rgba=rgba.astype(np.float64),
+                position=model.geom_pos[g] - model.body_ipos[body], orientation=model.geom_quat[g].copy(), **more,
+            )
+        )  # fmt: skip
+    return tuple(geoms)
+
+
+def _mount(model: mujoco.MjModel, data: mujoco.MjData, mount: Mount) -> SceneMount:
+    sites = [model.site(name).id for name in (mount.payload_site, mount.base_site)]
+    on = [int(model.site_bodyid[site]) for site in sites]
+    rotation = data.xmat[on[1]].reshape(3, 3)
+    isolator = mount.isolator
+    sizes = ("height", "width", "bar", "bolts", "bolts_along_roll", "bolts_along_shear")
+    height, width, bar, *bolts = (_number(getattr(isolator.geometry, size, None)) for size in sizes)
+    return SceneMount(
+        name=mount.name, isolator=isolator.name, payload_body=model.body(on[0]).name, base_body=model.body(on[1]).name,
+        payload_point=model.site_pos[sites[0]] - model.body_ipos[on[0]],
+        base_point=model.site_pos[sites[1]] - model.body_ipos[on[1]], axes=rotation.T @ mount.axes, height=height,
+        width=width, bar=bar, static_load=_number(isolator.limits.static_load), travel=isolator.limits.travel.stated,
+        stop=isolator.is_stop, bolts=np.array(bolts),
+    )  # fmt: skip
+
+
+def _number(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+FARTHEST = 1e3  # gap that is as good as any larger one [m]
+
+
+class Gaps:
+    """Geoms of the declared pairs of a system, to be placed as samples say."""
+
+    def __init__(self, system: System) -> None:
+        self._model, subjects = system.model, system.assembly.subjects
+        self._data = mujoco.MjData(self._model)
+        mujoco.mj_kinematics(self._model, self._data)  # what is fixed to the world stays there
+        self._pairs = declared_pairs(self._model)
+        column = {body: at.KINEMATICS * number for number, body in enumerate(subjects.bodies)}
+        body_of = self._model.geom_bodyid
+        moving = sorted({geom for pair in self._pairs for geom in pair if int(body_of[geom]) in column})
+        self._moving = {geom: column[int(body_of[geom])] for geom in moving}
+        self._turns = dict(zip(moving, rotation_matrices(self._model.geom_quat[moving]), strict=True))
+
+    def of(self, values: Array) -> Array:
+        """Return the gaps [m], < 0 where pressed, (n_t, n_pairs), at samples with these sensor values, (n_t, n_values)."""
+        model, data = self._model, self._data
+        turns = {first: rotation_matrices(values[:, first + 3 : first + 7]) for first in set(self._moving.values())}
+        places = {}  # positions (n_t, 3) and axes (n_t, 9) of every geom
+        for geom, first in self._moving.items():
+            from_centre = model.geom_pos[geom] - model.body_ipos[model.geom_bodyid[geom]]
+            positions = values[:, first : first + 3] + turns[first] @ from_centre
+            places[geom] = positions, (turns[first] @ self._turns[geom]).reshape(-1, 9)
+        gaps, line = np.empty((len(values), len(self._pairs))), np.empty(6)
+        for row in range(len(values)):
+            for geom, (positions, axes) in places.items():
+                data.geom_xpos[geom], data.geom_xmat[geom] = positions[row], axes[row]
+            for number, (one, other) in enumerate(self._pairs):
+                gaps[row, number] = mujoco.mj_geomDistance(model, data, one, other, FARTHEST, line)
+        return gaps
+
+
+STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
 
 
 class Recorder:
@@ -79,7 +205,7 @@ class Recorder:
             return response_of(self.plan, MemorySamples(self._names, rest), **parts)
         if rest.size:
             self._writer.write(rest)
-        self._writer.close(response_metadata(plan=self.plan, **parts))
+        self._writer.close(response_metadata(self.plan, parts))
         return load_response(self._writer.path.parent)
 
     def discard(self) -> None:
@@ -95,11 +221,12 @@ def column_plan(system: System) -> ColumnPlan:
     return ColumnPlan(
         bodies=subjects.body_names,
         points=subjects.point_names,
-        mounts=[(name, _state_names(system, name)) for name in system.mounts],
+        mounts=[
+            (
+                name,
+                tuple(f"{c}.{z}" for c, law in one.isolator.axes.items() if law is not None for z in law.state_names),
+            )
+            for name, one in system.mounts.items()
+        ],
         contacts=list(system.assembly.contacts),
     )
-
-
-def _state_names(system: System, mount: str) -> tuple[str, ...]:
-    axes = system.mounts[mount].isolator.axes
-    return tuple(f"{axis}.{state}" for axis, law in axes.items() if law is not None for state in law.state_names)

@@ -1,8 +1,9 @@
-"""Stepping a system through a time grid: the one loop of every simulation."""
+"""Stepping a system through a time grid: the one loop of every simulation; its peaks and contacts, and what to warn of."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+import warnings
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import mujoco
@@ -11,18 +12,78 @@ import numpy as np
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import Kind
-from wirerope_mj.engine.response.peaks import BodyPeaks, CombinedTravel, MountPeaks, Peak, Peaks, PointPeaks
-from wirerope_mj.engine.simulation.contacts import contacts_of
+from wirerope_mj.engine.response.histories import SENSITIVE
+from wirerope_mj.engine.response.peaks import (
+    BodyPeaks,
+    CombinedTravel,
+    ContactPeak,
+    MountPeaks,
+    Peak,
+    Peaks,
+    PointPeaks,
+)
+from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.stages import StageTables
 from wirerope_mj.engine.simulation.stepper import Stepper
 from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.tables import contact_name, payload_first, untouched
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import AccuracyWarning, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator.travel import beyond_law
 
-CHECK_EVERY = 64
-"""Segments between two looks at MuJoCo's warning counters."""
+OTHERS = "further pairs"  # name of all pairs of geoms beyond the memory's last row
+
+
+def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
+    """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
+
+    Where more touched than the memory has rows for, the last row is of all further pairs together, and what is not known to
+    have touched is left out.
+    """
+    model, addresses, base = system.model, system.assembly.tables.user, system.assembly.subjects.base
+    contacts = dict(system.assembly.contacts)
+    rows = addresses.contact_rows(user)
+    for row in rows[rows[:, at.TOUCHES] != 0.0]:
+        if row[at.GEOMS] == at.SEVERAL:
+            contacts[OTHERS] = _touched(ContactPeak(geoms=(OTHERS, ""), bodies=("", "")), row)
+        else:
+            one, other = divmod(int(row[at.GEOMS]), at.MOST_GEOMS)
+            pair = payload_first(model, base, (one - 1, other - 1))
+            contacts[contact_name(model, pair)] = _touched(untouched(model, pair), row)
+    if OTHERS in contacts:
+        contacts = {name: contact for name, contact in contacts.items() if contact.touches}
+    return contacts | _stops(system, user) if addresses.n_stops else contacts
+
+
+def _stops(system: System, user: Array) -> dict[str, ContactPeak]:
+    """Return the stops among the mounts' laws, open or not, by the mount's name; with the axis where it has several."""
+    rows = iter(system.assembly.tables.user.stop_rows(user))
+    contacts = {}
+    for mount in system.mounts.values():
+        axes = mount.isolator.stops
+        open_stop = ContactPeak(geoms=("", ""), bodies=(mount.payload_body, mount.base_body), mount=mount.name)
+        for number, axis in enumerate(axes):
+            name = mount.name if len(axes) == 1 else f"{mount.name} {axis}"
+            name += f" {axes[: number + 1].count(axis)}" if axes.count(axis) > 1 else ""
+            row = next(rows)
+            contacts[name] = _touched(open_stop, row) if row[at.TOUCHES] else open_stop
+    return contacts
+
+
+def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
+    force, depth = float(row[at.FORCE_PEAK]), float(row[at.DEPTH])
+    return replace(
+        contact, touches=int(row[at.TOUCHES]), from_start=bool(row[at.FROM_START]),
+        first_touch=float(row[at.FIRST_TOUCH]), duration=float(row[at.TOUCHED_FOR]), force=force,
+        force_time=float(row[at.FORCE_TIME]) if force else None, penetration=depth,
+        penetration_time=float(row[at.DEPTH_TIME]) if depth else None, energy=float(row[at.WORK]),
+    )  # fmt: skip
+
+
+CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,15 +103,9 @@ class RunResult:
 
 
 def run(
-    system: System,
-    motion: BaseMotion,
-    grid: TimeGrid,
-    initial: State,
-    *,
-    callback: Kind,
-    sink: Callable[[int, Array], None],
-    progress: Callable[[float], None] | None = None,
-) -> RunResult:
+    system: System, motion: BaseMotion, grid: TimeGrid, initial: State, *, callback: Kind,
+    sink: Callable[[int, Array], None], progress: Callable[[float], None] | None = None,
+) -> RunResult:  # fmt: skip
     """Step `system` through `grid` from `initial` by MuJoCo and hand every sample to `sink`.
 
     The system's model is copied, so that one system serves several threads. `sink` takes the number of the first of some
@@ -123,6 +178,7 @@ def _travel(row: list[float]) -> CombinedTravel:
     )  # fmt: skip
 
 
+# where the numbers of a `Peak` stand in the tracker's memory of a channel
 _NUMBERS = np.array(
     [
         at.PEAK,
@@ -130,4 +186,71 @@ _NUMBERS = np.array(
         *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
     ]
 )
-"""Where the numbers of a `Peak` stand in the tracker's memory of a channel."""
+
+
+def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
+    """Return that motions are steadily faster than samples can tell, as a sentence without a capital; "" if none is."""
+    parts = [part for motion in motions for part in motion.parts if part.kind in _OF_FREQUENCIES]
+    fastest = max((1.0 / part.shortest_time for part in parts), default=0.0)
+    if fastest <= 0.5 * sample_rate:
+        return ""
+    return (
+        f"the base moves at up to {fastest:.4g} Hz, and {sample_rate:.4g} samples a second tell nothing above "
+        f"{0.5 * sample_rate:.4g} Hz: histories and spectra of the samples show what is not there. Peaks are those of "
+        f"every step. Give a `sample_rate` of at least {10.0 * fastest:.4g} Hz."
+    )
+
+
+def warn_of_aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> None:
+    """Warn where a motion is steadily faster than samples can tell: histories show what is not there."""
+    if text := aliasing(motions, sample_rate):
+        warnings.warn(text, AccuracyWarning, stacklevel=3)
+
+
+_OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
+
+
+def require_lawful(system: System, peaks: Peaks) -> None:
+    """Raise SimulationError if a mount went to where the law of an axis does not hold."""
+    for name, mount in system.mounts.items():
+        if mount.isolator.holds_everywhere:
+            continue
+        peak = peaks.mounts[name].deflection
+        if beyond := beyond_law(mount.isolator.axes, peak.minimum, peak.maximum):
+            raise SimulationError(
+                f"mount {name!r} was {beyond}: shake it more gently, or take an isolator with more travel."
+            )
+
+
+def warn_of_uncertainty(response: Response) -> None:
+    """Warn where contacts were struck, and where the estimated error is above the accuracy that was asked for.
+
+    A stop among the mounts' laws is as certain as they are: that it was struck is a verdict, and no doubt about numbers.
+    """
+    numerics = response.numerics
+    contacts = {name: one for name, one in (response.peaks.contacts or {}).items() if not one.mount}
+    struck = [name for name in response.peaks.struck if name in contacts]
+    if struck:
+        warnings.warn(
+            f"{len(struck)} of {len(contacts)} contact pairs were struck, first {struck[0]} at "
+            f"{contacts[struck[0]].first_touch:.4f} s: accelerations are uncertain from there on, because they depend on "
+            "stiffness and damping of the stops.",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+    if numerics.limited_by == SENSITIVE:
+        warnings.warn(
+            f"the answer is sensitive to what the system hits: runs with steps of {1e3 * numerics.timestep:.4g} ms and less "
+            f"differ by up to {numerics.error_estimate:.1e} of the peaks, and finer ones do not agree better. Take the peaks "
+            "with that spread, or give the stops more loss.",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+    elif numerics.error_estimate > numerics.accuracy:
+        warnings.warn(
+            f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
+            f"{numerics.accuracy:.1e}: the step of {1e3 * numerics.timestep:.4g} ms is limited by {numerics.limited_by}. "
+            "Ask for less (a larger `accuracy`), or give a smaller `timestep`.",
+            AccuracyWarning,
+            stacklevel=3,
+        )

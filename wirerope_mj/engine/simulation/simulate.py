@@ -11,22 +11,26 @@ from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import Numerics
 from wirerope_mj.engine.response.response import FILE, Response
 from wirerope_mj.engine.simulation.engines import Engine, compute
-from wirerope_mj.engine.simulation.finished import require_lawful, warn_of_aliasing, warn_of_uncertainty
 from wirerope_mj.engine.simulation.grid import time_grid
-from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.progress import progress_bar
-from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.size import check_size
+from wirerope_mj.engine.simulation.recorder import Recorder, column_plan
+from wirerope_mj.engine.simulation.run import RunResult, require_lawful, warn_of_aliasing, warn_of_uncertainty
 from wirerope_mj.engine.simulation.stability import slowest_period, stable_step
+from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_disk, require_memory, require_time
 from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationError
 from wirerope_mj.foundation.plain_text import quoted
+from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.state import State
-from wirerope_mj.foundation.versions import version_of
 from wirerope_mj.motions import BaseMotion
+
+NUMBER = 8  # bytes of a number
+# bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
+OF_AN_INSTANT = 4 * NUMBER
 
 
 def simulate(
@@ -107,25 +111,38 @@ def simulate(
                     system, motion, grid, start, engine=engine, callback=callback, sink=recorder.add, progress=update
                 )
         require_lawful(system, done.peaks)
-        numerics = Numerics(
-            timestep=done.largest_step,
-            accuracy=accuracy if timestep is None else math.nan,
-            error_estimate=step.error or math.nan,  # no difference at all tells nothing
-            steps=done.steps,
-            callback=done.callback,
-            engine=done.engine,
-            why=done.why,
-            versions=dict(versions()),
-            limited_by=step.limited_by,
-            **lengths(system, motion),
-        )
+        error = step.error or math.nan  # no difference at all tells nothing
+        asked = accuracy if timestep is None else math.nan
+        numerics = numerics_of(system, motion, done, accuracy=asked, error=error, limited_by=step.limited_by)
         response = recorder.finish(start, done.final_state, done.peaks, numerics)
     except BaseException:
         recorder.discard()
         raise
     warn_of_uncertainty(response)
-    warn_of_aliasing(motion, sample_rate)
+    warn_of_aliasing([motion], sample_rate)
     return response
+
+
+def check_size(
+    system: System, *, duration: float, sample_rate: float, timestep: float | None = None, kept: float | None = None,
+    out: Path | None = None,
+) -> None:  # fmt: skip
+    """Raise BudgetError if a run takes more memory, disk or time than there is.
+
+    `kept` is the time whose samples are kept in memory [s], of several runs together (None: the duration); `out` the folder
+    to which they are streamed instead.
+    """
+    samples, columns = duration * sample_rate, len(column_plan(system).names)
+    asked = f"{duration:.4g} s with {sample_rate:.4g} samples a second"
+    less = "Use a lower `sample_rate` or a shorter `duration`"
+    require_time(f"a run of {asked}", max(samples, duration / timestep if timestep else 0.0), f"{less}.")
+    what, size = f"the samples of this run, {asked} and {columns} columns,", NUMBER * columns
+    if out is None:
+        held = samples if kept is None else kept * sample_rate
+        require_memory(what, held * size, f"{less}, or stream them to a folder (`out`).")
+    else:
+        require_disk(what, samples * size, out, f"{less}, or write to another disk.")
+    require_memory(f"the instants of this run, {asked},", samples * OF_AN_INSTANT, f"{less}.")
 
 
 @cache
@@ -134,10 +151,15 @@ def versions() -> dict[str, str]:
     return {name: version_of(name) for name in ("wirerope-mj", "mujoco", "numpy", "numba")}
 
 
-def lengths(system: System, motion: BaseMotion) -> dict[str, float]:
-    """Return what tells whether a run is long enough, as `Numerics` has it."""
-    end = motion.end if math.isfinite(motion.end) else math.nan
-    return {"motion_end": end, "slowest_period": slowest_period(system)}
+def numerics_of(
+    system: System, motion: BaseMotion, done: RunResult, *, accuracy: float, error: float, limited_by: str
+) -> Numerics:
+    """Describe how a run was computed."""
+    return Numerics(
+        timestep=done.largest_step, accuracy=accuracy, error_estimate=error, steps=done.steps, callback=done.callback,
+        versions=dict(versions()), limited_by=limited_by, engine=done.engine, why=done.why,
+        motion_end=motion.end if math.isfinite(motion.end) else math.nan, slowest_period=slowest_period(system),
+    )  # fmt: skip
 
 
 def check_arguments(**named: float | None) -> None:
@@ -158,11 +180,10 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
     return np.sort(instants)
 
 
-FINEST = 1e-15
-"""Accuracy that can be asked for: the rounding of one number."""
+FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
 
+# steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
 MOST_STEPS = 1e9
-"""Steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step."""
 
 
 def checked_step(system: System, timestep: float, duration: float) -> float:

@@ -1,19 +1,22 @@
-"""Rates of a system's own motion from its mounts' tangents, and the step with which RK4 is stable."""
+"""Rates of a system's own motion from its mounts' tangents, the step with which RK4 is stable, and its bounds."""
 
 import mujoco
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.engine.system import System, once_per_system
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.equations import equations
+from wirerope_mj.engine.system import System, mount_rates, once_per_system
 from wirerope_mj.engine.system.tables import turning
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.laws.law import Law
 
+# RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used
 RK4_LIMIT = 2.7
-"""RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used."""
 
 
+# angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely
 SLOWEST_RATE = 1.0
-"""Angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely."""
 
 
 def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
@@ -21,26 +24,22 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
 
     Stiffness is that of the unloaded mounts in the modelled geometry, with stops open or closed, damping the laws' largest.
     """
-    model, rows, stiffness, damping = system.model, [np.zeros((0, system.model.nv))], [], []
-    payload, base, turn, base_turn = (np.zeros((3, model.nv)) for _ in range(4))
-    for mount, (site, base_site) in zip(system.mounts.values(), system.assembly.tables.sites, strict=True):
-        point = data.site_xpos[site]
-        mujoco.mj_jac(model, data, payload, turn, point, model.site_bodyid[site])
-        mujoco.mj_jac(model, data, base, base_turn, point, model.site_bodyid[base_site])
-        rows.append(mount.axes.T @ (payload - base))  # of the deflections, (3, n_v)
+    rows: list[Array] = [np.zeros((0, system.model.nv))]
+    numbers: list[tuple[float, float]] = []
+    for mount, (moves, turns) in zip(system.mounts.values(), mount_rates(system, data), strict=True):
+        rows.append(mount.axes.T @ moves)  # of the deflections, (3, n_v)
         for law in mount.isolator.axes.values():
             if law is None:
-                stiffness.append(0.0)
-                damping.append(0.0)
-                continue
-            stiffness.append(law.closed_stiffness if closed else law.initial_stiffness)
-            damping.append(law.closed_damping if closed else law.damping_coefficient)
+                numbers.append((0.0, 0.0))
+            elif closed:
+                numbers.append((law.closed_stiffness, law.closed_damping))
+            else:
+                numbers.append((law.initial_stiffness, law.damping_coefficient))
         if mount.isolator.rotation is not None:
-            rows.append(mount.axes.T @ (turn - base_turn))  # of the turns
-            stiffness += turning(mount.isolator)
-            damping += [0.0] * 3
+            rows.append(mount.axes.T @ turns)
+            numbers += [(stiffness, 0.0) for stiffness in turning(mount.isolator)]
     to_deflections = np.concatenate(rows)
-    along, resisting = (to_deflections.T * np.array(numbers) @ to_deflections for numbers in (stiffness, damping))
+    along, resisting = (to_deflections.T * row @ to_deflections for row in np.array(numbers).reshape(-1, 2).T)
     return along, resisting
 
 
@@ -80,3 +79,91 @@ def slowest_period(system: System) -> float:
     rates = np.abs(eigenvalues(system).imag)
     moving = rates[rates > SLOWEST_RATE]
     return float(2.0 * np.pi / moving.min()) if moving.size else 1.0
+
+
+ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
+
+
+class StepBound:
+    """Bounds of the fastest rates of variants whose mounts stand where those of a system do.
+
+    With inertia M, stiffness K and damping C, symmetric and not negative, every eigenvalue is at most
+    c / 2 + sqrt(c^2 / 4 + k), c and k the largest ones of M^-1 C and M^-1 K; these are at most the roots of the sums of the
+    squares of all of them.
+
+    Attributes:
+        stiffness, damping, decay: of the system's own laws, closed, (3 n_mounts,) each, see `wirerope_mj.mounts.laws.law`.
+    """
+
+    def __init__(self, system: System) -> None:
+        """Look up how deflections and links move with the free coordinates, in the modelled geometry."""
+        model, lay = system.model, equations(system).lay
+        self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+        laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
+        self.stiffness, self.damping, self.decay = np.array([rates_of(law) for law in laws]).reshape(-1, 3).T
+        moving, turn_rates = np.zeros((2, 3, model.nv))
+        with system.assembly.scratch.data(model) as data:
+            mujoco.mj_fwdPosition(model, data)
+            rates = zip(system.mounts.values(), mount_rates(system, data), strict=True)
+            to_deflections = np.concatenate([(mount.axes.T @ moves)[:, self._free] for mount, (moves, _) in rates])
+            self._squares = to_deflections[:, :, np.newaxis] * to_deflections[:, np.newaxis]
+            links = lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)
+            self._links = []
+            bodies = np.flatnonzero((model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0))
+            for body, row in zip(bodies.tolist(), links.tolist(), strict=True):
+                mujoco.mj_jac(model, data, moving, turn_rates, data.xpos[body], body)
+                axes = data.xmat[body].reshape(3, 3)
+                parts = (axes.T @ moving)[:, self._free], (axes.T @ turn_rates)[:, self._free]
+                self._links.append((int(row[at.INERTIA]), *parts))
+        self._armature = np.diag(model.dof_armature[self._free])
+        self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
+
+    def inertia(self, numbers: Array) -> Array:
+        """Return the inertia of the free coordinates of variants with these numbers of their equations, (n, n_free, n_free)."""
+        total = np.broadcast_to(self._armature, (len(numbers), *self._armature.shape)).copy()
+        for first, moving, turn_rates in self._links:
+            mass, centre = numbers[:, first + at.MASS_OF], numbers[:, first + at.CENTRE : first + at.CENTRE + 3]
+            about = numbers[:, first + at.ABOUT : first + at.ABOUT + 6][:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(
+                -1, 3, 3
+            )
+            velocity = moving + np.cross(turn_rates[np.newaxis], centre[:, :, np.newaxis], axis=1)
+            total += mass[:, np.newaxis, np.newaxis] * (velocity.swapaxes(1, 2) @ velocity)
+            total += turn_rates.T @ about @ turn_rates
+        return total
+
+    def certainly_stable(
+        self, timestep: float, numbers: Array, stiffness: Array, damping: Array, decay: Array
+    ) -> npt.NDArray[np.bool_]:
+        """Return for which variants a step is certainly stable, (n,); of the others `stable_step` says it.
+
+        Args:
+            timestep: the step [s].
+            numbers: of the variants' equations, (n, n_num).
+            stiffness: of their laws, (n, 3 n_mounts), as those of the system.
+            damping: the same.
+            decay: the same.
+        """
+        if self._turns or not self._free.size:
+            return np.zeros(len(numbers), dtype=np.bool_)
+        inertia = self.inertia(numbers)
+        k, c = (_largest(inertia, np.tensordot(values, self._squares, axes=1)) for values in (stiffness, damping))
+        fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))
+        passive = (stiffness >= 0.0).all(axis=1) & (damping >= 0.0).all(axis=1)
+        return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))
+
+
+def rates_of(law: Law | None) -> tuple[float, float, float]:
+    """Return closed stiffness [N/m], closed damping [N s/m] and rate of decay [1/s] of a law, 0 of none."""
+    return (0.0, 0.0, 0.0) if law is None else (law.closed_stiffness, law.closed_damping, law.relaxation_rate)
+
+
+def _largest(inertia: Array, matrices: Array) -> Array:
+    """Return upper bounds of the eigenvalues of M^-1 K, (n,)."""
+    product = np.linalg.solve(inertia, matrices)
+    return np.sqrt(np.maximum(np.einsum("nij,nji->n", product, product), 0.0))
+
+
+@once_per_system
+def step_bound(system: System) -> StepBound:
+    """Return the bounds for variants of a system; made once."""
+    return StepBound(system)

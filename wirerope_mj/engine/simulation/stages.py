@@ -1,20 +1,77 @@
-"""The base motion for the steps of a grid, segment by segment."""
+"""The base motion for the steps of a grid, segment by segment, its peaks, and windows of it."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control.layout import SMOOTH
+from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.engine.simulation.running_peak import RunningPeak
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 
+
+class RunningPeak:
+    """Extremes of the norm and of the components of a vector, which are zero before the first block."""
+
+    def __init__(self) -> None:
+        self._norm = (0.0, 0.0)  # value and instant, as in the next two
+        self._lows, self._highs = [(0.0, 0.0)] * 3, [(0.0, 0.0)] * 3
+        self._vector = np.zeros(3)
+
+    def add(self, times: Array, vectors: Array) -> None:
+        """Take the vectors (n, 3) at instants in order (n,) [s], of which neighbours may be the same."""
+        components = np.ascontiguousarray(vectors.T)
+        x, y, z = components
+        norms = np.sqrt(x * x + y * y + z * z)
+        largest = int(norms.argmax())
+        norm = _extreme(times, norms, largest)
+        if norm[0] > self._norm[0]:
+            self._norm = norm
+            self._vector = norm[0] * (components[:, largest] / max(float(norms[largest]), 1e-300))
+        for axis, component in enumerate(components):
+            low = _extreme(times, component, int(component.argmin()))
+            high = _extreme(times, component, int(component.argmax()))
+            if low[0] < self._lows[axis][0]:
+                self._lows[axis] = low
+            if high[0] > self._highs[axis][0]:
+                self._highs[axis] = high
+
+    @property
+    def peak(self) -> Peak:
+        """Peak over all blocks so far."""
+        (minimum, minimum_time), (maximum, maximum_time) = (np.transpose(ends) for ends in (self._lows, self._highs))
+        value, time = self._norm
+        return Peak(
+            value=value, time=time, vector=self._vector,
+            minimum=minimum, minimum_time=minimum_time, maximum=maximum, maximum_time=maximum_time,
+        )  # fmt: skip
+
+
+def _extreme(times: Array, values: Array, i: int) -> tuple[float, float]:
+    """Return value and instant of the extreme at index i, refined by a parabola unless a corner stands beside it."""
+    value, time = values.item(i), times.item(i)
+    before, after = i - 1, i + 1
+    while after < times.size and times.item(after) == time:  # segments share their ends
+        after += 1
+    while before >= 0 and times.item(before) == time:
+        before -= 1
+    if before < 0 or after == times.size:
+        return value, time
+    earlier, later = times.item(before), times.item(after)
+    if 0.1 < (later - time) / (time - earlier) < 10.0:  # the two limits of a corner stand 2e-10 s apart
+        time, value = parabola_extreme(earlier, values.item(before), time, value, later, values.item(after))
+    return value, time
+
+
+# instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions
 POINTS = 4096
-"""Instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,21 +93,16 @@ class Stages:
     """The base in segments that follow each other.
 
     At a corner, velocity and accelerations are those inside the segment.
-
-    Attributes:
-        first: number of the first segment.
-        positions, rates: of the driven slides at the start of every segment, as the motion has them, (n, n_driven).
-        accelerations: of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3).
-        forces: forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any.
-        ends: where a segment's accelerations end among them, (n,).
     """
 
-    first: int
-    positions: Array
+    first: int  # number of the first segment
+    positions: Array  # of the driven slides at the start of every segment, as the motion has them, (n, n_driven)
     rates: Array
+    # of the base at all half steps, 2 steps + 1 for every segment, one segment after the other, (n_points, 3)
     accelerations: Array
+    # forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any
     forces: Array
-    ends: npt.NDArray[np.int64]
+    ends: npt.NDArray[np.int64]  # where a segment's accelerations end among them, (n,)
 
     def segments(self, begin: int = 0, end: int | None = None) -> Iterator[Segment]:
         """Yield the segments from `begin` to `end`, counted from the first."""
@@ -104,19 +156,28 @@ class StageTables:
             accelerations = self._motion.acceleration(times)
             self._running.add(times, accelerations)
             yield Stages(
-                first=first,
-                positions=positions[first - begin : last - begin],
-                rates=rates[first - begin : last - begin],
-                accelerations=accelerations,
-                forces=loads_at(self._motion, self._sites, times),
-                ends=total[block] - before,
-            )
+                first=first, positions=positions[first - begin : last - begin],
+                rates=rates[first - begin : last - begin], accelerations=accelerations,
+                forces=loads_at(self._motion, self._sites, times), ends=total[block] - before,
+            )  # fmt: skip
             first = last
 
     def segments(self, grid: Grid) -> Iterator[Segment]:
         """Yield every segment of a grid."""
         for stages in self.blocks(grid):
             yield from stages.segments()
+
+
+def distinct_motions(motions: Sequence[BaseMotion]) -> tuple[list[BaseMotion], list[int]]:
+    """Return the motions that are not the same object, each to be evaluated once, and each given one's number among them."""
+    distinct = {id(motion): motion for motion in motions}
+    numbers = {key: number for number, key in enumerate(distinct)}
+    return list(distinct.values()), [numbers[id(motion)] for motion in motions]
+
+
+def events_key(motion: BaseMotion) -> tuple[bytes, tuple[float, ...]]:
+    """Return a key that motions share whose segments have the same events."""
+    return motion.corners.tobytes(), tuple(time for time, _ in motion.velocity_jumps)
 
 
 def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
@@ -140,9 +201,42 @@ def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: A
 
 
 def along_slides(drive: Array, vectors: Array) -> Array:
-    """Return what base vectors (n, 3) are for the driven slides, (n, n_driven).
+    """Map base vectors (n, 3) to the driven slides, (n, n_driven).
 
     Not a matrix product: its rounding depends on how many vectors are multiplied at once.
     """
     x, y, z = vectors[:, :, np.newaxis].transpose(1, 0, 2)
     return x * drive[:, 0] + y * drive[:, 1] + z * drive[:, 2]
+
+
+@dataclass(frozen=True, eq=False)
+class Later(BaseMotion):
+    """`motion` whose time begins at the instant `at` [s]; it is stepped through and never stored."""
+
+    motion: BaseMotion
+    at: float
+    kind: ClassVar[str] = "later"
+
+    @property
+    def duration(self) -> float:  # type: ignore[override]
+        """Length that is left [s]."""
+        return self.motion.end - self.at
+
+    def _derivative(self, t: Array, order: int) -> Array:
+        return self.motion._derivative(t + self.at, order)
+
+    @property
+    def corners(self) -> Array:
+        """Instants of the motion's corners [s], (n,)."""
+        return self.motion.corners - self.at
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
+        """Instants [s] and jumps of the velocity (3,) [m/s]."""
+        return tuple((time - self.at, jump) for time, jump in self.motion.velocity_jumps)
+
+    # of a window, which is only stepped through, these say nothing
+    description, events, shortest_time, directions = "", (), math.inf, np.eye(3)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        raise NotImplementedError("a window of a motion is not stored")

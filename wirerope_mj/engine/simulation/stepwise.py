@@ -10,20 +10,18 @@ from numpy.typing import ArrayLike
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.simulation.grid import Grid
-from wirerope_mj.engine.simulation.initial import initial_state
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import checked_step
 from wirerope_mj.engine.simulation.stages import Segment, along_slides
-from wirerope_mj.engine.simulation.stepper import Stepper
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.simulation.stepper import Stepper, initial_state
+from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.motions import HarmonicForce
-from wirerope_mj.mounts.isolator.travel import beyond_law
 
+# what a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system.
 _STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
-"""What a run begins with: the base stands, and what moves it comes from outside. The force acts at no site of any system."""
 
 
 class Stepwise:
@@ -73,59 +71,44 @@ class Stepwise:
                 self._take(part, some, held, wrench)
                 length, steps = length - part, steps - some
         self._look(held, wrench)
-        self._require_lawful()
+        rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
+        if found := beyond_laws(self.system, rows):
+            raise SimulationError(
+                f"mount {found[0]!r} was {found[1]}, at {self.time:.6g} s: shake it more gently, or take an isolator with "
+                "more travel."
+            )
 
     def _take(self, length: float, steps: int, held: Array, wrench: Array) -> None:
         """Take equal steps that one stage table serves."""
-        stepper, points = self._stepper, 2 * steps + 1
-        one = np.ones(1, dtype=bool)
-        stepper.enter(
-            Grid(
-                start=np.array([self.time]), stop=np.array([self.time + length]), steps=np.array([steps]), sampled=one,
-                event=np.array([at.CORNER]), corner_after=one,
-            )
-        )  # fmt: skip
-        stepper.begin(self._segment(held, wrench, points))
+        stepper = self._stepper
+        self._begin(length, steps, held, wrench)
         mujoco.mj_step(stepper.model, stepper.data, nstep=steps)
         stepper.check()
         self._moved = self._moved + (self._rate + 0.5 * held * length) * length
         self._rate = self._rate + held * length
         self.time += length
 
-    def _segment(self, held: Array, wrench: Array, points: int) -> Segment:
-        return Segment(
+    def _begin(self, length: float, steps: int, held: Array, wrench: Array) -> None:
+        """Prepare a segment of equal steps, the base's acceleration and the loads held in it."""
+        points, one = 2 * steps + 1, np.ones(1, dtype=bool)
+        grid = Grid(
+            start=np.array([self.time]), stop=np.array([self.time + length]), steps=np.array([steps]), sampled=one,
+            event=np.array([at.CORNER]), corner_after=one,
+        )  # fmt: skip
+        self._stepper.enter(grid)
+        base = Segment(
             number=0,
             positions=along_slides(self._drive, self._moved[np.newaxis])[0],
             rates=along_slides(self._drive, self._rate[np.newaxis])[0],
             accelerations=np.tile(held, (points, 1)),
             forces=np.tile(wrench, (points, 1, 1)) if self._sites else np.empty(0),
         )
+        self._stepper.begin(base)
 
     def _look(self, held: Array, wrench: Array) -> None:
         """Compute the values of the instant that was reached."""
-        stepper, one = self._stepper, np.ones(1, dtype=bool)
-        now = np.array([self.time])
-        stepper.enter(
-            Grid(
-                start=now,
-                stop=now + self.timestep,
-                steps=np.array([1]),
-                sampled=one,
-                event=np.array([at.CORNER]),
-                corner_after=one,
-            )
-        )
+        stepper = self._stepper
         with installed(stepper.model, stepper.data):
-            stepper.begin(self._segment(held, wrench, 3))
+            self._begin(self.timestep, 1, held, wrench)
             mujoco.mj_forward(stepper.model, stepper.data)
         self.values: Array = stepper.data.sensordata[self.system.assembly.sensor :].copy()
-
-    def _require_lawful(self) -> None:
-        """Raise SimulationError if a mount stands where the law of an axis does not hold."""
-        rows = self.system.assembly.tables.user.mount_rows(self._stepper.user)[:, 0]
-        for (name, mount), row in zip(self.system.mounts.items(), rows, strict=True):
-            if beyond := beyond_law(mount.isolator.axes, row, row):
-                raise SimulationError(
-                    f"mount {name!r} was {beyond}, at {self.time:.6g} s: shake it more gently, or take an isolator with more "
-                    "travel."
-                )

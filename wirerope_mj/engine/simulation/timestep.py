@@ -9,63 +9,61 @@ import numpy as np
 from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.simulation.engines import Engine, compute, failure, leap, result_of
+from wirerope_mj.engine.simulation.engines import (
+    Engine,
+    compute,
+    equations,
+    failure,
+    result_of,
+    unsupported_motion,
+    unsupported_system,
+)
 from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.initial import moving_with_base
-from wirerope_mj.engine.simulation.judge import equations, unfit
-from wirerope_mj.engine.simulation.later import Later
 from wirerope_mj.engine.simulation.run import RunResult
-from wirerope_mj.engine.simulation.size import check_pilots
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
+from wirerope_mj.engine.simulation.stages import Later
+from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
-HALVINGS = 11
-"""Halvings after which the search ends: 1e-3 s becomes 5e-7 s."""
+HALVINGS = 11  # halvings after which the search ends: 1e-3 s becomes 5e-7 s
 
+# the same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead
 HALVINGS_IN_CONTACT = 4
-"""The same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead."""
+LUCK = 2  # halvings before which errors in contact say little: where in a step the touch falls is luck
 
-LUCK = 2
-"""Halvings before which errors in contact say little: where in a step the touch falls is luck."""
-
+# error aimed at where bodies touch and the accuracy asked for is out of reach: no stop is known better than that
 ENOUGH_IN_CONTACT = 1e-3
-"""Error aimed at where bodies touch and the accuracy asked for is out of reach: no stop is known better than that."""
-
 SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stiffest mount", "the duration"
 CORNERS = "the corners of the motion, such as the samples of a record"
 ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
-CONTACTS = "contacts, where finer steps bring too little"
-"""Limits of a step."""
+CONTACTS = "contacts, where finer steps bring too little"  # limits of a step
 
+# error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4
 RICHARDSON = 4.0 / 3.0
-"""Error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4."""
 
+# difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
+# order 1.6 that is sometimes seen between two steps
 FINER = 2.0
-"""Difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
-order 1.6 that is sometimes seen between two steps."""
+# bytes of a value in the samples of pilots: rows and vectors of a coarse, a fine and a longer one are held at once
+OF_A_VALUE = 6 * 8
+SMALL = 1e-3  # quantities smaller than this fraction of the largest of their kind are judged against that fraction
 
-SMALL = 1e-3
-"""Quantities smaller than this fraction of the largest of their kind are judged against that fraction."""
-
+# peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller
 STILL = {"acceleration": 1e-6}
-"""Peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller."""
+KEPT = 20_000_000  # numbers that a pilot may have to be kept as the run's answer: 160 MB
 
-KEPT = 20_000_000
-"""Numbers that a pilot may have to be kept as the run's answer: 160 MB."""
-
+# slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them
 PILOT_PERIODS = 6.0
-"""Slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them."""
+WINDOWS = 6  # pilots of a motion too long to be tried whole
 
-WINDOWS = 6
-"""Pilots of a motion too long to be tried whole."""
-
+# fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs
 WINDOWED = 0.5
-"""Fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,7 +80,7 @@ class ChosenStep:
 
 
 def limit_of_given(timestep: float, sample_rate: float) -> str:
-    """Return what limits the steps where `timestep` [s] was given: samples are ends of steps as well."""
+    """Name the limit of steps where `timestep` [s] was given: samples are ends of steps as well."""
     return GIVEN if timestep <= 1.0 / sample_rate else SAMPLES
 
 
@@ -104,7 +102,11 @@ def choose_timestep(
     as that shows, and the error says what was reached.
     """
     windows = _windows(system, motion, start, duration, sample_rate)
-    check_pilots(system, seconds=sum(length for _, length in windows), sample_rate=sample_rate)
+    seconds, values = sum(length for _, length in windows), system.model.nsensordata - system.assembly.sensor
+    require_memory(
+        f"the runs by which a step is chosen, {seconds:.4g} s with {sample_rate:.4g} samples a second,",
+        OF_A_VALUE * seconds * sample_rate * values, "Use a lower `sample_rate`, or give the `timestep`.",
+    )  # fmt: skip
     step, limit = min((1.0 / sample_rate, SAMPLES), (stable_step(system), STABILITY), (duration, DURATION))
     between = _step_between_corners(motion, windows, sample_rate, step)
     step, limit = (between, CORNERS) if between < step else (step, limit)
@@ -161,13 +163,9 @@ def _same_steps(coarse: "list[_Pilot] | None", fine: "list[_Pilot] | None") -> b
 
 
 def _longer(
-    pilots: Callable[[float], "list[_Pilot] | None"],
-    fine: "list[_Pilot] | None",
-    step: float,
-    error: float,
-    wanted: float,
-    finer: float = 1.0,
-) -> ChosenStep | None:
+    pilots: Callable[[float], "list[_Pilot] | None"], fine: "list[_Pilot] | None", step: float, error: float,
+    wanted: float, finer: float = 1.0,
+) -> ChosenStep | None:  # fmt: skip
     """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look.
 
     `fine` are pilots with `finer` times the step.
@@ -269,7 +267,11 @@ def _pilots(
 ) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
     try:
-        if len(windows) > 1 and engine != "mujoco" and not (unfit(system) or leap(system, motion)):
+        if (
+            len(windows) > 1
+            and engine != "mujoco"
+            and not (unsupported_system(system) or unsupported_motion(system, motion))
+        ):
             together = _side_by_side(system, motion, starts(), windows, sample_rate, step)
             if together is not None:
                 return together
@@ -289,13 +291,9 @@ def _start(system: System, motion: BaseMotion, start: State, begin: float) -> St
 
 
 def _side_by_side(
-    system: System,
-    motion: BaseMotion,
-    starts: list[State],
-    windows: list[tuple[float, float]],
-    sample_rate: float,
+    system: System, motion: BaseMotion, starts: list[State], windows: list[tuple[float, float]], sample_rate: float,
     step: float,
-) -> list[_Pilot] | None:
+) -> list[_Pilot] | None:  # fmt: skip
     """Return the pilots of windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
     motions = [Later(motion, begin) for begin, _ in windows]
     grid = time_grid(

@@ -1,14 +1,157 @@
-"""Equilibrium of a system under gravity, by a static solve along the loading path."""
+"""Equilibrium of a system under gravity, by a static solve along the loading path; of many variants, one to a lane."""
 
 import warnings
+from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
-from wirerope_mj.engine.statics.loading import Loading
-from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
-from wirerope_mj.engine.statics.side_by_side import found_in_lanes
-from wirerope_mj.engine.system import System
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.control import installed
+from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.control.install import state_of
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.equations import Equations, equations, not_held
+from wirerope_mj.engine.kernel.rest import SETTINGS, settle
+from wirerope_mj.engine.statics import roots
+from wirerope_mj.engine.statics.loading import (
+    ACCEPTED,
+    FARTHEST,
+    HISTORIES,
+    LOAD_STEPS,
+    MOST,
+    TOLERANCE,
+    Equilibrium,
+    History,
+    Loading,
+)
+from wirerope_mj.engine.statics.payloads import unresisted
+from wirerope_mj.engine.system import System, beyond_laws, once_per_system
 from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelWarning
+from wirerope_mj.foundation.lanes import WIDTH
+
+# ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain
+HELD = 1e-12
+
+
+@dataclass(frozen=True, kw_only=True)
+class Equilibria:
+    """Equilibria of variants."""
+
+    # whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none
+    found: npt.NDArray[np.bool_]
+    held: npt.NDArray[np.bool_]  # whether the mounts certainly resist every motion, (n,)
+    states: Array  # qpos, qvel and act, (n, n_state)
+    mounts: Array  # deflection and force of every mount, (n, n_mounts, 2, 3)
+    residual: Array  # largest acceleration left [m/s^2 or rad/s^2], (n,)
+
+
+class EquilibriumSolver:
+    """Finds equilibria of variants that share a structure with `system`, whose own equations those are."""
+
+    def __init__(self, system: System, equations: Equations) -> None:
+        """Prepare what all variants share."""
+        tables, model = system.assembly.tables, system.model
+        isolators = [mount.isolator for mount in system.mounts.values()]
+        self._equations = equations
+        self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs).astype(np.int64)
+        laws = [law for isolator in isolators for law in isolator.axes.values()]
+        coupled = [axis in isolator.coupled_axes for isolator in isolators for axis in range(3)]
+        # What depends on the rate has no memory of a slow path: its states stay zero.
+        follows = [
+            law is not None and law.remembers_slow_paths and law.n_states > 0 and not with_another
+            for law, with_another in zip(laws, coupled, strict=True)
+        ]
+        self._follows = np.array(follows, dtype=np.bool_)
+        firsts = tables.rows(control.AXES, control.AXIS_COLUMNS, len(laws))[:, 1]
+        self._sizes = np.diff(np.append(firsts, tables.parameters.size)).astype(np.int64)
+        self._start = np.concatenate([model.qpos0, np.zeros(model.nv + tables.user.n_states)])
+        gravity = float(np.linalg.norm(model.opt.gravity))
+        scale = max(gravity, 1.0)
+        self._settings = np.array([
+            TOLERANCE * scale, ACCEPTED * scale, roots.DIFFERENCE, roots.LONGEST, roots.SLOW, roots.ITERATIONS,
+            roots.HALVINGS, MOST,
+        ])  # fmt: skip
+        assert self._settings.size == SETTINGS
+        # Without gravity all steps are one.
+        self._loads = np.minimum(np.cumsum(np.full(LOAD_STEPS, 1.0 / LOAD_STEPS)), 1.0) if gravity else np.ones(1)
+
+    def solve(self, numbers: Array, history: History) -> Equilibria:
+        """Return the equilibria of variants with these numbers, (n, n_num)."""
+        n, lay = len(numbers), self._equations.lay
+        states, residual = np.empty((n, self._start.size)), np.empty(n)
+        records = np.empty((n, int(lay[at.N_MOUNTS]) * at.RECORD_SIZE))
+        grams = np.empty((n, self._free.size, self._free.size))
+        for first in range(0, n, WIDTH):
+            some = slice(first, min(first + WIDTH, n))
+            size = some.stop - first
+            states[some], records[some], residual[some], grams[some] = (
+                one[:size] for one in self._in_lanes(numbers[some], history)
+            )
+        mounts = records.reshape(n, -1, 4, 3)[:, :, :2].copy()
+        found = np.isfinite(residual) & (np.abs(mounts[:, :, 0]).max(axis=(1, 2), initial=0.0) < FARTHEST)
+        sizes = np.linalg.eigvalsh(np.where(found[:, np.newaxis, np.newaxis], grams, 0.0))
+        held = sizes[:, 0] > HELD * sizes[:, -1] if self._free.size else found
+        return Equilibria(found=found, held=held, states=states, mounts=mounts, residual=residual)
+
+    def _in_lanes(self, numbers: Array, history: History) -> tuple[Array, Array, Array, Array]:
+        e, lay = self._equations, self._equations.lay
+        lanes = np.minimum(np.arange(WIDTH), len(numbers) - 1)
+        memory = np.zeros((int(lay[at.N_WORK]), WIDTH))
+        memory[lay[at.KIN] : lay[at.KIN] + e.rest.size] = e.rest[:, np.newaxis]
+        states = np.tile(self._start[:, np.newaxis], WIDTH)
+        residual, grams = np.zeros(WIDTH), np.zeros((WIDTH, self._free.size, self._free.size))
+        follows = self._follows if history == "virgin" else np.zeros(0, dtype=np.bool_)
+        settle(
+            lay, e.fix.copy(), np.ascontiguousarray(numbers[lanes].T), states, memory, self._free, self._loads,
+            follows, self._sizes, self._settings, residual, grams,
+        )  # fmt: skip
+        record = int(lay[at.RECORD])
+        return states.T, memory[record : record + int(lay[at.N_MOUNTS]) * at.RECORD_SIZE].T, residual, grams
+
+
+@once_per_system
+def equilibrium_solver(system: System) -> EquilibriumSolver:
+    """Make the solver of a system's equilibria, and of those of variants of its structure; once."""
+    return EquilibriumSolver(system, equations(system))
+
+
+def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equilibrium | None:
+    """Return the equilibrium of one system if it is found here, and MuJoCo's own accelerations vanish there; else None."""
+    if not_held(system):
+        return None
+    rests = equilibrium_solver(system).solve(equations(system).num[np.newaxis], history)
+    if not rests.found[0]:
+        return None
+    model, qpos = system.model, rests.states[0, : system.model.nq]
+    free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
+
+    def accelerations(step: Array) -> Array:
+        mujoco.mj_resetData(model, data)
+        data.qpos[:], data.act[:] = qpos, rests.states[0, model.nq + model.nv :]
+        if step.any():  # else the state keeps its bits
+            whole = np.zeros(model.nv)
+            whole[free] = step
+            mujoco.mj_integratePos(model, data.qpos, whole, 1.0)
+        mujoco.mj_forward(model, data)
+        return np.asarray(data.qacc[free])
+
+    with installed(model, data):
+        residual = float(np.abs(accelerations(np.zeros(free.size))).max(initial=0.0))
+        # What mounts do not resist does not deflect them: their states stay as they are.
+        unheld = () if rests.held[0] else unresisted(system, data, free, accelerations)
+        accelerations(np.zeros(free.size))
+    # A study's variants have these forces too, whose rounding is another one than that of the callback's.
+    rows = rests.mounts[0]
+    system.assembly.tables.user.mount_rows(system.assembly.user(data.userdata))[:] = rows
+    lawful = beyond_laws(system, rows[:, 0]) is None
+    if not (lawful and residual <= ACCEPTED * max(float(np.linalg.norm(model.opt.gravity)), 1.0)):
+        return None
+    return Equilibrium.of(system, state_of(model, data), rows, history, residual, unheld)
+
 
 _known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
 

@@ -1,43 +1,98 @@
-"""A system on its way from weightlessness to its full weight."""
+"""A system on its way from weightlessness to its full weight, and the equilibrium at its end."""
+
+from dataclasses import dataclass
+from typing import Literal
 
 import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control.state import state_of
-from wirerope_mj.engine.statics.payloads import payloads_of
-from wirerope_mj.engine.statics.result import Equilibrium, History, MountLoad
-from wirerope_mj.engine.statics.roots import Roots
-from wirerope_mj.engine.statics.slow_path import SlowPath
-from wirerope_mj.engine.statics.unresisted import unresisted
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.control.install import STATE, state_of
+from wirerope_mj.engine.statics.payloads import payloads_of, unresisted
+from wirerope_mj.engine.statics.roots import Roots, SlowPath
+from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.foundation.summary import ByName
-from wirerope_mj.mounts.isolator.travel import beyond_law
+from wirerope_mj.foundation.state import State
+from wirerope_mj.foundation.summary import ByName, Summarised, quantity
+
+History = Literal["virgin", "relaxed"]
+HISTORIES: tuple[History, History] = ("virgin", "relaxed")
+
+
+@dataclass(frozen=True, kw_only=True)
+class MountLoad:
+    """Deflection [m] and force [N] of a mount in its axes roll, shear, axial, (3,)."""
+
+    deflection: Array
+    force: Array
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Equilibrium(Summarised):
+    """Equilibrium of a system under its weight.
+
+    Attributes:
+        state: integration state to start a simulation from.
+        mounts: deflection and force of every mount.
+        history: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long
+            vibration has let the hysteretic part of the load leak away).
+        residual: largest acceleration left [m/s^2 or rad/s^2].
+        free: a message about the motions of each body that no mount, joint or stop resists, such as the rotation of a body on
+            mounts that stand in line.
+    """
+
+    state: State
+    mounts: dict[str, MountLoad]
+    history: History
+    residual: float
+    free: tuple[str, ...] = ()
+
+    @classmethod
+    def of(
+        cls, system: System, state: State, rows: Array, history: History, residual: float, free: tuple[str, ...]
+    ) -> "Equilibrium":
+        """Make the equilibrium of a system from deflection and force of every mount, (n_mounts, 2, 3)."""
+        loads = {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(system.mounts, rows, strict=True)}
+        return cls(state=state, mounts=ByName(loads), history=history, residual=residual, free=free)
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        lines = {
+            name: f"axial {quantity(mount.deflection[2], 'm')}, {quantity(mount.force[2], 'N')}"
+            for name, mount in self.mounts.items()
+        }
+        return f"Equilibrium, {self.history}: largest acceleration left {self.residual:.1e} m/s^2", lines
+
+
+def forces_at_rest(system: System, state: State) -> Array:
+    """Return the forces of all mounts in an equilibrium's state, roll, shear, axial [N], (n_mounts, 3).
+
+    The state holds them, since the callback's memory is part of it: nothing is computed.
+    """
+    assembly, memory = system.assembly, np.empty(system.model.nuserdata)
+    mujoco.mj_extractState(system.model, state.values, STATE, memory, mujoco.mjtState.mjSTATE_USERDATA)
+    return assembly.tables.user.mount_rows(assembly.user(memory))[:, 1]
+
 
 LOAD_STEPS = 20
 """Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last.
 
 Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
 
-SMALLEST_LOAD_STEP = 1e-4
-"""Fraction of gravity below which a load step that fails is a load that cannot be carried."""
+SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
+TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
 
-TOLERANCE = 1e-11
-"""Largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes."""
-
+# accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
 ACCEPTED = 1e-8
-"""Accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier."""
 
+# positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
 MOST = 3_000
-"""Positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing."""
 
+# deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
 FARTHEST = 10.0
-"""Deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables."""
 
+# argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
-"""Argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act."""
 
 
 class Loading:
@@ -105,16 +160,12 @@ class Loading:
         self._accelerations(qpos)
         mujoco.mj_forward(model, data)  # sensors too
         rows = self._mounts().copy()
-        self._check_laws(rows[:, 0])
-        return Equilibrium(
-            state=state_of(model, data),
-            mounts=ByName(
-                {name: MountLoad(deflection=d, force=f) for name, (d, f) in zip(self.system.mounts, rows, strict=True)}
-            ),
-            history=self.history,
-            residual=residual,
-            free=self._unresisted(qpos),
-        )
+        if found := beyond_laws(self.system, rows[:, 0]):
+            raise ConvergenceError(
+                f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}"
+            )
+        state = state_of(model, data)
+        return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 
     def _unresisted(self, qpos: Array) -> tuple[str, ...]:
         return unresisted(self.system, self.data, self.free, lambda step: self._accelerations(self._moved(qpos, step)))
@@ -128,12 +179,6 @@ class Loading:
                 f"there is no equilibrium that mounts can bear: {100 * load:.3g} % of the weight deflects mount {name!r} by "
                 f"{deflections.max():.3g} m. {self._loads()}"
             )
-
-    def _check_laws(self, deflections: Array) -> None:
-        """Raise ConvergenceError if a mount stands where its law does not hold; deflections (n_mounts, 3) [m]."""
-        for (name, mount), deflection in zip(self.system.mounts.items(), deflections, strict=True):
-            if beyond := beyond_law(mount.isolator.axes, deflection, deflection):
-                raise ConvergenceError(f"there is no equilibrium: mount {name!r} would stand {beyond}. {self._loads()}")
 
     def _loads(self) -> str:
         """Return a message about where the weight comes from, and what to check."""

@@ -7,40 +7,30 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import installed
-from wirerope_mj.engine.control.state import STATE
+from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.statics.find import equilibrium
+from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.statics.payloads import payloads_of
-from wirerope_mj.engine.statics.result import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
-from wirerope_mj.foundation.json_values import json_values
-from wirerope_mj.foundation.summary import Brief
+from wirerope_mj.foundation.summary import Brief, json_values
 from wirerope_mj.mounts.isolator.static_rating import static_utilisation
 
 
 @dataclass(frozen=True, kw_only=True)
 class MountSag:
-    """A mount under the weight that it carries.
+    """A mount under the weight that it carries."""
 
-    Attributes:
-        deflection: roll, shear, axial [m], axial negative in compression, (3,).
-        force: restoring force in the same axes [N], (3,).
-        carries: what it pushes the payload up with [N].
-        split: fraction of the weight of all payloads that this is; NaN without weight. Where payloads stand on payloads the
-            lower mounts carry those above as well, and the fractions add up to more than 1.
-        compression: axial load [N]; 0 in tension.
-        static_load: rated load in compression [N]; None = not judged.
-        stop: whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`.
-    """
-
-    deflection: Array
-    force: Array
-    carries: float
+    deflection: Array  # roll, shear, axial [m], axial negative in compression, (3,)
+    force: Array  # restoring force in the same axes [N], (3,)
+    carries: float  # what it pushes the payload up with [N]
+    # fraction of the weight of all payloads that this is; NaN without weight. Where payloads stand on payloads the lower
+    # mounts carry those above as well, and the fractions add up to more than 1.
     split: float
-    compression: float
-    static_load: float | None
-    stop: bool = False
+    compression: float  # axial load [N]; 0 in tension
+    static_load: float | None  # rated load in compression [N]; None = not judged
+    stop: bool = False  # whether it is a stop, see `wirerope_mj.mounts.isolator.Isolator.is_stop`
 
     @property
     def utilisation(self) -> float | None:
@@ -50,41 +40,26 @@ class MountSag:
 
 @dataclass(frozen=True, kw_only=True)
 class PayloadSag:
-    """A payload in equilibrium, from the modelled geometry.
+    """A payload in equilibrium, from the modelled geometry."""
 
-    Attributes:
-        mass: of all that stands on it [kg].
-        centre: centre of mass in the modelled geometry [m], world frame, (3,).
-        displacement: of the centre of mass [m], world frame, (3,).
-        rotation: of its lowest body, rotation vector [rad], world frame, (3,): tilt about x and y, and turn about z.
-    """
-
-    mass: float
-    centre: Array
-    displacement: Array
+    mass: float  # of all that stands on it [kg]
+    centre: Array  # centre of mass in the modelled geometry [m], world frame, (3,)
+    displacement: Array  # of the centre of mass [m], world frame, (3,)
+    # of its lowest body, rotation vector [rad], world frame, (3,): tilt about x and y, and turn about z
     rotation: Array
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Sag(Brief):
-    """Equilibrium of a system after one history.
+    """Equilibrium of a system after one history."""
 
-    Attributes:
-        history: "virgin" or "relaxed".
-        mounts, payloads: by name.
-        weight: of all payloads [N].
-        on_mounts: what the mounts between payload and base carry of it [N].
-        on_contacts: what contacts with base and surroundings carry [N].
-        equilibrium: the equilibrium it was read from.
-    """
-
-    history: History
-    mounts: dict[str, MountSag]
+    history: History  # "virgin" or "relaxed"
+    mounts: dict[str, MountSag]  # by name
     payloads: dict[str, PayloadSag]
-    weight: float
-    on_mounts: float
-    on_contacts: float
-    equilibrium: Equilibrium
+    weight: float  # of all payloads [N]
+    on_mounts: float  # what the mounts between payload and base carry of it [N]
+    on_contacts: float  # what contacts with base and surroundings carry [N]
+    equilibrium: Equilibrium  # the equilibrium it was read from
 
     @property
     def listed(self) -> dict[str, MountSag]:
@@ -99,15 +74,10 @@ class Sag(Brief):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class StaticTable(Brief):
-    """Sag of a system by history.
+    """Sag of a system by history."""
 
-    Attributes:
-        sags: by history, those that exist.
-        missing: why there is no other, by history.
-    """
-
-    sags: dict[str, Sag]
-    missing: dict[str, str]
+    sags: dict[str, Sag]  # by history, those that exist
+    missing: dict[str, str]  # why there is no other, by history
 
     @property
     def virgin(self) -> Sag | None:
@@ -159,14 +129,10 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         load = result.mounts[name]
         lift = -float(up @ data.site(mount.base_site).xmat.reshape(3, 3) @ load.force)
         mounts[name] = MountSag(
-            deflection=load.deflection,
-            force=load.force,
-            carries=lift,
-            split=lift / weight if weight else np.nan,
-            compression=max(-float(load.force[2]), 0.0),
-            static_load=mount.isolator.limits.static_load,
+            deflection=load.deflection, force=load.force, carries=lift, split=lift / weight if weight else np.nan,
+            compression=max(-float(load.force[2]), 0.0), static_load=mount.isolator.limits.static_load,
             stop=mount.isolator.is_stop,
-        )
+        )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
         history=result.history,

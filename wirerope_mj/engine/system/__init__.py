@@ -1,8 +1,10 @@
 """MJCF and isolators -> a compiled MuJoCo model with mounts."""
 
 from wirerope_mj.engine.system.changes import Changes as Changes
-from wirerope_mj.engine.system.once import once_per_system as once_per_system
 from wirerope_mj.engine.system.system import Mount as Mount
 from wirerope_mj.engine.system.system import System as System
+from wirerope_mj.engine.system.system import beyond_laws as beyond_laws
 from wirerope_mj.engine.system.system import load_system as load_system
+from wirerope_mj.engine.system.system import mount_rates as mount_rates
+from wirerope_mj.engine.system.system import once_per_system as once_per_system
 from wirerope_mj.engine.system.varied import varied as varied

@@ -1,46 +1,67 @@
-"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, and the tables of the callback."""
+"""From MJCF and isolators to the compiled model: driven base, state actuator, sensors, the callback's tables, scratch data."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.response.contacts import ContactPeak
-from wirerope_mj.engine.system.contact_pairs import declared_contacts, declared_pairs
+from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
-from wirerope_mj.engine.system.scratch import Scratch
-from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, make_tables
+from wirerope_mj.engine.system.tables import (
+    DRIVE_ARMATURE,
+    Subjects,
+    Tables,
+    declared_contacts,
+    declared_pairs,
+    make_tables,
+)
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
-SOLVER_TOLERANCE = 1e-15
-"""The drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early."""
 
+class Scratch:
+    """Data for models of one layout, those of a system and of its variants; several threads may borrow at once."""
+
+    def __init__(self) -> None:
+        self._free: list[mujoco.MjData] = []
+
+    @contextmanager
+    def data(self, model: mujoco.MjModel) -> Iterator[mujoco.MjData]:
+        """Lend data as `MjData(model)` makes them: the model's initial state, and nothing computed yet."""
+        try:
+            data = self._free.pop()
+        except IndexError:
+            data = mujoco.MjData(model)
+        else:
+            mujoco.mj_resetData(model, data)
+        yield data
+        self._free.append(data)  # not after an error, whatever that left
+
+    def __reduce__(self) -> tuple[type["Scratch"], tuple[()]]:
+        """Carry nothing to another process; a copy lends for itself."""
+        return Scratch, ()
+
+
+# the drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early
+SOLVER_TOLERANCE = 1e-15
 POINT, FORCE = "point/", "force/"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Assembly:
-    """The compiled model and where its parts stand.
-
-    Attributes:
-        tables: what the callback reads.
-        subjects: what takes part.
-        userdata: first entry of the system's userdata.
-        activation: first internal state in act.
-        sensor: first of the system's sensor values.
-        contacts: the model's declared pairs of geoms by name, as contacts that have not touched.
-        scratch: data to compute with, shared by all variants of a system.
-    """
+    """The compiled model and where its parts stand."""
 
     model: mujoco.MjModel
-    tables: Tables
-    subjects: Subjects
-    userdata: int
-    activation: int
-    sensor: int
-    contacts: dict[str, ContactPeak]
+    tables: Tables  # what the callback reads
+    subjects: Subjects  # what takes part
+    userdata: int  # first entry of the system's userdata
+    activation: int  # first internal state in act
+    sensor: int  # first of the system's sensor values
+    contacts: dict[str, ContactPeak]  # the model's declared pairs of geoms by name, as contacts that have not touched
+    # data to compute with, shared by all variants of a system
     scratch: Scratch = field(default_factory=Scratch, repr=False, compare=False)
 
     def user(self, userdata: Array) -> Array:
@@ -91,14 +112,9 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
     _add_sensors(spec, plain, declared, subjects)
     model = spec.compile()
     return Assembly(
-        model=model,
-        tables=tables,
-        subjects=subjects,
-        userdata=userdata,
-        activation=int(plain.na),
-        sensor=int(plain.nsensordata),
-        contacts=declared_contacts(model, base),
-    )
+        model=model, tables=tables, subjects=subjects, userdata=userdata, activation=int(plain.na),
+        sensor=int(plain.nsensordata), contacts=declared_contacts(model, base),
+    )  # fmt: skip
 
 
 def _drive(spec: mujoco.MjSpec, model: mujoco.MjModel, base: int) -> tuple[int, ...]:

@@ -1,22 +1,24 @@
-"""The mounts that an MJCF model declares, resolved to ids of the compiled model."""
+"""What an MJCF model declares: mounts, resolved to ids of the compiled model, the base, areas of the deck, payload limits.
+
+Limits are <numeric name="limit/acceleration/rack" data="98.1"/>, areas <text name="area/forward" data="m1 m2 h*"/>.
+"""
 
 from collections import Counter
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.payload_limits import BETWEEN, SIZES, PayloadLimit
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator
 
-COINCIDENCE = 1e-6
-"""Largest distance between the two sites of a mount in the modelled geometry [m]."""
-
+COINCIDENCE = 1e-6  # largest distance between the two sites of a mount in the modelled geometry [m]
 MOUNT, ISOLATOR, BASE = "mount/", "isolator/", "base"
 
 
@@ -47,7 +49,7 @@ def check_names(spec: mujoco.MjSpec) -> None:
 
 
 def check_visible(model: mujoco.MjModel) -> None:
-    """Raise ModelError if a name holds a line break or another character that cannot be seen: nobody could write it again."""
+    """Raise ModelError if a name holds a line break or another character that cannot be seen and written again."""
     for name in model.names.decode("utf-8", "replace").split("\0"):
         if plain(name) != name:
             raise ModelError(
@@ -70,15 +72,15 @@ def declared_mounts(
         payload_site, base_site, text = _elements(model, t, tuple_name)
         text_name = mujoco.mj_id2name(model, mujoco.mjtObj.mjOBJ_TEXT, text)
         key = text_name.split(ISOLATOR, 1)[-1]
+        name = tuple_name.replace(MOUNT, "", 1)
         if text_name not in loaded:
-            loaded[text_name] = isolators[key] if key in isolators else _load(files[text_name], folder, tuple_name)
+            try:
+                loaded[text_name] = isolators.get(key) or load_isolator(files[text_name], beside=folder or ".")
+            except ModelError as error:
+                raise ModelError(f"mount {name!r}: {error}") from None
         mounts.append(
             DeclaredMount(
-                name=tuple_name.replace(MOUNT, "", 1),
-                payload_site=payload_site,
-                base_site=base_site,
-                isolator_name=key,
-                isolator=loaded[text_name],
+                name=name, payload_site=payload_site, base_site=base_site, isolator_name=key, isolator=loaded[text_name]
             )
         )
     if not mounts:
@@ -105,13 +107,6 @@ def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
         )
     payload_site, base_site, text = model.tuple_objid[start : start + size]
     return int(payload_site), int(base_site), int(text)
-
-
-def _load(file: str, folder: Path | None, tuple_name: str) -> Isolator:
-    try:
-        return load_isolator(file, beside=folder or ".")
-    except ModelError as error:
-        raise ModelError(f"mount {tuple_name.replace(MOUNT, '', 1)!r}: {error}") from None
 
 
 def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
@@ -172,7 +167,8 @@ def base_body(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> int:
 
 def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
     """Raise ModelError if a mount stands the other way round between the two bodies than most others do."""
-    ways = {mount.name: tuple(int(root) for root in _roots(model, mount)) for mount in mounts}
+    bodies = {mount.name: model.site_bodyid[[mount.payload_site, mount.base_site]] for mount in mounts}
+    ways = {name: tuple(model.body_rootid[both].tolist()) for name, both in bodies.items()}
     counts = Counter(ways.values())
     for mount in mounts:
         payload, base = ways[mount.name]
@@ -185,6 +181,94 @@ def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
             )
 
 
-def _roots(model: mujoco.MjModel, mount: DeclaredMount) -> npt.NDArray[np.int32]:
-    """Return the children of the world above the payload site and the base site of a mount, (2,)."""
-    return np.asarray(model.body_rootid[model.site_bodyid[[mount.payload_site, mount.base_site]]])
+AREA = "area/"
+
+
+def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tuple[str, ...]]:
+    """Return the mounts of every area, in the order of the model.
+
+    Raises:
+        ModelError: an area names no mount of the model, or a mount stands on two of them.
+    """
+    areas: dict[str, tuple[str, ...]] = {}
+    taken: dict[str, str] = {}
+    for text in spec.texts:
+        name = text.name
+        if AREA not in name:
+            continue
+        area, patterns = name.replace(AREA, "", 1), text.data.split()
+        for pattern in patterns:
+            if not any(fnmatchcase(mount, pattern) for mount in mounts):
+                raise ModelError(
+                    f"text {name!r}: there is no mount {pattern!r}. There are {', '.join(mounts) or 'none'}."
+                )
+        areas[area] = tuple(mount for mount in mounts if any(fnmatchcase(mount, pattern) for pattern in patterns))
+        for mount in areas[area]:
+            if mount in taken:
+                raise ModelError(f"text {name!r}: mount {mount!r} stands on area {taken[mount]!r} already.")
+            taken[mount] = area
+    return areas
+
+
+LIMIT, POINT = "limit/", "point/"
+COMBINED = LIMIT + "combined_travel"
+
+
+def judges_combined_travel(model: mujoco.MjModel) -> bool:
+    """Return whether mounts are judged on all axes at once: unless the model says 0 for it."""
+    return all(model.numeric(i).data.any() for i in range(model.nnumeric) if model.numeric(i).name.endswith(COMBINED))
+
+
+def declared_limits(model: mujoco.MjModel, base: int) -> tuple[PayloadLimit, ...]:
+    """Return the limits in the order of the model; the name is what stands before and after `limit/KIND/`, joined.
+
+    Raises:
+        ModelError: a limit names no body of the payload and no point, is of an unknown kind, or has the wrong number of values.
+    """
+    known = limit_subjects(model, base)
+    limits: list[PayloadLimit] = []
+    for i in range(model.nnumeric):
+        name = model.numeric(i).name
+        if LIMIT not in name or name.endswith(COMBINED):
+            continue
+        prefix, _, rest = name.partition(LIMIT)
+        kind, _, subject = rest.partition("/")
+        if kind not in SIZES:
+            raise ModelError(f"numeric {name!r}: a limit is called limit/KIND/NAME, KIND one of {', '.join(SIZES)}.")
+        known_there = known[kind]
+        if prefix + subject not in known_there and BETWEEN in subject:
+            subject = BETWEEN.join(prefix + one if number else one for number, one in enumerate(subject.split(BETWEEN)))
+        subject = prefix + subject
+        if not is_subject(subject, kind, known):
+            raise ModelError(
+                f"numeric {name!r}: there is no body of the payload and no point/ site {subject!r} with {kind}. "
+                f"There are {known_there or 'none'}."
+            )
+        try:
+            limit = PayloadLimit(kind=kind, name=subject, values=tuple(model.numeric(i).data.tolist()))
+        except ValueError as error:
+            raise ModelError(f"numeric {name!r}: {error}") from None
+        if any((other.kind, other.name) == (kind, subject) for other in limits):
+            raise ModelError(f"numeric {name!r}: the {kind} of {subject!r} is limited twice.")
+        limits.append(limit)
+    return tuple(limits)
+
+
+def is_subject(name: str, kind: str, known: Mapping[str, Sequence[str]]) -> bool:
+    """Return whether a limit of this kind may be on this: a body or a point, or for a clearance two points."""
+    if name in known[kind]:
+        return True
+    ends = name.split(BETWEEN)
+    return kind == "clearance" and len(ends) == 2 and ends[0] != ends[1] and set(ends) <= set(known["point"])
+
+
+def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
+    """Return the names of the bodies and points that a limit of each kind may be on, and all points as "point"."""
+    points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
+    bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base)]
+    shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
+    return {
+        "acceleration": [*(model.body(b).name for b in bodies), *points],
+        "clearance": [*(model.body(b).name for b in shaped), *points],
+        "point": points,
+    }

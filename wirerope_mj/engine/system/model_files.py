@@ -16,13 +16,12 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator
 
-CHANGES = "changes.toml"
-"""File of what a variant differs by from the model in the same folder."""
+CHANGES = "changes.toml"  # file of what a variant differs by from the model in the same folder
 
 
 _TEXT = re.compile(r"""<text\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
+# a `text` element as it is written, and its attributes with their quotes
 _ATTRIBUTE = re.compile(r"""\b(name|data)\s*=\s*("[^"]*"|'[^']*')""")
-"""A `text` element as it is written, and its attributes with their quotes."""
 
 
 def write_model(system: System, folder: Path) -> Path:
@@ -55,7 +54,7 @@ def write_model(system: System, folder: Path) -> Path:
 
 
 def model_table(system: System, model: Path) -> dict[str, str]:
-    """Return what a folder says of its model, which `write_model` wrote below it: the file, and that of a variant's changes."""
+    """Name the files of a model that `write_model` wrote below a folder: its own, and that of a variant's changes."""
     folder = model.parent.name
     return {"file": f"{folder}/{model.name}"} | ({"changes": f"{folder}/{CHANGES}"} if system.changes else {})
 

@@ -5,11 +5,9 @@ from pathlib import Path
 from xml.etree import ElementTree
 
 from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
-from wirerope_mj.foundation.inside import file_inside, is_inside
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.regular_files import file_inside, is_inside, regular
 
-_FOLDERS = ("assetdir", "meshdir", "texturedir")
-"""Attributes of a `compiler` element that say where files are."""
+_FOLDERS = ("assetdir", "meshdir", "texturedir")  # attributes of a `compiler` element that say where files are
 
 
 def named_files(model: Path) -> Iterator[tuple[str, Path]]:

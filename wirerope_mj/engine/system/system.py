@@ -1,20 +1,30 @@
 """A system: a MuJoCo model whose mounts act through the control callback."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import wraps
 from os import PathLike
 from pathlib import Path
+from typing import TypeVar
+from weakref import WeakKeyDictionary
 
 import mujoco
+import numpy as np
 
-from wirerope_mj.engine.system.areas import declared_areas
 from wirerope_mj.engine.system.assembly import Assembly, assemble
 from wirerope_mj.engine.system.changes import Changes
-from wirerope_mj.engine.system.declared import DeclaredMount, base_body, check_names, check_visible, declared_mounts
-from wirerope_mj.engine.system.finite import check_joints, check_numbers, check_written
-from wirerope_mj.engine.system.limits import declared_limits, judges_combined_travel
+from wirerope_mj.engine.system.checks import check_joints, check_numbers, check_written, refused
+from wirerope_mj.engine.system.declared import (
+    DeclaredMount,
+    base_body,
+    check_names,
+    check_visible,
+    declared_areas,
+    declared_limits,
+    declared_mounts,
+    judges_combined_travel,
+)
 from wirerope_mj.engine.system.named_files import check_regular
-from wirerope_mj.engine.system.refused import refused
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -23,6 +33,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.travel import beyond_law
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -124,17 +135,12 @@ def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None 
     """
     text, path = _read(source)
     try:
-        return _system(text, path, _checked(isolators or {}))
+        for name, isolator in (isolators or {}).items():
+            if not isinstance(isolator, Isolator):
+                raise ModelError(f"`isolators[{name!r}]` must be an Isolator, got {quoted(isolator, 80)}.")
+        return _system(text, path, isolators or {})
     except ModelError as error:
         raise ModelError(f"{path}: {error}" if path else str(error)) from error
-
-
-def _checked(isolators: Mapping[str, Isolator]) -> Mapping[str, Isolator]:
-    """Return isolators by name; ModelError if something else is among them."""
-    for name, isolator in isolators.items():
-        if not isinstance(isolator, Isolator):
-            raise ModelError(f"`isolators[{name!r}]` must be an Isolator, got {quoted(isolator, 80)}.")
-    return isolators
 
 
 def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> System:
@@ -161,18 +167,12 @@ def _system(text: str, path: Path | None, isolators: Mapping[str, Isolator]) -> 
     model = assembly.model
     roots = [int(model.body_rootid[model.site_bodyid[d.payload_site]]) for d in declared]
     return System(
-        model=model,
-        mounts=ByName(_mounts(assembly, declared)),
-        payloads=[model.body(root).name for root in dict.fromkeys(roots)],
-        base=model.body(base).name if base else "",
-        mjcf=text,
-        path=path,
-        isolators={d.isolator_name: d.isolator for d in declared},
-        limits=declared_limits(model, base),
-        assembly=assembly,
-        combined_travel=judges_combined_travel(model),
+        model=model, mounts=ByName(_mounts(assembly, declared)),
+        payloads=[model.body(root).name for root in dict.fromkeys(roots)], base=model.body(base).name if base else "",
+        mjcf=text, path=path, isolators={d.isolator_name: d.isolator for d in declared},
+        limits=declared_limits(model, base), assembly=assembly, combined_travel=judges_combined_travel(model),
         areas=declared_areas(spec, [d.name for d in declared]),
-    )
+    )  # fmt: skip
 
 
 def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Mount]:
@@ -233,3 +233,42 @@ def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: 
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
         if base and model.body_rootid[body] == base and model.body_weldid[body] == base:
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
+
+
+Value = TypeVar("Value")
+
+
+def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) -> tuple[str, str] | None:
+    """Find the first mount that stands beyond a fraction of its law's travel, and where; deflections (n_mounts, 3) [m]."""
+    for (name, mount), row in zip(system.mounts.items(), deflections, strict=True):
+        if beyond := beyond_law(mount.isolator.axes, row, row, fraction=fraction):
+            return name, beyond
+    return None
+
+
+def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Array]]:
+    """Yield of each mount how its payload's site moves from its base's, and turns against it, by velocity coordinates.
+
+    Both are in the world's axes, (3, n_v), at the positions computed in `data`.
+    """
+    model = system.model
+    for sites in system.assembly.tables.sites:
+        rates = np.zeros((2, 2, 3, model.nv))  # of payload and base: of displacements and of turns
+        for site, (moves, turns) in zip(sites, rates, strict=True):
+            mujoco.mj_jac(model, data, moves, turns, data.site_xpos[sites[0]], int(model.site_bodyid[site]))
+        moves, turns = rates[0] - rates[1]
+        yield moves, turns
+
+
+def once_per_system(compute: Callable[[System], Value]) -> Callable[[System], Value]:
+    """Return `compute` with a memory that forgets a value together with its system; callers share it and leave it as it is."""
+    known: WeakKeyDictionary[System, Value] = WeakKeyDictionary()
+
+    @wraps(compute)
+    def value_of(system: System) -> Value:
+        try:
+            return known[system]
+        except KeyError:
+            return known.setdefault(system, compute(system))
+
+    return value_of

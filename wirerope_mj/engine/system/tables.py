@@ -1,4 +1,4 @@
-"""The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, and what the peak tracker follows."""
+"""The tables that the callback reads: mounts, axes, drive, bodies, points, the tree, pairs of geoms, and what has peaks."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
@@ -8,14 +8,80 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.system.contact_pairs import contact_capacity, declared_pairs
+from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
 
+MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
+
+
+def contact_capacity(model: mujoco.MjModel) -> int:
+    """Return the rows of the memory of contacts: one for each declared pair, up to `MOST` for what else may touch."""
+    if model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_CONTACT:
+        return 0
+    if model.nflex:
+        return int(model.npair) + MOST
+    return int(model.npair) + min(_pairs_by_type(model), MOST)
+
+
+def declared_pairs(model: mujoco.MjModel) -> list[tuple[int, int]]:
+    """Return the geoms of the model's declared pairs, in its order; none where contacts are disabled."""
+    pairs = zip(model.pair_geom1.tolist(), model.pair_geom2.tolist(), strict=True)
+    return list(pairs)[: contact_capacity(model)]
+
+
+def declared_contacts(model: mujoco.MjModel, base: int) -> dict[str, ContactPeak]:
+    """Return the model's declared pairs by name, as contacts that have not touched; ModelError if one is there twice."""
+    pairs = [payload_first(model, base, pair) for pair in declared_pairs(model)]
+    for number, pair in enumerate(pairs):
+        if set(pair) in map(set, pairs[:number]):
+            raise ModelError(
+                f"the <pair> of geoms {geom_name(model, pair[0])!r} and {geom_name(model, pair[1])!r} stands there twice, and "
+                "their forces would be doubled. Remove one, or give it geoms of its own."
+            )
+    return {contact_name(model, pair): untouched(model, pair) for pair in pairs}
+
+
+def untouched(model: mujoco.MjModel, pair: tuple[int, int]) -> ContactPeak:
+    """Return the contact of two geoms that have not touched."""
+    bodies = [model.body(model.geom_bodyid[geom]).name if geom >= 0 else "" for geom in pair]
+    return ContactPeak(geoms=(geom_name(model, pair[0]), geom_name(model, pair[1])), bodies=(bodies[0], bodies[1]))
+
+
+def contact_name(model: mujoco.MjModel, geoms: tuple[int, int]) -> str:
+    """Name a pair of geoms, "stop_1 on pad_1"."""
+    one, other = (geom_name(model, geom) for geom in geoms)
+    return f"{one} on {other}"
+
+
+def geom_name(model: mujoco.MjModel, geom: int) -> str:
+    """Return a geom's name, or its number and the body that it belongs to."""
+    if geom < 0:
+        return "a flexible body"
+    return model.geom(geom).name or f"geom {geom} of {model.body(model.geom_bodyid[geom]).name or 'the world'}"
+
+
+def payload_first(model: mujoco.MjModel, base: int, pair: tuple[int, int]) -> tuple[int, int]:
+    """Return a pair of geoms with the one that is fixed to the base, or to the world, last; MuJoCo orders them by shape."""
+    fixed = [geom < 0 or model.body_weldid[model.geom_bodyid[geom]] in (0, base) for geom in pair]
+    return (pair[1], pair[0]) if fixed[0] and not fixed[1] else pair
+
+
+def _pairs_by_type(model: mujoco.MjModel) -> int:
+    """Return how many pairs of geoms MuJoCo may let touch by their contact types, those declared as `pair` besides."""
+    types, affinities = model.geom_contype, model.geom_conaffinity
+    meet = (types[:, np.newaxis] & affinities) != 0
+    meet |= meet.T
+    bodies = model.body_weldid[model.geom_bodyid]
+    meet &= bodies[:, np.newaxis] != bodies
+    return int(np.count_nonzero(np.triu(meet, 1)))
+
+
+# inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
 DRIVE_ARMATURE = 1e10
-"""Inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -38,44 +104,33 @@ class Subjects:
 
 @dataclass(frozen=True, kw_only=True)
 class Tables:
-    """The callback's tables as numbers, and what the rest of the library needs to know of them.
+    """The callback's tables as numbers, and what the rest of the library needs to know of them."""
 
-    Attributes:
-        layout: header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,).
-        parameters: parameters of all laws, (n_p,).
-        user: addresses in userdata.
-        drive: slide accelerations from base acceleration, (n_driven, 3).
-        channels: indices of the tracked 3-vectors among the system's sensor values, (n_channels,).
-        base_channels: numbers of the channels with the acceleration of what is fixed to the driven base.
-        tracked: numbers of the others, (n_channels - n_base_channels,).
-        states: per mount where the states of roll, shear and axial stand among the internal states.
-    """
-
-    layout: Array
-    parameters: Array
-    user: at.UserData
-    drive: Array
-    channels: npt.NDArray[np.int64]
-    base_channels: tuple[int, ...]
-    tracked: npt.NDArray[np.int64]
+    layout: Array  # header and tables, as `wirerope_mj.engine.control.layout` describes them, (n,)
+    parameters: Array  # parameters of all laws, (n_p,)
+    user: at.UserData  # addresses in userdata
+    drive: Array  # slide accelerations from base acceleration, (n_driven, 3)
+    channels: npt.NDArray[np.int64]  # indices of the tracked 3-vectors among the system's sensor values, (n_channels,)
+    base_channels: tuple[int, ...]  # numbers of the channels with the acceleration of what is fixed to the driven base
+    tracked: npt.NDArray[np.int64]  # numbers of the others, (n_channels - n_base_channels,)
+    # per mount where the states of roll, shear and axial stand among the internal states
     states: dict[str, tuple[slice, slice, slice]]
+
+    def rows(self, table: int, columns: int, count: int) -> Array:
+        """Return a table of the layout, whose address stands in the header's entry `table`, a view, (count, columns)."""
+        first = int(self.layout[table])
+        return self.layout[first : first + columns * count].reshape(count, columns)
 
     @property
     def sites(self) -> npt.NDArray[np.int64]:
         """Ids of the payload's and the base's site of every mount, (n_mounts, 2)."""
-        first, last = int(self.layout[at.MOUNTS]), int(self.layout[at.AXES])
-        return self.layout[first:last].reshape(-1, at.MOUNT_COLUMNS)[:, :2].astype(np.int64)
+        return self.rows(at.MOUNTS, at.MOUNT_COLUMNS, self.user.n_mounts)[:, :2].astype(np.int64)
 
 
 def make_tables(
-    model: mujoco.MjModel,
-    data: mujoco.MjData,
-    declared: list[DeclaredMount],
-    on: Subjects,
-    *,
-    sensor: int,
+    model: mujoco.MjModel, data: mujoco.MjData, declared: list[DeclaredMount], on: Subjects, *, sensor: int,
     drive: Array | None = None,
-) -> Tables:
+) -> Tables:  # fmt: skip
     """Return the tables of a model, whose modelled geometry is computed in `data`.
 
     `sensor` is the address of the system's first sensor value, `drive` as in `Tables` where it is known.
@@ -87,28 +142,32 @@ def make_tables(
     mujoco.mj_kinematics(model, data)
     drive = _drive_rows(model, data, on.driven) if drive is None else drive
     channels = _channels(on, states)
+    mounts = [
+        [
+            *_mount_row(model, mount, on), coupling, *turning(isolators[mount.name]), *_as_modelled(data, mount),
+            _partner(mount.isolator), *rated_travel(isolators[mount.name]),
+        ]
+        for mount, coupling in zip(declared, couplings, strict=True)
+    ]  # fmt: skip
+    inertia, bodies = DRIVE_ARMATURE + model.body_subtreemass[on.base], model.site_bodyid
     parts = [
+        mounts,
+        axes,
+        [[model.jnt_dofadr[joint], inertia, *row] for joint, row in zip(on.driven, drive, strict=True)],
+        [[body, model.body_rootid[body]] for body in on.bodies],
         [
             [
-                *_mount_row(model, mount, on),
-                coupling,
-                *turning(isolators[mount.name]),
-                *_as_modelled(data, mount),
-                _partner(mount.isolator),
-                *rated_travel(isolators[mount.name]),
+                site,
+                bodies[site],
+                model.body_rootid[bodies[site]],
+                on.base,
+                *(data.site_xpos[site] - data.xipos[on.base]),
             ]
-            for mount, coupling in zip(declared, couplings, strict=True)
+            for site in on.points
         ],
-        axes,
-        [
-            [model.jnt_dofadr[joint], DRIVE_ARMATURE + model.body_subtreemass[on.base], *row]
-            for joint, row in zip(on.driven, drive, strict=True)
-        ],
-        [[body, model.body_rootid[body]] for body in on.bodies],
-        _point_rows(model, data, on),
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
-        [[site, model.site_bodyid[site]] for site in on.forces],
+        [[site, bodies[site]] for site in on.forces],
         declared_pairs(model),
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
@@ -123,27 +182,17 @@ def make_tables(
     header[at.N_CONTACTS] = n_contacts = contact_capacity(model)
     header[at.N_STOPS] = n_stops = sum(len(isolator.stops) for isolator in isolators.values())
     user = at.UserData(
-        n_mounts=len(declared),
-        n_states=n_states,
-        n_tree=int(model.nbody),
-        n_channels=len(channels),
-        n_contacts=n_contacts,
-        n_stops=n_stops,
-        n_forces=len(on.forces),
-    )
+        n_mounts=len(declared), n_states=n_states, n_tree=int(model.nbody), n_channels=len(channels),
+        n_contacts=n_contacts, n_stops=n_stops, n_forces=len(on.forces),
+    )  # fmt: skip
     addresses = (user.mounts, user.rates, user.accelerations, user.channels, user.contacts, user.stops)
     header[at.USER_MOUNTS : at.USER_STOPS + 1], header[at.USER_FORCES] = addresses, user.forces
     header[at.USER_TRAVELS] = user.travels
     return Tables(
-        layout=np.concatenate([header, *flat]),
-        parameters=np.concatenate([*parameters, []]),
-        user=user,
-        drive=drive,
-        channels=np.array(channels, dtype=np.int64),
-        base_channels=(base_channels := _base_channels(model, on)),
-        tracked=np.setdiff1d(np.arange(len(channels)), base_channels),
-        states=states,
-    )
+        layout=np.concatenate([header, *flat]), parameters=np.concatenate([*parameters, []]), user=user, drive=drive,
+        channels=np.array(channels, dtype=np.int64), base_channels=(base_channels := _base_channels(model, on)),
+        tracked=np.setdiff1d(np.arange(len(channels)), base_channels), states=states,
+    )  # fmt: skip
 
 
 def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
@@ -151,17 +200,16 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     isolators = {mount: isolator.conditioned for mount, isolator in isolators.items()}
     axes, parameters, states = _axis_rows(isolators)
     couplings = _couplings(isolators.values(), parameters)
-    layout = tables.layout.copy()
-    mounts, first = int(layout[at.MOUNTS]), int(layout[at.AXES])
-    rows = layout[mounts:first].reshape(-1, at.MOUNT_COLUMNS)
+    made = replace(tables, layout=tables.layout.copy(), parameters=np.concatenate([*parameters, []]), states=states)
+    rows = made.rows(at.MOUNTS, at.MOUNT_COLUMNS, len(isolators))
     rows[:, at.COUPLING] = couplings
     rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
     rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
     rows[:, at.TRAVEL :] = [rated_travel(isolator) for isolator in isolators.values()]
-    layout[first : first + at.AXIS_COLUMNS * len(axes)] = np.ravel(axes)
-    layout[at.N_SLIPPING] = _slipping(axes)
-    layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
-    return replace(tables, layout=layout, parameters=np.concatenate([*parameters, []]), states=states)
+    made.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
+    made.layout[at.N_SLIPPING] = _slipping(axes)
+    made.layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
+    return made
 
 
 def _slipping(axes: list[list[int]]) -> int:
@@ -192,9 +240,8 @@ def rated_travel(isolator: Isolator) -> list[float]:
     """Return 1 / rated travel^2 along roll, shear, in compression and in tension [1/m^2]; 0 where none is rated."""
     stated = isolator.limits.travel.stated
     ratings = ("roll", "shear", "compression", "tension")
-    return [
-        (1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings
-    ]  # a number, for any length
+    # a number, for any length
+    return [(1.0 / max(stated[one], 1e-100)) ** 2 if one in stated else 0.0 for one in ratings]
 
 
 def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
@@ -244,14 +291,6 @@ def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, .
         return np.zeros((0, 3))
     axes = data.xaxis[list(driven)]  # (n_driven, 3)
     return np.linalg.pinv(axes).T  # they are independent: `check_joints`
-
-
-def _point_rows(model: mujoco.MjModel, data: mujoco.MjData, on: Subjects) -> list[list[float]]:
-    bodies = model.site_bodyid
-    return [
-        [site, bodies[site], model.body_rootid[bodies[site]], on.base, *(data.site_xpos[site] - data.xipos[on.base])]
-        for site in on.points
-    ]
 
 
 def _channels(on: Subjects, states: dict[str, tuple[slice, slice, slice]]) -> list[int]:

@@ -1,4 +1,7 @@
-"""Variants of a system: the same layout, other isolators, masses, centres of mass, positions and inclinations of mounts."""
+"""Variants of a system: the same layout, other isolators, masses, centres of mass, positions and inclinations of mounts.
+
+Centres of mass are those of the compiled model.
+"""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
@@ -69,7 +72,10 @@ def changed(system: System, changes: Changes) -> System:
     positions = {name: mount.position for name, mount in system.mounts.items()}
     if changes.masses or changes.centres or changes.positions or changes.turns:
         with system.assembly.scratch.data(model) as data:
-            _change_geometry(model, data, system, changes)
+            mujoco.mj_kinematics(model, data)
+            _change_bodies(model, data, changes)
+            _move_sites(model, data, system, changes)
+            mujoco.mj_setConst(model, data)
             mujoco.mj_resetData(model, data)
             tables = _moved_tables(model, data, system, isolators)
             positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
@@ -132,13 +138,6 @@ def _written(mount: Mount) -> str:
         "A variant has the layout of its model: load the model with such an isolator from the start, "
         f"load_system(..., isolators={{{mount.isolator_name!r}: ...}}), and vary that."
     )
-
-
-def _change_geometry(model: mujoco.MjModel, data: mujoco.MjData, system: System, changes: Changes) -> None:
-    mujoco.mj_kinematics(model, data)
-    _change_bodies(model, data, changes)
-    _move_sites(model, data, system, changes)
-    mujoco.mj_setConst(model, data)
 
 
 def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes) -> None:
@@ -204,18 +203,14 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
 def _moved_tables(
     model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]
 ) -> Tables:
-    """Return the tables of a model whose bodies and sites have changed, and its geometry in `data`."""
+    """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`."""
+    old = system.assembly
     declared = [
         DeclaredMount(
-            name=name,
-            payload_site=model.site(mount.payload_site).id,
-            base_site=model.site(mount.base_site).id,
-            isolator_name=mount.isolator_name,
-            isolator=isolators[name],
+            name=name, payload_site=payload, base_site=base, isolator_name=mount.isolator_name, isolator=isolators[name]
         )
-        for name, mount in system.mounts.items()
+        for (name, mount), (payload, base) in zip(system.mounts.items(), old.tables.sites.tolist(), strict=True)
     ]
-    old = system.assembly
     tables = make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
     return replace(tables, user=old.tables.user)
 
@@ -249,3 +244,33 @@ def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, roo
         f"{old.isolator.name!r} {size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. "
         f"{_written(old)}"
     )
+
+
+def centre_of_mass(system: System, body: str) -> Array:
+    """Return the centre of mass of a body in its own axes, from its own origin [m], (3,).
+
+    It is what `<inertial pos="...">` says in the model; without one, what MuJoCo makes of the body's geoms. Bodies that are
+    fixed to this one are bodies of their own and do not count.
+    """
+    return np.array(system.model.body(body).ipos, dtype=np.float64)
+
+
+def body_axes(system: System, body: str) -> Array:
+    """Return the axes of a body in the modelled geometry as the columns of a rotation, (3, 3): world = axes @ own."""
+    with system.assembly.scratch.data(system.model) as data:
+        mujoco.mj_kinematics(system.model, data)
+        return np.array(data.body(body).xmat, dtype=np.float64).reshape(3, 3)
+
+
+def is_aligned(system: System, body: str) -> bool:
+    """Return whether MuJoCo has moved the body's origin into its centre of mass (`align` of its free joint, `alignfree`).
+
+    Then its centre of mass is at 0 in the compiled model, wherever the model as written has it.
+    """
+    spec = mujoco.MjSpec.from_file(str(system.path)) if system.path else mujoco.MjSpec.from_string(system.mjcf)
+    written = spec.body(body)
+    if written is None:  # it has its name from us
+        return False
+    auto, yes = mujoco.mjtAlignFree.mjALIGNFREE_AUTO, mujoco.mjtAlignFree.mjALIGNFREE_TRUE
+    free = [joint for joint in written.joints if joint.type == mujoco.mjtJoint.mjJNT_FREE]
+    return any(joint.align == yes or (joint.align == auto and spec.compiler.alignfree) for joint in free)

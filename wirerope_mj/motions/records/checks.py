@@ -10,49 +10,43 @@ from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions.records.reading import Reading
+from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
 from wirerope_mj.motions.records.resolution import resolution_warnings
-from wirerope_mj.motions.records.rest import is_pulse, offset_of, peak_from, quiet_level
 
-_FEWEST = 16
-"""Samples below which nothing is judged: a record so short was written by hand."""
+_FEWEST = 16  # samples below which nothing is judged: a record so short was written by hand
 
+# fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
+# above half of its peak in two of a hundred samples
 _PULSE_END, _VIBRATION_END = 0.1, 0.5
-"""Fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
-above half of its peak in two of a hundred samples."""
 
+# a flat top has three equal samples or more; one top's length before and after it a smooth one fell by nine steps
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
-"""A flat top has three equal samples or more; one top's length before and after it a smooth one fell by nine steps."""
 
+# fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
+# what a sensor measured take more than a sample
 _JUMP = 0.99
-"""Fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
-what a sensor measured take more than a sample."""
 
+# relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less
 _NEAR = 0.03
-"""Relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less."""
 
+# peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors
 LARGEST_PEAK, SMALLEST_PEAK = 1e5, 1e-2
-"""Peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors."""
+LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0  # sampling beyond which the unit of time is questioned [Hz]
 
-LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0
-"""Sampling beyond which the unit of time is questioned [Hz]."""
-
+# speed [m/s] and travel [m] of a base beyond which a record is questioned: shocks of ships, drops and crashes stay below
 LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
-"""Speed [m/s] and travel [m] of a base beyond which a record is questioned: shocks of ships, drops and crashes stay below."""
 
+# of a record without a quiet part: final velocity over the range of what is left when a steady drift is taken off, from which
+# the drift rules; the velocity that does not matter [m/s]; the fraction of the peak above which a mean is that of a pulse
+# that fills its record
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
-"""Of a record without a quiet part: final velocity over the range of what is left when a steady drift is taken off, from which
-the drift rules; the velocity below which nobody minds [m/s]; the fraction of the peak above which a mean is that of a pulse
-that fills its record."""
 
+# velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is warned of
 _GAIN = 0.1
-"""Velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is warned of."""
+_MEDIAN_STEP = 0.954  # median of the steps from sample to sample of white noise, over its rms
 
-_MEDIAN_STEP = 0.954
-"""Median of the steps from sample to sample of white noise, over its rms."""
-
+# peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one
 _WEAK = 0.5
-"""Peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one."""
 
 
 def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:

@@ -1,4 +1,4 @@
-"""Content of the file of a measured record, before anything is done to it."""
+"""Content of the file of a measured record, its level at rest, and whether it is of a pulse or of a vibration."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
@@ -11,19 +11,12 @@ from wirerope_mj.foundation.directions import Direction, unit_vector
 
 @dataclass(frozen=True)
 class Reading:
-    """Accelerations as they were measured.
+    """Accelerations as they were measured."""
 
-    Attributes:
-        time: instants of the file's own clock [s], increasing, (n,).
-        samples: acceleration along x, y, z [m/s^2], (n, 3).
-        units: in which the file gives them, each once.
-        warnings: what had to be done to the samples, and what looks wrong about them.
-    """
-
-    time: Array
-    samples: Array
-    units: tuple[str, ...]
-    warnings: tuple[str, ...] = ()
+    time: Array  # instants of the file's own clock [s], increasing, (n,)
+    samples: Array  # acceleration along x, y, z [m/s^2], (n, 3)
+    units: tuple[str, ...]  # in which the file gives them, each once
+    warnings: tuple[str, ...] = ()  # what had to be done to the samples, and what looks wrong about them
 
     def warned(self, *messages: str) -> "Reading":
         """Return the same reading with more warnings."""
@@ -33,3 +26,77 @@ class Reading:
 def axes_of(directions: Iterable[Direction]) -> Array:
     """Return the unit vectors of the channels' directions, (n_channels, 3)."""
     return np.array([unit_vector(direction) for direction in directions])
+
+
+# a record rests at its median if so many of its samples lie near it, within a fraction of its range or of the median
+_RESTS, _BAND, _NEAR = 0.3, 0.02, 0.1
+
+# median deviations, three standard deviations of noise, within which samples are quiet; samples that give the median
+_NOISE, _ENOUGH = 4.5, 100_000
+
+# four standard errors of a median of noise, in median deviations over the root of the number of samples
+_ERRORS = 7.4
+
+# least samples at either end that say whether a record begins or ends quietly; fraction of samples one step off a level
+_FEW, _DITHERED = 16, 0.05
+
+# half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero
+_PULSE_WAVES = 10
+
+
+def resting_value(a: Array) -> float | None:
+    """Return the value at which a signal (n,) rests between its events, None if it does not."""
+    middle = float(np.median(a))
+    band = max(_BAND * float(np.ptp(a)), _NEAR * abs(middle))
+    ratio = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
+    return middle if ratio >= _RESTS else None
+
+
+def quiet_level(a: Array) -> float | None:
+    """Return the mean of the quiet part of a signal (n,), which it begins or ends with; None if there is no such part.
+
+    A level that is neither at the beginning nor at the end is the top of a pulse.
+    """
+    middle = resting_value(a)
+    if middle is None:
+        return None
+    off = np.abs(a - middle)
+    spread = float(np.median(off[:: max(1, off.size // _ENOUGH)]))
+    few = max(_FEW, a.size // 50)
+    if not any(_stands_at(part, middle, _BAND * float(np.ptp(a))) for part in (a[:few], a[-few:])):
+        return None
+    return float(a[off <= (_NOISE * spread if spread > 0.0 else _converter_step(off))].mean())
+
+
+def _stands_at(part: Array, level: float, near: float) -> bool:
+    """Return whether the median of samples is a level, but for what their own noise does to it or for what is near."""
+    middle = float(np.median(part))
+    spread = float(np.median(np.abs(part - middle)))
+    return abs(middle - level) <= max(near, _ERRORS * spread / np.sqrt(part.size))
+
+
+def _converter_step(off: Array) -> float:
+    """Return how far samples may be off a level that most of them are equal to: a step of the converter if it is dithered."""
+    step = 1.5 * float(off[off > 0.0].min(initial=np.inf))
+    return step if np.count_nonzero((off > 0.0) & (off <= step)) > _DITHERED * off.size else 0.0
+
+
+def offset_of(a: Array) -> float:
+    """Return the value of a signal (n,) before and after: its level at rest, a vibration's mean, zero for a bare pulse."""
+    rest = quiet_level(a)
+    if rest is not None:
+        return rest
+    mean = float(a.mean())
+    return 0.0 if is_pulse(a, mean) else mean
+
+
+def is_pulse(a: Array, rest: float) -> bool:
+    """Return whether a signal (n,) is of a pulse and not of a vibration: it has few half waves about its rest."""
+    peak = peak_from(a, rest)
+    signs = np.sign(a[np.abs(a - rest) > 0.1 * peak] - rest)
+    return bool(np.count_nonzero(np.diff(signs)) < _PULSE_WAVES)
+
+
+def peak_from(a: Array, rest: float) -> float:
+    """Return how far a signal (n,) goes from its rest, to either side."""
+    return max(float(a.max()) - rest, rest - float(a.min()))

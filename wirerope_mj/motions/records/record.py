@@ -17,10 +17,9 @@ from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.piecewise import PiecewiseLinear
-from wirerope_mj.motions.records.baseline import BASELINES, without_baseline
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
 from wirerope_mj.motions.records.csv import csv_channels, read_csv
-from wirerope_mj.motions.records.sampling import even, resampled
+from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
@@ -37,21 +36,15 @@ class Record(BaseMotion):
 
     Velocity and displacement are its exact integrals from rest. After the record the base coasts at the velocity that
     is left; `baseline` says what was done about it.
-
-    Attributes:
-        path: file that the record was read from.
-        time: sample instants [s], (n,); the first is `start`. The baseline "highpass" adds some at either end.
-        samples: acceleration [m/s^2], scaled and baseline-corrected, (n, 3).
-        channels, scale, baseline, start, highpass, resample, gaps, unit: as `load_record` takes them.
-        warnings: what had to be done to the samples, and what looks wrong about them; each begins with the file's name.
     """
 
     kind: ClassVar[str] = "record"
 
-    path: Path
+    path: Path  # file that the record was read from
+    # sample instants [s], (n,); the first is `start`. The baseline "highpass" adds some at either end.
     time: Array = field(repr=False)
-    samples: Array = field(repr=False)
-    channels: Mapping[str, Direction] | None = None
+    samples: Array = field(repr=False)  # acceleration [m/s^2], scaled and baseline-corrected, (n, 3)
+    channels: Mapping[str, Direction] | None = None  # as `load_record` takes them
     scale: float = 1.0
     baseline: str = "none"
     start: float = 0.0
@@ -59,6 +52,7 @@ class Record(BaseMotion):
     resample: float | None = None
     gaps: str = "refuse"
     unit: str | None = None
+    # what had to be done to the samples, and what looks wrong about them; each begins with the file's name
     warnings: tuple[str, ...] = field(default=(), repr=False)
     duration: float = field(init=False)
 

@@ -1,4 +1,4 @@
-"""Equal intervals for a measured record: small jitter, gaps, uneven sampling, and another rate on request."""
+"""A measured record at equal intervals, at another rate, continued beyond its ends, and with its baseline corrected."""
 
 from dataclasses import replace
 from fractions import Fraction
@@ -9,42 +9,73 @@ from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.motions.records.ends import continued
-from wirerope_mj.motions.records.reading import Reading
+from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of
 
+# of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart
+_ORDER, _WINDOW = 32, 1000
+_EXACT = 1e-10  # error of the prediction, as a fraction of the signal's power, at which it is good enough
+
+
+def continued(a: Array, count: int) -> Array:
+    """Return a signal (n,) with samples added at both ends, (n + 2 count,).
+
+    A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
+    was cut out of a longer one and is continued by linear prediction (Burg): sines go on with their phase, noise dies away.
+    """
+    rest = offset_of(a)
+    if is_pulse(a, rest):
+        return np.pad(a, count, mode="reflect")
+    before = _predicted(a[:_WINDOW][::-1] - rest, count)[::-1]
+    after = _predicted(a[-_WINDOW:] - rest, count)
+    return np.concatenate([before + rest, a, after + rest])
+
+
+def _predicted(a: Array, count: int) -> Array:
+    """Return the samples that come after a signal as far as its past tells."""
+    from scipy.signal import lfilter, lfiltic
+
+    weights = _burg(a, min(_ORDER, a.size // 3))
+    state = lfiltic([1.0], weights, a[::-1][: weights.size - 1])
+    return np.asarray(lfilter([1.0], weights, np.zeros(count), zi=state)[0])
+
+
+def _burg(a: Array, order: int) -> Array:
+    """Return 1 and the weights of the past in the error of prediction, which are always those of a stable filter."""
+    weights = np.ones(1)
+    forward, backward = a[1:], a[:-1]
+    enough = _EXACT * 2.0 * float(a @ a)
+    for _ in range(order):
+        power = float(forward @ forward + backward @ backward)
+        if power <= enough:
+            break  # more weights would hold nothing but rounding, and what they predict would grow
+        reflected = float(np.clip(-2.0 * (forward @ backward) / power, -1.0, 1.0))  # beyond by rounding
+        weights = np.append(weights, 0.0)
+        weights = weights + reflected * weights[::-1]
+        forward, backward = (forward + reflected * backward)[1:], (backward + reflected * forward)[:-1]
+    return weights
+
+
+# fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does
 _ROUNDED = 1e-3
-"""Fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does."""
 
+# the same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one
 _COARSE = 1 / 3
-"""The same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one."""
+_REGULAR = 0.9  # fraction of equal intervals from which on the others are gaps in an even sampling
+_GAP = 1.5  # usual intervals from which on a longer one is a gap
+_FEWEST = 16  # samples below which a record was written by hand and means the straight lines between its corners
 
-_REGULAR = 0.9
-"""Fraction of equal intervals from which on the others are gaps in an even sampling."""
-
-_GAP = 1.5
-"""Usual intervals from which on a longer one is a gap."""
-
-_FEWEST = 16
-"""Samples below which a record was written by hand and means the straight lines between its corners."""
-
+# usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away
 _FAR = 3.0
-"""Usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away."""
+_FINEST = 8  # instants per usual interval at which an uneven record is interpolated, at most, before the filter
 
-_FINEST = 8
-"""Instants per usual interval at which an uneven record is interpolated, at most, before the filter."""
-
+# anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes
 _STOP_DB, _PASS = 80.0, 0.8
-"""Anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes."""
+_BLOCK = 100_000  # samples that are looked at together
 
-_BLOCK = 100_000
-"""Samples that are looked at together."""
-
+# samples at equal intervals that are made of a record whose own are not, at most: so many, or so many for each of its own.
+# Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong.
 _MOST_MADE, _MOST_TIMES = 1_000_000, 10
-"""Samples at equal intervals that are made of a record whose own are not, at most: so many, or so many for each of its own.
-Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong."""
-
-_LARGEST_FACTOR = 10_000
-"""Of a change of rate, as a fraction: the filter has some fifty taps for each."""
+_LARGEST_FACTOR = 10_000  # of a change of rate, as a fraction: the filter has some fifty taps for each
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
@@ -207,3 +238,66 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
         if column.any():
             result[near] = Akima1DInterpolator(reading.time, column, method="makima")(time[near], extrapolate=True)
     return straight
+
+
+BASELINES = ("none", "rest", "mean", "velocity", "highpass")
+
+# of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase
+_ORDER = 2
+
+# periods of the cutoff by which a record is lengthened at either end, at rest, for the filter's answer, which comes before a
+# shock as well as after it. It has died away there to 1e-4.
+_QUIET = 2.0
+
+# samples that may be added: a cutoff far below anything in a record would fill the memory with rest
+_MOST_ADDED = 20_000_000
+
+
+def without_baseline(time: Array, samples: Array, baseline: str, highpass: float | None) -> tuple[Array, Array]:
+    """Return instants and samples without a constant (`baseline`), or without what is slower than a cutoff [Hz].
+
+    The samples are changed in place, unless they are filtered: a record is then longer, by rest at both ends.
+
+    Args:
+        time: equally spaced instants [s], (n,).
+        samples: acceleration [m/s^2], (n, 3).
+        baseline: one of `BASELINES`.
+        highpass: cutoff of the high-pass filter [Hz], where its gain is one half.
+
+    Raises:
+        ValueError: the cutoff is half the sampling rate or more, or lower than can be meant.
+    """
+    if highpass is not None:
+        return _highpassed(time, samples, highpass)
+    for column in samples.T:
+        if baseline == "rest":
+            column -= offset_of(column)
+        elif baseline == "mean":
+            column -= column.mean()
+        elif baseline == "velocity":
+            # The trapezoidal rule at equal intervals, without the copies that it would make of a long record.
+            gained = column.sum() - (column[0] + column[-1]) / 2.0
+            column -= gained / (time.size - 1)
+    return time, samples
+
+
+def _highpassed(time: Array, samples: Array, cutoff: float) -> tuple[Array, Array]:
+    from scipy.signal import butter, sosfiltfilt
+
+    step = float(time[-1] - time[0]) / (time.size - 1)
+    if cutoff >= (0.5 - 1e-9) / step:
+        raise ValueError(f"`highpass` must be below half the sampling rate, {0.5 / step:.6g}, got {cutoff!r}.")
+    quiet = int(np.ceil(_QUIET / (cutoff * step)))
+    if 2 * quiet > _MOST_ADDED:
+        raise ValueError(
+            f"`highpass` must be at least {2.0 * _QUIET / (_MOST_ADDED * step):.3g} Hz at {1.0 / step:.6g} samples a second, "
+            f"got {cutoff!r}: the filter needs {_QUIET:g} of its periods at rest before and behind the record."
+        )
+    sections = butter(_ORDER, cutoff, "highpass", fs=1.0 / step, output="sos")
+    longer = np.zeros((time.size + 2 * quiet, samples.shape[1]))
+    for column, filtered in zip(samples.T, longer.T, strict=True):
+        if column.any():
+            # An offset that goes on for ever is nothing after the filter; taken off first, it makes no jump at the ends.
+            filtered[quiet:-quiet] = column - offset_of(column)
+            filtered[:] = sosfiltfilt(sections, filtered, padtype="constant", padlen=quiet)
+    return time[0] + step * np.arange(len(longer)), longer

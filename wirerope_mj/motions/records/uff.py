@@ -22,8 +22,8 @@ _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
 _REAL = (2, 4)
 _SI = 1  # code of the system of units
 
+# fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
-"""Fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it."""
 
 
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."

@@ -10,20 +10,20 @@ import scipy
 from wirerope_mj.foundation.arguments import not_negative, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised, quantity
-from wirerope_mj.motions.spectra.arguments import check_samples
+from wirerope_mj.motions.spectra.ramp import check_samples
 
+# half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)
 SEGMENTS = 15
-"""Half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)."""
 
+# statistical bandwidth of a line seen through a Hann window, in resolutions: 1 / (2 int rho^2) with rho the window's
+# autocorrelation over lags of 0 to 1 segment
 WINDOW_BANDWIDTH = 2.079
-"""Statistical bandwidth of a line seen through a Hann window, in resolutions: 1 / (2 int rho^2) with rho the window's
-autocorrelation over lags of 0 to 1 segment."""
 
+# exponent with which the bandwidths of a resonance and of the window add up: within 7 % from a resolution on
 BLUR = 1.25
-"""Exponent with which the bandwidths of a resonance and of the window add up: within 7 % from a resolution on."""
 
+# samples a segment must have: fewer leave a window with hardly a frequency between its main lobe and half the rate
 LEAST_SAMPLES = 8
-"""Samples a segment must have: fewer leave a window with hardly a frequency between its main lobe and half the rate."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -147,13 +147,9 @@ def power_spectral_density(
         kept, fs=1.0 / step, window=window, noverlap=size // 2, detrend="constant", scaling="density", axis=0
     )
     return PowerSpectralDensity(
-        frequency=frequency,
-        density=density,
-        resolution=1.0 / (size * step),
-        duration=left,
-        segments=segments,
+        frequency=frequency, density=density, resolution=1.0 / (size * step), duration=left, segments=segments,
         degrees_of_freedom=_degrees(window, hop, segments),
-    )
+    )  # fmt: skip
 
 
 def _segment(samples: int, step: float, resolution: float | None) -> int:

@@ -2,6 +2,7 @@
 
 import math
 import warnings
+from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 
@@ -10,35 +11,33 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.summary import Brief, Summarised, quantity, span
-from wirerope_mj.motions.spectra.arguments import check_samples, octave_grid
-from wirerope_mj.motions.spectra.ramp import ACCELERATION, DISPLACEMENT, EXTREMES, VELOCITY, ramp_extremes
+from wirerope_mj.motions.spectra.ramp import (
+    ACCELERATION,
+    DISPLACEMENT,
+    EXTREMES,
+    VELOCITY,
+    check_samples,
+    octave_grid,
+    ramp_extremes,
+)
 
+# ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack at
+# most 3 % (sinc^2 of a tenth) of a sine of that frequency
 SAMPLES_PER_PERIOD = 10.0
-"""ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack
-at most 3 % (sinc^2 of a tenth) of a sine of that frequency."""
-
-HALVINGS, TERMS = 4, 18
-"""Of the series of an exponential: what is left out of a norm of 10 is 1e-20."""
-
-LOWEST_FREQUENCY = 1.0
-"""First of the default frequencies [Hz], below what equipment on isolators answers with."""
+HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
+LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Extremes(Brief):
-    """Largest magnitudes of a quantity of oscillators, (n_f,) or (n_f, k).
+    """Largest magnitudes of a quantity of oscillators, (n_f,) or (n_f, k)."""
 
-    Attributes:
-        positive, negative: in the positive and in the negative direction.
-        primary: the larger of both while the base accelerates.
-        residual: the larger of both afterwards, when the base's acceleration is zero.
-    """
-
-    positive: Array
+    positive: Array  # in the positive and in the negative direction
     negative: Array
-    primary: Array
-    residual: Array
+    primary: Array  # the larger of both while the base accelerates
+    residual: Array  # the larger of both afterwards, when the base's acceleration is zero
 
     @property
     def maximax(self) -> Array:
@@ -269,3 +268,29 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     within = np.abs(coarse - fine) <= 0.01 * np.abs(fine)
     within = within if within.ndim == 1 else (within | (fine <= 1e-6 * fine.max())).all(axis=1)
     return float(lines[np.flatnonzero(~within)[0] - 1] if not within.all() else lines[-1]) if within[0] else 0.0
+
+
+_QUANTITIES = (
+    ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
+    ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),
+    ("acceleration/maximax", "m/s^2", lambda s: s.acceleration.maximax),
+    ("relative_displacement/maximax", "m", lambda s: s.displacement.maximax),
+    ("pseudo_velocity/maximax", "m/s", lambda s: 2.0 * np.pi * s.frequencies[:, None] * s.displacement.maximax),
+)
+
+
+def exported_spectra(spectrum: ShockResponseSpectrum, axes: Sequence[str] = "xyz") -> Exported:
+    """Return spectra of several accelerations side by side as a table: frequency, then each quantity along each axis.
+
+    Args:
+        spectrum: of accelerations (n, k).
+        axes: names of the k accelerations.
+    """
+    names, units, columns = ["frequency"], ["Hz"], [spectrum.frequencies]
+    for place, axis in enumerate(axes):
+        for name, unit, values in _QUANTITIES:
+            names.append(f"{axis}/{name}")
+            units.append(unit)
+            columns.append(values(spectrum)[:, place])
+    about = {"spectrum": "shock response, ISO 18431-4", "q": f"{spectrum.q:g}"}
+    return Exported(names=names, units=units, column=columns.__getitem__, blocks=lambda: iter([columns]), about=about)

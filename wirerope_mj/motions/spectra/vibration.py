@@ -16,11 +16,10 @@ from wirerope_mj.motions.psd_lines import Points, checked_points
 
 Method = Literal["dirlik", "narrow-band"]
 
-_POWERS = (0, 1, 2, 4)
-"""Powers of the frequency in the moments that the rules of damage take."""
+_POWERS = (0, 1, 2, 4)  # powers of the frequency in the moments that the rules of damage take
 
+# half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak
 _NEAR = 40.0
-"""Half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

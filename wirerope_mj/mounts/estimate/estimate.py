@@ -7,7 +7,6 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.mounts.estimate.trends import (
     LARGEST_ROPE,
     SAME_ROPE,
@@ -71,8 +70,6 @@ class LoopEstimate:
     left_out: LeftOut
     vibration_bending_stiffness: float
     rotation: Array
-
-    figures = Renamed("values")
 
 
 def estimate_loop(

@@ -45,7 +45,7 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
         bar=estimate.bar,
         modes=modes,
     )
-    fitted = fit_part(part)
+    fitted = fit_part(part, scales=1)
     provenance = Provenance(
         kind="estimated",
         source=_source(estimate),

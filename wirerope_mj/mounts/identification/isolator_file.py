@@ -36,7 +36,7 @@ def identified_isolator(
     sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
     points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
     assumed = [*assumptions(result, given), *(f"the data do not identify: {text}" for text in result.non_identifiable)]
-    if falling := result.falling or _falling_in_rating(result, axis, whole or known):
+    if falling := result.falling or falling_in_rating(result, axis, whole or known):
         assumed.append(f"{falling}: the law does not hold there")
     if not result.converged:
         assumed.append(f"the fit did not converge ({result.message})")
@@ -67,9 +67,12 @@ def identified_isolator(
     return replace(known.conditioned, name=name, provenance=provenance, spread=None, validity=validity, **axes)
 
 
-def _falling_in_rating(result: Identification, axis: str, rated: Isolator | None) -> str:
-    """Return from which deflections on the tangent stiffness is negative within the rated travel, as text."""
-    if rated is None:
+def falling_in_rating(result: Identification, axis: str, rated: Isolator | None) -> str:
+    """Return from which deflections on the tangent stiffness is negative within the rated travel alone, as text.
+
+    "" where it is not, where no isolator says a rating, and where it already is within twice what was tested, as the fit says.
+    """
+    if rated is None or result.falling:
         return ""
     below, above = (travel or 0.0 for travel in rated.rated_travel(axis))
     return falling_text(result.law, -below, above)

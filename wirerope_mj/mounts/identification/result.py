@@ -6,7 +6,6 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
@@ -76,8 +75,6 @@ class Identification(Summarised):
     scales: tuple[str, ...] = ()
     scale_rows: tuple[ScaleRow, ...] = ()
 
-    certainty, open_combinations = Renamed("uncertainty"), Renamed("non_identifiable")
-
     def _summary(self) -> tuple[str, dict[str, str]]:
         ended = "converged" if self.converged else "NOT CONVERGED"
         lines = {
@@ -98,7 +95,7 @@ class Identification(Summarised):
         return measured_range(self.loops)
 
     @property
-    def not_told_from_zero(self) -> tuple[str, ...]:
+    def insignificant(self) -> tuple[str, ...]:
         """Names of the free parameters that lie within two of their standard errors of zero, and not at a bound."""
         return tuple(
             p.name
@@ -138,8 +135,8 @@ class Identification(Summarised):
         if self.scales:
             lines.append(f"yield deflections: {self.yields}")
         lines += [f"not identifiable: {text}" for text in self.non_identifiable]
-        if self.not_told_from_zero:
-            lines.append(f"not told from zero: {', '.join(self.not_told_from_zero)}")
+        if self.insignificant:
+            lines.append(f"not significant: {', '.join(self.insignificant)}")
         return "\n".join([*lines, self.validity, *filter(None, [self.falling])])
 
 

@@ -10,7 +10,7 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
+from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, WORN_OUT, baber_noori
 from wirerope_mj.mounts.laws.kernels import evaluate_rarer
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
 
@@ -26,6 +26,9 @@ FIRST_STEP = 0.2
 
 _SMALLEST = 1e-9
 """Fraction of a segment below which a failing step can only be a kink, whose contribution is below rounding."""
+
+_NARROWEST = 1e-9
+"""Fraction of the bound of z that a step covers at the least."""
 
 _AT_ZERO = 1e-13
 """Fraction of what z gains over the segment's length that counts as zero."""
@@ -51,15 +54,19 @@ def first_step(law, p, i, length):
 
 
 @njit
-def longest_step(law, p, i, e):
-    """Return the longest step that cannot leap over what a law does in a narrow range of its force: over it z gains two widths.
+def longest_step(law, p, i, direction, z, e):
+    """Return the longest step that cannot leap over what a law does in a narrow range of its force.
 
-    Only pinching is narrow; its width grows with the work e done on the law.
+    Only pinching is narrow: over a step z gains two widths of it at most, or a quarter of the way to where it is. Its width may
+    begin at zero and grows with the work e done on the law; what is narrower than `_NARROWEST` of the bound of z may be missed.
     """
     if law != BABER_NOORI or p[i + 8] == 0.0:
         return np.inf
     slip = p[i + 8] * -math.expm1(-p[i + 10] * e)
-    return 2.0 * (p[i + 11] + p[i + 12] * e) * (p[i + 13] + slip) / p[i]
+    width = (p[i + 11] + p[i + 12] * e) * (p[i + 13] + slip)
+    alpha = max(p[i] - p[i + 5] * e, WORN_OUT * p[i])
+    bound = (alpha / ((1.0 + p[i + 6] * e) * (p[i + 1] + p[i + 2]))) ** (1.0 / p[i + 3])
+    return max(2.0 * width, 0.25 * abs(direction * z - p[i + 9] * bound), _NARROWEST * bound) / p[i]
 
 
 @njit
@@ -142,7 +149,7 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
     numbers.
     """
     work, power, done, landing, m = 0.0, 0.0, 0.0, 0, n_states + 1
-    longest = longest_step(law, p, i, z[j + n_states - 1])
+    longest = longest_step(law, p, i, direction, z[j], z[j + n_states - 1])
     step = min(first_step(law, p, i, length), longest)
     tolerance = TOLERANCE_IN_THE_PLANE if law in (BIAXIAL, LOOP) else TOLERANCE
     slope_at(law, p, i, x0, direction, z, j, n_states, slopes, 0)
@@ -179,5 +186,6 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
             z[j + c] = trial[c]
         for c in range(m):
             slopes[c] = slopes[6 * m + c]
+        longest = longest_step(law, p, i, direction, z[j], z[j + n_states - 1])
         step = min(longest, step * min(5.0, max(0.2, 0.9 * (error + 1e-10) ** -0.2)))
     return work

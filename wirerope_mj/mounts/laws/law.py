@@ -11,7 +11,6 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.mounts.laws.loop import Loop
 
 ROUNDING = 1e-9
@@ -132,8 +131,6 @@ class Law(ABC):
     def n_states(self) -> int:
         """Number of internal states."""
         return len(self.state_names)
-
-    surely_holds = Renamed("certainly_valid")
 
     def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
         """Return whether the law is valid, and at any deflection, with each entry of columns of its parameters.

@@ -135,9 +135,18 @@ class Parallel(Law):
         """Return the laws whose friction builds up over `factor` times the deflection."""
         return replace(self, laws=tuple(law.with_yield(factor) for law in self.laws))
 
+    @property
+    def factors(self) -> tuple[str, ...]:
+        """Names of factors on all laws: `FACTORS`, and the numbers that each has and not all as 0, such as "alpha"."""
+        numbers = [
+            {key: value for key, value in law.to_dict().items() if isinstance(value, float)} for law in self.laws
+        ]
+        shared = [key for key in numbers[0] if all(key in one for one in numbers) and any(one[key] for one in numbers)]
+        return (*FACTORS, *shared)
+
     def parameter(self, name: str) -> Any:
         """Return a parameter of one of the laws, "laws[0].alpha", or 1 for a factor on all of them."""
-        if name in FACTORS:
+        if name in self.factors:
             return 1.0
         number, own = part_of(name)
         return self.laws[number].parameter(own)
@@ -145,10 +154,15 @@ class Parallel(Law):
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
         own: dict[int, dict[str, Any]] = {}
+        shared = {name: value for name, value in values.items() if name in self.factors and name not in FACTORS}
         for name, value in values.items():
-            if name not in FACTORS:
+            if name not in self.factors:
                 number, key = part_of(name)
                 own.setdefault(number, {})[key] = value
+        for number, law in enumerate(self.laws):
+            for name, value in shared.items():
+                mine = own.setdefault(number, {})
+                mine[name] = value * mine.get(name, law.parameter(name))
         varied = replace(
             self, laws=tuple(replace(law, **law.completed(own.get(number, {}))) for number, law in enumerate(self.laws))
         )

@@ -4,6 +4,7 @@ import math
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count, raised, some, where
+from wirerope_mj.mounts.laws.hysteresis import FAR, OVERSHOOT
 from wirerope_mj.mounts.laws.ni import polynomial
 
 BIAXIAL = 9
@@ -69,6 +70,8 @@ def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
     The states are `z[jx]` and `z[jy]`, their rates `zdot[kx]` and `zdot[ky]`. With w = z / z_m and u = v / x_y:
 
         wdot = u - w |w|^(n-2) [sigma |u.w| + (1 - sigma) u.w]
+
+    From `OVERSHOOT` of the bound, where no solution is, up to `FAR`, |w|^n counts as that, as in `bouc_wen_rate`.
     """
     sigma, n = p[i], p[i + 1]
     wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
@@ -78,7 +81,9 @@ def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
         length = where(size > 0.0, size, 1.0)
         wx, wy = wx / length, wy / length
         along = ux * wx + uy * wy
-        pull = raised(size, n) * (sigma * abs(along) + (1.0 - sigma) * along)
+        reach = raised(size, n)
+        reach = where(reach > FAR, reach, min(reach, OVERSHOOT))
+        pull = reach * (sigma * abs(along) + (1.0 - sigma) * along)
         ux, uy = where(size > 0.0, ux - pull * wx, ux), where(size > 0.0, uy - pull * wy, uy)
     zdot[kx], zdot[ky] = p[i + 2] * ux, p[i + 3] * uy
 

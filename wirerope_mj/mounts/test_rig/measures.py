@@ -8,7 +8,6 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arguments import not_negative
-from wirerope_mj.foundation.renamed import Renamed
 from wirerope_mj.mounts.laws import Loop
 
 _BINS = 20  # intervals of the common span in which a gap is averaged before its size counts, so that noise is no gap
@@ -88,8 +87,6 @@ class Transition:
     amplitude: float
     stiffness: float
     message: str
-
-    found = Renamed("exists")
 
 
 def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Transition:

@@ -10,7 +10,7 @@ deflection x_y. All else of the axis' law is the same for the whole catalogue. T
 The rule was found with one rack of 850 kg on one part (CB1400-15): its sag, modes and shocks in both senses together with its
 catalogue, no other rack. With the whole asymmetry of the rope loop the rack's acceleration along z is 20 % too large, without
 any that along x 16 % too small; from 0.3 to 0.5 all are within 10 %. The third is what the vendor's program says of that
-part, 1.5 standard deviations of its `[spread]` below the rope loop's c; holding more of the rope in the bars would raise c. A
+part, and no test has shown it: `[spread]` has the rope loop's own c two standard deviations above. A
 smaller n lets the rack sag more, by 27 % with n = 1 and 16 % with n = 2; a larger one has less damping in small cycles. The
 ratios hardly matter to it, from 1/10 to 1/5 of the force and 1/20 to 1/8 of the yield deflection: they are those with which
 the damping of the parts that ship stays at 6 to 22 % along the axis from 0.2 mm to half of the travel, and at 1 mm in their
@@ -64,6 +64,13 @@ class FitRule:
         """Return the friction force in parts of d, on the virgin path or at the end of the steady loop of an amplitude [m]."""
         hold = _steady if steady else _virgin
         return sum(share * hold(self.n, deflection / (part * yielding)) for share, part in self.scales)
+
+    def deviation(self, asymmetry: float, of_bars: float) -> float:
+        """Return the standard deviation of the axial law's c [1/m], from the rope loop's c and its deviation for the bars.
+
+        What the rope loop says and what the rule makes of it are two deviations apart; that of the bars comes on top.
+        """
+        return math.hypot(0.5 * (1.0 - self.asymmetry) * asymmetry, self.asymmetry * of_bars)
 
     def lost(self, amplitude: float, yielding: float, asymmetry: float) -> float:
         """Return the area of the steady loop of an amplitude [m] per newton of d [m].

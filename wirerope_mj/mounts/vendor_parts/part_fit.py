@@ -12,7 +12,7 @@ BAR = 1.7
 1.54 to 1.80."""
 
 
-def fit_part(part: VendorPart, *, scales: int = 1) -> Isolator:
+def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
     """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
 
     Args:

@@ -49,7 +49,7 @@ SERIES = (
     Series(
         file="vmc_cb.csv",
         source="VMC/Aeroflex and Socitec CB data sheets, read from a public transcription",
-        damping=0.165,
+        damping=0.20,
         damping_range=(0.15, 0.20),
     ),
 )

@@ -79,7 +79,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
             static_load=sheet.static_load, travel=Travel(compression=compression.travel, shear=travel, roll=travel)
         ),
         geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
-        spread=_spread(curves) if sheet.scales == 1 else None,
+        spread=_spread(axial, curves, rule),
         rotation=_rotation(sheet, axial, across.get("roll"), curves),
         **across,
     )
@@ -93,9 +93,12 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     return replace(isolator, provenance=provenance)
 
 
-def _spread(curves: AxisCurves) -> Spread:
-    """Return the scatter of the asymmetry, for what the bars hold."""
-    return Spread(parameters=("axial.c",), covariance=((float(f"{curves.asymmetry_deviation**2:.6g}"),),))
+def _spread(axial: NiLaw | Parallel, curves: AxisCurves, rule: FitRule) -> Spread:
+    """Return the scatter of the asymmetry, which all states of the axis share: `FitRule.deviation`."""
+    states = len(axial.components)
+    names = ("axial.c",) if states == 1 else tuple(f"axial.laws[{number}].c" for number in range(states))
+    variance = float(f"{rule.deviation(curves.asymmetry, curves.asymmetry_deviation) ** 2:.6g}")
+    return Spread(parameters=names, covariance=((variance,) * states,) * states)
 
 
 def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves: AxisCurves) -> dict[str, Any]:
@@ -196,9 +199,9 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
         ]
     else:
         shape = [
-            f"axial: c ln b and k3 / k1 are a third of the rope loop's, whose c is {curves.asymmetry:.3g} 1/m with a standard "
-            f"deviation of {curves.asymmetry_deviation:.3g} 1/m for what the bars hold: nobody measured tension, and the "
-            "shocks of a rack on CB1400-15 in both senses ask for a third",
+            f"axial: c ln b and k3 / k1 are a third of the rope loop's, whose c is {curves.asymmetry:.3g} 1/m: the shocks of a "
+            "rack on CB1400-15 in both senses ask for it; nobody measured tension; the standard deviation of c in [spread] is "
+            "half of what both differ by, with a third of what the bars leave open",
             "two scales of friction on every axis, the second with an eighth of the force and a twentieth of the yield "
             "deflection of the first: damping that does not vanish in small cycles",
             "n = 2, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",

@@ -1,5 +1,6 @@
 """The computation of every engine: the rows of some variants, from what all variants share and their own inputs."""
 
+import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -9,7 +10,8 @@ import pyarrow as pa
 
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
+from wirerope_mj.studies.ended import Lengths
 from wirerope_mj.studies.engines.together import NONE, Together, together
 from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, measure_names, measures
@@ -124,11 +126,12 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
             motions.append(motion)
             indices.append(index)
     try:
-        results = simulate_batch(
-            systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
-            sample_rate=work.sample_rate, corners=work.corners, threads=1,
-            responses=responses is not None,
-        )  # fmt: skip
+        with warnings.catch_warnings(action="ignore", category=AccuracyWarning):  # the study has warned before it began
+            results = simulate_batch(
+                systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
+                sample_rate=work.sample_rate, corners=work.corners, threads=1,
+                responses=responses is not None,
+            )  # fmt: skip
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
@@ -180,14 +183,18 @@ def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Toge
     values = {name: np.full(n, NAN) for name in names}
     for name, column in done.columns.items():
         values[name][done.indices] = column
-    messages = [""] * n
+    lengths = Lengths(work)
     status = [DONE] * n
+    messages = [""] * n
     for index, outcome in outcomes.items():
         if isinstance(outcome, str):
             messages[index], status[index] = outcome, FAILED
             continue
         for name, value in outcome.items():
             values[name][index] = value
+    for index, row in enumerate(chunk.rows):
+        if status[index] == DONE:
+            messages[index] = lengths.early(row)
     inputs = ["variant", *(column.name for column in work.columns)]
     columns = {name: [row[name] for row in chunk.rows] for name in inputs} | values
     return pa.table(columns | {"status": status, "message": messages}, schema=schema(work))

@@ -8,19 +8,16 @@ import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.engine.control.state import state_of
-from wirerope_mj.engine.kernel.equations import Equations
-from wirerope_mj.engine.kernel.held import equations
-from wirerope_mj.engine.kernel.numbers import Numbers
-from wirerope_mj.engine.simulation.engines import leap
+from wirerope_mj.engine.control.install import state_of
+from wirerope_mj.engine.kernel.equations import Equations, equations
+from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
-from wirerope_mj.engine.simulation.initial import HISTORIES, moving_with_base
-from wirerope_mj.engine.simulation.judge import unfit
 from wirerope_mj.engine.simulation.simulate import MOST_STEPS, check_direction, checked_corners
-from wirerope_mj.engine.simulation.stability import stable_step
-from wirerope_mj.engine.simulation.step_bound import rates_of, step_bound
-from wirerope_mj.engine.statics.side_by_side import rester
+from wirerope_mj.engine.simulation.stability import rates_of, stable_step, step_bound
+from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
+from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import WireRopeError
@@ -60,7 +57,7 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
     last bit as those that `wirerope_mj.studies.inputs.variants.Maker` makes, and are not made.
     """
     system = work.system
-    if not rows or work.duration / work.timestep > MOST_STEPS or unfit(system):
+    if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
         return NONE
     variants = _variants(work, rows)
     if not variants.indices:
@@ -127,7 +124,7 @@ def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
     for index, row in enumerate(rows):
         try:
             draft, motion = make.draft(row), make.motion(row)
-            if draft.failed or draft.absent or leap(system, motion):
+            if draft.failed or draft.absent or unsupported_motion(system, motion):
                 continue
             check_direction(system, motion)
             own = equations(system).num.copy(), own_rates.copy()
@@ -229,7 +226,7 @@ def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags
     unloaded, where = _unloaded(system), moving(system)
     forces, found = None, np.ones(n, dtype=bool)
     if work.initial in HISTORIES:
-        rests = rester(system).rests(variants.numbers, HISTORIES[work.initial])
+        rests = equilibrium_solver(system).solve(variants.numbers, HISTORIES[work.initial])
         states, forces, found = rests.states, rests.mounts[:, :, 1], rests.found & rests.held
         found &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
     else:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Mapping
 import numpy as np
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.centres import centre_of_mass
+from wirerope_mj.engine.system.varied import centre_of_mass
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.parallel import FACTORS
@@ -25,9 +25,9 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append(f"mounts {', '.join(mounts)}:")
         for axis, law in laws.items():
             if isinstance(law, Parallel):
-                lines.append(
-                    f"  {', '.join(f'mount/NAME/{axis}/{factor}' for factor in FACTORS)}  factor on all its laws"
-                )
+                lines.append(f"  {', '.join(f'mount/NAME/{axis}/{one}' for one in FACTORS)}  factor on all its laws")
+                if shared := law.factors[len(FACTORS) :]:
+                    lines.append(f"  mount/NAME/{axis}/PARAMETER  factor in all its laws: {', '.join(shared)}")
                 lines += [_law_line(f"{axis}/laws[{number}].PARAMETER", one) for number, one in enumerate(law.laws)]
             else:
                 lines.append(_law_line(f"{axis}/PARAMETER", law))

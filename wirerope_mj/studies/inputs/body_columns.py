@@ -9,8 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.centres import body_axes, centre_of_mass, is_aligned
-from wirerope_mj.engine.system.varied import moving_bodies
+from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite

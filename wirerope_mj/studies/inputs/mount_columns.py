@@ -14,7 +14,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.mounts.laws.parallel import FACTORS, part_of
+from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
@@ -64,7 +64,7 @@ class LawParameter(ValueOrFactor):
                 f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
             )
         if isinstance(law, Parallel):
-            if parameter in FACTORS:
+            if parameter in law.factors:
                 return 1.0
             try:
                 number, parameter = part_of(parameter)
@@ -72,7 +72,7 @@ class LawParameter(ValueOrFactor):
             except (ValueError, IndexError):
                 raise ModelError(
                     f"`vary`: {name!r}: mount {mount!r} has {len(law.components)} laws on its {axis} axis; name a parameter of "
-                    f"one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: {', '.join(FACTORS)}."
+                    f"one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: {', '.join(law.factors)}."
                 ) from None
         names = [key for key in law.to_dict() if key != "law" and key not in law.options]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}

@@ -7,8 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
-from wirerope_mj.engine.system.centres import body_axes, centre_of_mass
-from wirerope_mj.engine.system.varied import changed
+from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, changed
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator, Limits

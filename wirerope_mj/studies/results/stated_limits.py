@@ -1,20 +1,25 @@
-"""Limits that somebody states after the fact, on one measure of a study or on all that a pattern matches."""
+"""Limits that are stated after the fact, on one measure of a study or on all that a pattern matches, kept in `summary.json`."""
 
+import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
-from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.results.measure import values_of
-from wirerope_mj.studies.results.statements import percent
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance
+from wirerope_mj.studies.folder import SUMMARY
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.measure import measures_of, values_of
+from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_in
 from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
@@ -22,6 +27,11 @@ _UNITS = {
     "travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
     "clearance": {"%": 0.01},
 }  # fmt: skip
+KEY = "stated_limits"
+"""Of the list in `summary.json`; it is not there unless somebody has stated a limit."""
+
+_REMEDY = "Remove the file, and go on with --resume (`resume=True`): it is written anew."
+
 _EXAMPLE = '"deflection/*/roll = 35 mm"'
 _TEXT = re.compile(r"\s*(\S+)\s*=\s*([-+.\deE]+)\s*([^\d\s.+-]\S*)\s*")
 
@@ -42,8 +52,7 @@ class StatedLimit:
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""
-        failed = int(np.count_nonzero(np.asarray(table["status"]) != DONE))
-        return exceedance(self.largest(table), self.limit, failed=failed)
+        return exceedance_in(table, self.measures[0], self.largest(table), self.limit)
 
     def largest(self, table: pa.Table) -> Array:
         """Return the largest of the measures of each variant, SI, (n,); NaN where none has a value."""
@@ -85,15 +94,53 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"limit {short(text)!r}: {error}") from None
 
 
-def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> str:
-    """Return in one sentence how often a limit is exceeded; bounds of the probability where variants are a sample."""
-    beyond = stated.exceedance(table)
-    several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
-    failed = f"; {beyond.failed} failed and are not counted" if beyond.failed else ""
-    if not beyond.n:
-        return f"Beyond {stated.text}: not judged, since nothing has a value{failed}."
-    start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
-    if not sampled:
-        return f"{start}{failed}."
-    bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
-    return f"{start}, {percent(beyond.ratio)} ({bounds}){failed}."
+def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
+    """Write how often limits are exceeded into the summary of a study, in place of those that were stated before.
+
+    Raises:
+        RecordError: the summary is damaged.
+    """
+    content = _content(result) | {KEY: [_exceeded(result, one) for one in limits]}
+    with atomic_file(result.folder / SUMMARY) as temporary_path:
+        temporary_path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+
+
+def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
+    """Return the limits that stand in the summary of a study; nothing if there is no summary yet.
+
+    Raises:
+        RecordError: the summary is damaged.
+    """
+    path = result.folder / SUMMARY
+    if not path.is_file():
+        return ()
+    stated = _content(result).get(KEY, [])
+    try:
+        return tuple(limit_of_text(one["text"], measures_of(result.table)) for one in stated)
+    except (KeyError, TypeError, ValueError) as error:
+        raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None
+
+
+def _content(result: StudyResult) -> dict[str, Any]:
+    path = result.folder / SUMMARY
+    try:
+        content = json.loads(regular(path).read_text(encoding="utf-8"))
+    except (OSError, ValueError) as error:
+        why = why_unread(error) if isinstance(error, OSError) else "it is not JSON."
+        raise RecordError(f"{path}: {why} {_REMEDY}") from None
+    if not isinstance(content, dict):
+        raise RecordError(f"{path}: this is not the summary of a study. {_REMEDY}")
+    return content
+
+
+def _exceeded(result: StudyResult, stated: StatedLimit) -> dict[str, Any]:
+    """Return a limit in SI with its exceedance; a probability only of variants that were sampled."""
+    beyond = stated.exceedance(result.independent)
+    content = {
+        "text": stated.text, "measures": list(stated.measures), "limit": stated.limit,
+        "beyond": beyond.count, "of": beyond.n, "failed": beyond.failed,
+    }  # fmt: skip
+    content |= {"ended_early": beyond.early} if beyond.early else {}
+    if result.is_sampled and beyond.n:
+        content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
+    return content

@@ -10,7 +10,7 @@ import pyarrow as pa
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.renamed import Renamed
+from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of
 
@@ -25,10 +25,11 @@ class Exceedance:
     """Exceedance of a limit.
 
     Attributes:
-        count, n: variants that exceed it, of how many that could be simulated and are judged.
+        count, n: variants that exceed it, of how many that could be simulated and have a value.
         low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling is
-            rather better than that. They know nothing of variants that failed.
+            rather better than that. They know nothing of variants that failed. The upper one takes those of `early` as beyond.
         failed: variants that could not be simulated, and are counted nowhere.
+        early: variants among the n whose runs end before their peaks are over, and that keep the limit until then: not judged.
     """
 
     count: int
@@ -36,8 +37,7 @@ class Exceedance:
     low: float
     high: float
     failed: int = 0
-
-    share = Renamed("ratio")
+    early: int = 0
 
     @property
     def ratio(self) -> float:
@@ -46,8 +46,14 @@ class Exceedance:
 
     @property
     def at_most(self) -> float:
-        """Ratio to all variants, if every one that failed counted as beyond the limit."""
-        return (self.count + self.failed) / (self.n + self.failed) if self.n + self.failed else math.nan
+        """Ratio to all variants, if every one that is not counted were beyond the limit."""
+        total = self.n + self.failed
+        return (self.count + self.early + self.failed) / total if total else math.nan
+
+    @property
+    def judged(self) -> int:
+        """How many variants are judged."""
+        return self.n - self.early
 
 
 def finite(values: Array) -> Array:
@@ -66,20 +72,27 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
     ]
 
 
-def exceedance(values: Array, limit: float, *, failed: int = 0) -> Exceedance:
-    """Return the exceedance of a limit by values; `failed` more variants have none."""
+def exceedance(values: Array, limit: float, *, failed: int = 0, early: int = 0) -> Exceedance:
+    """Return the exceedance of a limit by values; `failed` more variants have none, and `early` of them are not judged."""
     known = finite(values)
     k, n, tail = int((known > limit).sum()), known.size, (1.0 - CONFIDENCE) / 2.0
     low = float(scipy.stats.beta.ppf(tail, k, n - k + 1)) if k else 0.0
-    high = float(scipy.stats.beta.ppf(1.0 - tail, k + 1, n - k)) if k < n else 1.0
-    return Exceedance(count=k, n=n, low=low, high=high, failed=failed)
+    most = k + early
+    high = float(scipy.stats.beta.ppf(1.0 - tail, most + 1, n - most)) if most < n else 1.0
+    return Exceedance(count=k, n=n, low=low, high=high, failed=failed, early=early)
 
 
 def exceedance_of(table: pa.Table, measure: str, limit: float) -> Exceedance:
     """Return the exceedance of a limit by a measure, with the number of variants that failed."""
+    return exceedance_in(table, measure, values_of(table, measure), limit)
+
+
+def exceedance_in(table: pa.Table, measure: str, values: Array, limit: float) -> Exceedance:
+    """Return the exceedance of a limit by values of a measure of a table, with how many failed or ended too early."""
     return exceedance(
-        values_of(table, measure), limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE))
-    )
+        values, limit, failed=int(np.count_nonzero(np.asarray(table["status"]) != DONE)),
+        early=int(np.count_nonzero(ended_early(table, measure) & (values <= limit))),
+    )  # fmt: skip
 
 
 def worst(table: pa.Table, measure: str, count: int) -> list[int]:

@@ -21,10 +21,15 @@ from wirerope_mj.studies.results.measure import (
     measure_of,
     values_of,
 )
-from wirerope_mj.studies.results.stated_file import read_stated
-from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statements import exceedance_text
-from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
+from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
+from wirerope_mj.studies.results.statistics import (
+    Exceedance,
+    exceedance,
+    exceedance_of,
+    quantiles,
+    row_of,
+    worst,
+)
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -54,11 +59,6 @@ class Statistics:
     variant: int
     beyond: Exceedance | None
     ratio: float | None
-
-    @property
-    def beyond_text(self) -> str:
-        """Count of variants beyond the limit: "88 of 325 (34 %)"; "" without a limit."""
-        return "" if self.beyond is None else exceedance_text(self.beyond, self.ratio)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -74,6 +74,7 @@ def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
     if limit is not None:
         beyond = exceedance_of(table, name, limit)
         content |= {"limit": limit, "beyond": beyond.count, "of": beyond.n}
+        content |= {"ended_early": beyond.early} if beyond.early else {}
         if sampled:
             content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
     return content

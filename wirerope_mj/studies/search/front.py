@@ -8,18 +8,22 @@ import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 
 Mask = npt.NDArray[np.bool_]
 
 
 def objectives(table: pa.Table, names: Sequence[str]) -> Array:
-    """Return what is minimised of every design, (n, n_names); infinite where a design failed or nothing is judged."""
+    """Return what is minimised of every design, (n, n_names); infinite where a design failed or nothing is judged.
+
+    Neither is a design whose run ends before its peaks are over: softer ones would win for having been stopped.
+    """
     values = np.full((table.num_rows, len(names)), np.inf)
     done = np.asarray(table["status"]) == DONE
     for index, name in enumerate(names):
         column = np.asarray(table[name], dtype=np.float64)
-        values[:, index] = np.where(done & ~np.isnan(column), column, np.inf)
+        values[:, index] = np.where(done & ~ended_early(table, name) & ~np.isnan(column), column, np.inf)
     return values
 
 

@@ -7,9 +7,9 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.engine.simulation.scene import scene_of
-from wirerope_mj.foundation.renamed import Renamed
+from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.studies.definition import StudyDefinition
+from wirerope_mj.studies.ended import why_early
 from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
@@ -114,8 +114,6 @@ class SearchResult(StudyResult):
         """The measures that are displayed of a design: what was minimised, what is limited, and the number of mounts."""
         return tuple(dict.fromkeys([*self.minimise, *self.limits, "mounts"]))
 
-    word = Renamed("remark")
-
     def remark(self, variant: int) -> str:
         """Return "given", "knee", both or nothing."""
         return ", ".join(["given"] * (variant < self.start) + ["knee"] * (variant == self.knee))
@@ -125,7 +123,7 @@ class SearchResult(StudyResult):
         closest = nearest(self.table, self.minimise, self.limits)
         if closest is None:
             first = min(self.failed, default=None)
-            why = (
+            why = why_early(self.table) or (
                 "nothing is rated or stated by which the designs would be judged"
                 if first is None
                 else self.failed[first]

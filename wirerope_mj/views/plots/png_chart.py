@@ -6,22 +6,26 @@ from textwrap import wrap
 from typing import Any
 
 import numpy as np
+from matplotlib.colors import to_rgba
 
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.views.colours import LIGHT
+from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 from wirerope_mj.views.plots.report_image import round_ticks
 from wirerope_mj.views.thin import envelope, is_dense
 
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
 _TALL = 88.0  # units of a chart's height to an inch
+_LABEL = 0.5  # width of a number at a tick, and twice its height [in]
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
-_LEFT, _RIGHT, _TITLE, _FOOT = 0.8, 0.15, 0.75, 0.5  # room about the panels [in]
+_WIDE = 0.5  # of a picture, from which on a legend has two columns
+_LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
+_LETTER = 0.075  # width of a letter of a name, on the average [in]
 
 
 def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -> None:
-    """Write the panels of some charts below each other as one PNG, whole or not at all.
+    """Write the panels of some charts below each other as one picture, PNG, SVG or PDF, whole or not at all.
 
     Args:
         charts: of a result, those without panels left out.
@@ -30,69 +34,123 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
     """
     rows = [(chart, row) for chart in charts for row in chart.rows]
     heights = [chart.height / _TALL + 0.35 for chart, _ in rows]
-    height = sum(heights) + _TITLE + _FOOT
+    lines = wrap(title, 105)
+    above = _TITLE + _LINE * max(len(lines) - 1, 0)
+    height = sum(heights) + above + _FOOT
     figure = PlainFigure(figsize=(_WIDTH, height), dpi=_DPI)
-    figure.suptitle("\n".join(wrap(title, 105)), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
+    figure.suptitle("\n".join(lines), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
     # Places are fixed, because to fit them to the texts takes as long as to draw them.
-    top = height - _TITLE
+    top = height - above
     for (_, row), tall in zip(rows, heights, strict=True):
-        width = (_WIDTH - _LEFT - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
+        names = [text for _, text in row[0].yticks]
+        room = max(_LEFT, _LETTER * max(map(len, names), default=0) + 0.35)
+        width = (_WIDTH - room - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
         for number, panel in enumerate(row):
-            left = _LEFT + number * (width + _LEFT)
+            left = room + number * (width + _LEFT)
             box = (left / _WIDTH, (top - tall + 0.35) / height, width / _WIDTH, (tall - 0.4) / height)
             draw_panel(figure.add_axes(box), panel)
         top -= tall
     with atomic_file(Path(path)) as beside:
-        figure.savefig(beside, format="png")
+        figure.savefig(beside)
 
 
 def draw_panel(axes: Any, panel: Panel) -> None:
     """Draw a panel on axes of matplotlib: curves, the first in front, limits, points and its ranges."""
     for number, curve in enumerate(panel.curves):
         _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
-    axes.set_xscale("log" if "x" in panel.log else "linear")
-    axes.set_yscale("log" if "y" in panel.log else "linear")
+    if panel.field is not None:
+        cells = [[to_rgba(colour or "white") for colour in row] for row in field_colours(panel.field)]
+        axes.pcolormesh(panel.field.x, panel.field.y, np.array(cells))
+        for colour, text in field_key(panel.field):
+            axes.plot([], [], "s", color=colour, label=text)
     low, high = axes.get_ylim()
     for name, level in panel.limits:
         if 1.5 * low < level < 1.5 * high:  # farther away it would only flatten the curves
-            axes.axhline(level, color=_hex(LIGHT.limit), ls="--", lw=1.0, label=name)
+            axes.axhline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for name, level in panel.xlimits:
+        axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for x, y, text, on_left in panel.notes:
+        side = {"xytext": (-5 if on_left else 5, 0), "ha": "right" if on_left else "left"}
+        axes.annotate(
+            text, (x, y), textcoords="offset points", va="center", fontsize=8, annotation_clip=True, zorder=4.0,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4}, **side,
+        )  # fmt: skip
     for x, y in panel.dots:
         axes.plot(x, y, "o", color="0.2", ms=5)
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
+    # After the limits: curves that are zero have none on a logarithmic axis.
+    axes.set_xscale("log" if "x" in panel.log else "linear")
+    axes.set_yscale("log" if "y" in panel.log else "linear")
+    _shade(axes, panel)
+    extent = axes.get_window_extent()
     if "x" in panel.log:
-        round_ticks(axes.xaxis, *axes.get_xlim())
+        round_ticks(axes.xaxis, *axes.get_xlim(), most=int(extent.width / (_LABEL * axes.figure.dpi)))
     if "y" in panel.log:
-        round_ticks(axes.yaxis, *axes.get_ylim())
-    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel, title=panel.title)
+        round_ticks(axes.yaxis, *axes.get_ylim(), most=int(2.0 * extent.height / (_LABEL * axes.figure.dpi)))
+    for ticks, set_ticks in ((panel.xticks, axes.set_xticks), (panel.yticks, axes.set_yticks)):
+        if ticks:
+            set_ticks([place for place, _ in ticks], [text for _, text in ticks])
+    axes.set(xlabel=panel.xlabel, ylabel=panel.ylabel)
+    axes.set_title(panel.title, loc="left", fontsize=10)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
     handles, labels = axes.get_legend_handles_labels()
-    named = dict(zip(reversed(labels), reversed(handles), strict=True))  # each name once
+    named: dict[str, Any] = {}
+    for label, handle in zip(labels, handles, strict=True):
+        named.setdefault(label, handle)  # each name once
+    named.pop("", None)
+    aside = bool(panel.notes or panel.yticks or panel.field)  # where texts stand among the curves
+    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False} if aside else {"loc": "upper right"}
     if named:
-        axes.legend(named.values(), named.keys(), fontsize=8, loc="upper right", ncols=2)
+        at = (
+            {"fontsize": 8, "ncols": 6}
+            if aside
+            else {"fontsize": 8, "ncols": 2 if axes.get_position().width > _WIDE else 1}
+        )
+        if not aside and panel.xunit != "s":
+            place = {"loc": "best"}  # which takes long among the samples of a run
+        axes.legend(named.values(), named.keys(), **at, **place)
+
+
+def _shade(axes: Any, panel: Panel) -> None:
+    """Shade ranges across, with their names at the upper end, each below those that it overlaps."""
+    left, right = axes.get_xlim()
+    for number, (name, low, high) in enumerate(panel.bands):
+        first, last = max(low, left), min(high, right)
+        if first <= last:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            axes.axvspan(first, last, color="0.5", alpha=0.15, lw=1.0 if first == last else 0.0, zorder=1)
+            middle = (first * last) ** 0.5 if "x" in panel.log else 0.5 * (first + last)
+            place = {"xytext": (0.0, -12.0 * (1 + over)), "textcoords": "offset points", "ha": "center", "fontsize": 8}
+            axes.annotate(name, (middle, 1.0), xycoords=axes.get_xaxis_transform(), **place)
 
 
 def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
     """Draw a curve; what oscillates too often for a line as the band that it fills."""
-    look = {"color": curve_colour(curve), "label": curve.name, "zorder": zorder}
+    look = {"color": curve_colour(curve), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
+    if curve.bars:
+        axes.barh(curve.y, curve.x, height=curve.bars, **look)
+        if curve.ends is not None:
+            reach = np.abs(np.maximum([curve.x - curve.ends[:, 0], curve.ends[:, 1] - curve.x], 0.0))
+            axes.errorbar(
+                curve.x, curve.y, xerr=reach, fmt="none", ecolor="0.25", elinewidth=0.9, capsize=2.0, zorder=4.0
+            )
+        return
     if curve.marks:
-        axes.plot(curve.x, curve.y, ".", ms=4, **look)
+        axes.plot(curve.x, curve.y, ".", ms=4.0 * curve.weight, **look)
         return
     tolerance = _FINE * max(float(np.abs(curve.y).max(initial=0.0)), 1e-12)
     if lines and (np.diff(curve.x) > 0.0).all() and is_dense(curve.x, curve.y[:, None], tolerance):
         time, low, high = envelope(curve.x, curve.y[:, None])
-        axes.fill_between(time, low[:, 0], high[:, 0], alpha=0.45, lw=0.6, **look)
+        axes.fill_between(time, low[:, 0], high[:, 0], lw=0.6, **look | {"alpha": 0.45})
     else:
-        axes.plot(curve.x, curve.y, lw=0.9 if isinstance(curve.kind, str) else 1.2, **look)
+        width = curve.weight * (0.9 if isinstance(curve.kind, str) else 1.2)
+        axes.plot(curve.x, curve.y, lw=width, ls=curve.dash or "solid", **look)
 
 
 def curve_colour(curve: Curve) -> str:
     """Return the colour of a curve on a light ground, as matplotlib takes it."""
-    kind = curve.kind
-    return _hex(LIGHT.base if kind == BASE else LIGHT.others if kind == OTHERS else LIGHT.series[int(kind)])
-
-
-def _hex(colour: tuple[int, int, int]) -> str:
-    return f"#{bytes(colour).hex()}"
+    named = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
+    return hexadecimal(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])

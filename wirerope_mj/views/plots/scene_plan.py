@@ -1,21 +1,57 @@
-"""The modelled geometry from above or from the side, in a panel of a figure."""
+"""Scenes as pictures in files: the modelled geometry from above and from the side, drawn by matplotlib."""
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
+from pathlib import Path
+from textwrap import wrap
 from typing import Any
 
 import numpy as np
 from matplotlib.collections import PolyCollection
 
+from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import short
 from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.views.plots.report_image import COLOURS
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.views.colours import LIGHT, hexadecimal
+from wirerope_mj.views.plots.plain_figure import PlainFigure
 
+_DPI = 110  # of a picture [1/in]
 _ROOM = 0.05  # around the drawing, of its width
+_COLOURS = tuple(map(hexadecimal, LIGHT.series))
 _MARKERS = "osD^vP"
 
 
-def draw_view(panel: Any, scene: Scene, number: int, *, absent: Collection[str] = ()) -> None:
+def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = "") -> None:
+    """Write scenes as one PNG, whole or not at all: two beside each other, plan above elevation.
+
+    Args:
+        views: at least one; empty places of mounts are crossed.
+        path: of the file.
+        title: above all of them.
+    """
+    rows, columns = (len(views) + 1) // 2, min(len(views), 2)
+    figure = PlainFigure(figsize=(5.0 * columns, 4.4 * rows + 0.6), layout="constrained", dpi=_DPI)
+    figure.suptitle(title, fontsize=12, fontweight="bold")
+    panels = figure.subplots(2 * rows, columns, squeeze=False, height_ratios=(2, 1) * rows)
+    for panel in panels.ravel():
+        panel.set_visible(False)
+    for place, view in enumerate(views):
+        row, column = divmod(place, columns)
+        for number, panel in enumerate(panels[2 * row : 2 * row + 2, column]):
+            panel.set_visible(True)
+            _draw_view(panel, view.scene, number, absent=view.absent or ())
+        panels[2 * row, column].set_title("\n".join(wrap(view.caption, 60)), fontsize=8)
+        panels[2 * row + 1, column].set_title("")
+    labels = {
+        label: mark for panel in panels.ravel() for mark, label in zip(*panel.get_legend_handles_labels(), strict=True)
+    }
+    figure.legend(labels.values(), labels.keys(), loc="outside lower center", ncols=4, frameon=False)
+    with atomic_file(Path(path)) as beside:
+        figure.savefig(beside, format="png")
+
+
+def _draw_view(panel: Any, scene: Scene, number: int, *, absent: Collection[str] = ()) -> None:
     """Draw a scene from above or from the side into a panel, its mounts as marks without names.
 
     Args:
@@ -33,7 +69,7 @@ def draw_view(panel: Any, scene: Scene, number: int, *, absent: Collection[str] 
     for number, device in enumerate(devices):
         there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]
         at = np.array([positions[name] for name in there]).reshape(-1, 3)
-        style = {"marker": _MARKERS[number % len(_MARKERS)], "color": COLOURS[number % len(COLOURS)], "mec": "white"}
+        style = {"marker": _MARKERS[number % len(_MARKERS)], "color": _COLOURS[number % len(_COLOURS)], "mec": "white"}
         panel.plot(at[:, view.right], at[:, view.up], ls="none", ms=5, mew=0.5, label=short(device), **style)
     empty = np.array([positions[mount.name] for mount in scene.mounts if mount.name in absent]).reshape(-1, 3)
     if len(empty):

@@ -18,9 +18,9 @@ from wirerope_mj.content.scene_outline import (
 )
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.rotation import rotation_matrices
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.ticks import linear_ticks
-from wirerope_mj.views.plots.report_image import COLOURS, RATED
+from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
 _MARKERS = (
@@ -40,6 +40,8 @@ _NAME = 7.5  # height of the letters of a mount's name
 WIDTH = 600.0
 """Width of a drawing over the whole page, in its units."""
 
+_COLOURS, _RATED = tuple(map(hexadecimal, LIGHT.series)), hexadecimal(LIGHT.limit)
+
 _INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
 
 Place = Callable[[Array], Array]
@@ -47,16 +49,18 @@ Place = Callable[[Array], Array]
 
 def scene_svgs(view: SceneView) -> list[str]:
     """Return a scene as SVG elements: plan, elevation and key, or plan and elevation at its instant."""
-    return _modelled(view.scene) if view.moved is None else _at_instant(view, view.moved)
+    return _modelled(view.scene, view.absent) if view.moved is None else _at_instant(view, view.moved)
 
 
-def _modelled(scene: Scene) -> list[str]:
-    """Draw plan, elevation and key of the modelled geometry, mounts with their labels."""
+def _modelled(scene: Scene, absent: tuple[str, ...] | None) -> list[str]:
+    """Draw plan, elevation and key of the modelled geometry, mounts with their labels, or beside crossed empty places."""
     drawn, parts = drawn_scene(scene), []
+    width, tallest = (WIDTH, _TALLEST) if absent is None else (WIDTH / 2.0, _TALLEST_HALF)
     for view in drawn.views:
-        place, size = _frame(drawn, view, WIDTH, _TALLEST)
-        shown = (*_shapes(outlines(drawn, view), place), *_mounts(scene, view, place), *_labels(scene, view, place))
-        parts.append(_svg(scene, view, size, place, WIDTH, shown))
+        place, size = _frame(drawn, view, width, tallest)
+        shown = [*_shapes(outlines(drawn, view), place), *_mounts(scene, view, place, absent or ())]
+        shown += _labels(scene, view, place) if absent is None else ()
+        parts.append(_svg(scene, view, size, place, width, shown))
     return [*parts, _key(scene)] if scene.mounts else parts
 
 
@@ -69,7 +73,7 @@ def _at_instant(block: SceneView, moved: Scene) -> list[str]:
         shown += _stretched(moved, view, place)
         if block.ring is not None:
             name, position = block.ring
-            shown.append(_ring(name, place(view.seen(position)), RATED if block.exceeded else _INK))
+            shown.append(_ring(name, place(view.seen(position)), _RATED if block.exceeded else _INK))
         parts.append(_svg(block.scene, view, size, place, WIDTH / 2.0, shown))
     return parts
 
@@ -139,18 +143,23 @@ def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> It
     yield "</g>"
 
 
-def _mounts(scene: Scene, view: View, place: Place) -> Iterator[str]:
-    """Yield a mark for every mount, another for each isolator."""
+def _mounts(scene: Scene, view: View, place: Place, absent: Sequence[str]) -> Iterator[str]:
+    """Yield a mark for every mount, another for each isolator, and a cross where it is not fitted."""
     for number, device in enumerate(_devices(scene)):
         for mount in scene.mounts:
             if mount.isolator == device:
-                yield _mark(number, place(view.seen(mount_position(scene, mount))))
+                at = place(view.seen(mount_position(scene, mount)))
+                yield _cross(at) if mount.name in absent else _mark(number, at)
 
 
 def _mark(number: int, at: Array) -> str:
-    shape, colour = _MARKERS[number % len(_MARKERS)], COLOURS[number % len(COLOURS)]
+    shape, colour = _MARKERS[number % len(_MARKERS)], _COLOURS[number % len(_COLOURS)]
     moved = f"translate({at[0]:.1f} {at[1]:.1f})"
     return f'<path d="{shape}" transform="{moved}" fill="{colour}" stroke="#fff" stroke-width="0.5"/>'
+
+
+def _cross(at: Array) -> str:
+    return f'<path d="M{at[0] - 3:.1f} {at[1] - 3:.1f}l6 6m0-6l-6 6" stroke="{_INK}" stroke-width="1.2"/>'
 
 
 def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
@@ -180,8 +189,8 @@ def _stretched(scene: Scene, view: View, place: Place) -> Iterator[str]:
         payload = bodies[mount.payload_body]
         end = payload.position + rotation_matrices(payload.orientation) @ mount.payload_point
         (x, y), (to_x, to_y) = place(view.seen(np.stack([mount_position(scene, mount), end]))).tolist()
-        yield f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{COLOURS[0]}" stroke-width="1.4"/>'
-        yield f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{COLOURS[0]}"/>'
+        yield f'<path d="M{x:.1f} {y:.1f}L{to_x:.1f} {to_y:.1f}" stroke="{_COLOURS[0]}" stroke-width="1.4"/>'
+        yield f'<circle cx="{to_x:.1f}" cy="{to_y:.1f}" r="1.6" fill="{_COLOURS[0]}"/>'
 
 
 def _ring(name: str, at: Array, colour: str) -> str:

@@ -1,7 +1,8 @@
 """Shock response spectra on the four-way paper of shock engineers, and power spectral densities."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -9,21 +10,14 @@ import numpy as np
 import numpy.typing as npt
 from matplotlib.figure import Figure
 
+from wirerope_mj.content.panels import BASE, Curve, Panel
+from wirerope_mj.content.selection import COLOURS
+from wirerope_mj.content.spectra import POWER_DECADES, spectrum_panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import COLOURS, round_ticks
-
-"""Of the payloads, in their order; the base is grey."""
-
-BASE, TEST = "0.45", "#b30000"
-
-_DECADES = 2.5
-"""Below the largest that are drawn: what is less than a three hundredth of the peak decides nothing."""
-
-_ROOM = 1.25
-"""Of the largest, where an axis ends."""
+from wirerope_mj.views.plots.png_chart import curve_colour, draw_panel
 
 
 def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "") -> Figure:
@@ -37,15 +31,10 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
         spectra: of one acceleration each, by name; the one called "base" is grey.
         title: above the picture.
     """
-    figure = PlainFigure(figsize=(7.6, 7.2), layout="constrained", dpi=120)
-    panel = figure.add_subplot()
-    _title(figure, title)
-    for name, spectrum, style in _styled(spectra):
-        panel.plot(spectrum.frequencies, _one(spectrum.pseudo_velocity, name), label=name, zorder=4, **style)
-    _dress(panel, "pseudo-velocity [m/s]")
-    panel.set_aspect("equal")  # a decade is as long on both axes: the diagonals are at 45 degrees
-    _diagonals(panel)
-    panel.legend(fontsize=8, loc="upper right")
+    curves = _curves(spectra, lambda one: (one.frequencies, one.pseudo_velocity))
+    figure, axes = _figure(spectrum_panel(curves, f"pseudo-velocity{_q(spectra)} [m/s]", "m/s"), title, (7.6, 7.2))
+    axes.set_aspect("equal")  # a decade is as long on both axes: the diagonals are at 45 degrees
+    _diagonals(axes)
     return figure
 
 
@@ -62,19 +51,12 @@ def shock_spectra_figure(
         title: above the picture.
         test: frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
     """
-    figure = PlainFigure(figsize=(9.0, 5.4), layout="constrained", dpi=120)
-    panel = figure.add_subplot()
-    _title(figure, title)
-    for name, spectrum, style in _styled(spectra):
-        panel.plot(spectrum.frequencies, in_unit(_one(spectrum.maximax, name), "g"), label=name, zorder=3, **style)
+    curves = _curves(spectra, lambda one: (one.frequencies, in_unit(one.maximax, "g")))
     if test is not None:
         f, a = (np.asarray(part, dtype=np.float64) for part in test)
-        panel.plot(f, in_unit(a, "g"), color=TEST, ls="--", lw=1.3, label="test spectrum", zorder=3)
-    q = {spectrum.q for spectrum in spectra.values()}
-    quality = f", Q = {q.pop():g}" if len(q) == 1 else ""
-    _dress(panel, f"absolute acceleration, maximax{quality} [g]")
-    panel.legend(fontsize=8, loc="best")
-    return figure
+        kind = len(curves) % COLOURS
+        curves.append(Curve(x=f, y=in_unit(a, "g"), name="test spectrum", kind=kind, dash="dashed"))
+    return _figure(spectrum_panel(curves, f"SRS{_q(spectra)}: peak acceleration [g]", "g"), title)[0]
 
 
 def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str = "") -> Figure:
@@ -84,19 +66,13 @@ def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str 
         densities: of one acceleration each, by name; the one called "base" is grey.
         title: above the picture.
     """
-    figure = PlainFigure(figsize=(9.0, 5.4), layout="constrained", dpi=120)
-    panel = figure.add_subplot()
-    _title(figure, title)
-    for name, density, style in _styled(densities):
-        f, values = density.frequency[1:], _one(density.density, name)[1:] / STANDARD_GRAVITY**2
-        label = f"{name}: {in_unit(float(density.rms), 'g'):.3g} g rms"
-        panel.plot(f, values, label=label, zorder=3, **style)
-        error = density.standard_error
-        panel.fill_between(
-            f, values * max(1.0 - error, 1e-3), values * (1.0 + error), color=style["color"], alpha=0.15, lw=0.0
-        )
-    _dress(panel, "power spectral density [g²/Hz]", decades=2.0 * _DECADES)
-    panel.legend(fontsize=8, loc="best")
+    curves = _curves(densities, lambda one: (one.frequency[1:], one.density[..., 1:] / STANDARD_GRAVITY**2))
+    names = [f"{name}: {in_unit(float(one.rms), 'g'):.3g} g rms" for name, one in densities.items()]
+    curves = [replace(curve, name=name) for curve, name in zip(curves, names, strict=True)]
+    figure, axes = _figure(spectrum_panel(curves, "PSD [g²/Hz]", "g²/Hz", decades=POWER_DECADES), title)
+    for curve, density in zip(curves, densities.values(), strict=True):
+        error, band = density.standard_error, {"color": curve_colour(curve), "alpha": 0.15, "lw": 0.0}
+        axes.fill_between(curve.x, curve.y * max(1.0 - error, 1e-3), curve.y * (1.0 + error), **band)
     return figure
 
 
@@ -122,49 +98,32 @@ def save_densities(densities: Mapping[str, PowerSpectralDensity], path: str | Pa
     density_figure(densities, title=title).savefig(path)
 
 
-def _styled(lines: Mapping[str, Any]) -> Iterator[tuple[str, Any, dict[str, Any]]]:
-    """Yield name, spectrum and style; the base is grey, and no colour is lost to it."""
-    others = [name for name in lines if name != "base"]
-    for name, spectrum in lines.items():
-        index = others.index(name) if name != "base" else 0
-        colour = BASE if name == "base" else COLOURS[index % len(COLOURS)]
-        yield name, spectrum, {"color": colour, "lw": 1.6, "ls": "-" if index < len(COLOURS) else "--"}
+def _curves(spectra: Mapping[str, Any], values_of: Callable[[Any], tuple[Array, Array]]) -> list[Curve]:
+    """Return the curves of spectra of one acceleration each; the base is grey, and no colour is lost to it."""
+    others, curves = [name for name in spectra if name != BASE], []
+    for name, spectrum in spectra.items():
+        x, y = values_of(spectrum)
+        if y.ndim != 1:
+            raise ValueError(f"the spectrum {name!r} must be of one acceleration, got the shape {y.shape}.")
+        number = 0 if name == BASE else others.index(name)
+        dash, kind = "dashed" if number >= COLOURS else "", BASE if name == BASE else number % COLOURS
+        curves.append(Curve(x=x, y=y, name=name, kind=kind, dash=dash))
+    return curves
 
 
-def _one(values: Array, name: str) -> Array:
-    """Return the values of a spectrum of one acceleration."""
-    if values.ndim != 1:
-        raise ValueError(f"the spectrum {name!r} must be of one acceleration, got the shape {values.shape}.")
-    return values
+def _q(spectra: Mapping[str, ShockResponseSpectrum]) -> str:
+    q = {spectrum.q for spectrum in spectra.values()}
+    return f", Q = {q.pop():g}" if len(q) == 1 else ""
 
 
-def _title(figure: Figure, title: str) -> None:
+def _figure(panel: Panel, title: str, size: tuple[float, float] = (9.0, 5.4)) -> tuple[Figure, Any]:
+    figure = PlainFigure(figsize=size, layout="constrained", dpi=120)
     if title:
         figure.suptitle(title, fontsize=12, fontweight="bold")
-
-
-def _dress(panel: Any, label: str, *, decades: float = _DECADES) -> None:
-    """Give a panel logarithmic axes with round numbers, from the lines in it."""
-    drawn = [np.asarray(line.get_data(), dtype=np.float64) for line in panel.lines]
-    high = _ROOM * max(float(y.max()) for _, y in drawn)
-    if not high > 0.0:
-        high = 1.0  # nothing moved: an empty paper
-    positive = [float(y[y > 0.0].min()) for _, y in drawn if (y > 0.0).any()]
-    low = max(min(positive, default=0.0) / _ROOM, high * 10.0**-decades)
-    low = min(low, high / 10.0)
-    first, last = min(float(x[0]) for x, _ in drawn), max(float(x[-1]) for x, _ in drawn)
-    if first == last:
-        first, last = first / 2.0, 2.0 * last
-    panel.set_xlim(first, last)
-    panel.set_ylim(low, high)
-    panel.set_xscale("log")  # after the limits: lines that are zero have none on such an axis
-    panel.set_yscale("log")
-    round_ticks(panel.xaxis, first, last)
-    round_ticks(panel.yaxis, low, high)
-    panel.set_xlabel("frequency [Hz]")
-    panel.set_ylabel(label)
-    panel.grid(color="0.9")
-    panel.set_axisbelow(True)
+    first, last = min(float(one.x[0]) for one in panel.curves), max(float(one.x[-1]) for one in panel.curves)
+    axes = figure.add_subplot()
+    draw_panel(axes, replace(panel, xlim=(first, last) if first < last else (first / 2.0, 2.0 * last)))
+    return figure, axes
 
 
 def _diagonals(panel: Any) -> None:

@@ -4,17 +4,17 @@ Written here and not by a library: matplotlib draws letters as outlines and take
 charts in a browser comes as a script of megabytes, which a PDF does not run.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from html import escape
 from math import isfinite, log10
 
 import numpy as np
 
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Field, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
-from wirerope_mj.views.colours import LIGHT, Color
+from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, hexadecimal
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 WIDTH = 760.0
@@ -25,20 +25,25 @@ _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
 _MARK = 3.6  # across a dot
+_MANY = 2000  # dots from which those that cover each other are drawn once
+_SWATCH_BAR = 9.0  # height of a bar or a colour in the legend
 _FINE = 1 / 500  # of a panel's height, that a line may be off
+_CLOSE = 0.1  # units that one on logarithmic axes may be off: the places are rounded to it
 _ROOM = 0.05  # of the range, left free above and below
 
 
 def chart_svg(chart: Chart) -> str:
     """Return a chart as an <svg> element; the curves' names stand above, each once."""
     legend, top = _legend([panel for row in chart.rows for panel in row])
-    parts, y = [legend], top
+    parts, y, room = [legend], top, _room(chart)
     for number, row in enumerate(chart.rows):
         y += _TITLE if any(panel.title for panel in row) else 0.0
-        width = (WIDTH - _LEFT - _RIGHT - _GAP * (len(row) - 1)) / len(row)
+        width = (WIDTH - room - _RIGHT - _GAP * (len(row) - 1)) / len(row)
         labelled = any(panel.xlabel for panel in row)
         for column, panel in enumerate(row):
-            parts.append(_panel(panel, _LEFT + column * (width + _GAP), y, width, chart.height, labelled=labelled))
+            left = room + column * (width + _GAP)
+            away = 46.0 if column else room - 12.0  # of the label from the axis
+            parts.append(_panel(panel, left, y, width, chart.height, away, labelled=labelled))
         y += chart.height + (_BELOW if labelled else 0.0) + (_BETWEEN if number + 1 < len(chart.rows) else 0.0)
     head = f'<svg class="chart" viewBox="0 0 {WIDTH:g} {y:g}" xmlns="http://www.w3.org/2000/svg" role="img"'
     if chart.alt:
@@ -46,14 +51,24 @@ def chart_svg(chart: Chart) -> str:
     return f'{head} font-family="Helvetica, Arial, sans-serif" font-size="11">{"".join(parts)}</svg>'
 
 
+def _room(chart: Chart) -> float:
+    """Return the room on the left of a chart's panels, where names of bars may stand."""
+    names = [text for row in chart.rows for _, text in row[0].yticks]
+    return max(_LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
+
+
 def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
     """Return the names of all curves and limits above the chart, and the height that they take."""
     entries: dict[str, tuple[str, str]] = {}
     for panel in panels:
         for curve in panel.curves:
-            entries.setdefault(curve.name, (_look(curve), "m9 0h0" if curve.marks else "h18"))
-        for name, _ in panel.limits:
+            width = _SWATCH_BAR if curve.bars else 0.0
+            entries.setdefault(curve.name, (_look(curve, width), "m9 0h0" if curve.marks else "h18"))
+        for name, _ in (*panel.limits, *panel.xlimits):
             entries.setdefault(name, (_LIMIT, "h18"))
+        for colour, name in field_key(panel.field) if panel.field else ():
+            entries.setdefault(name, (f'stroke="{colour}" stroke-width="{_SWATCH_BAR:g}"', "h18"))
+    entries.pop("", None)
     parts, x, y = [], _LEFT, 12.0
     for name, (look, stroke) in entries.items():
         wide = _SWATCH + _LETTER * len(name) + 18.0
@@ -64,15 +79,20 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
     return "".join(parts), (y + 8.0 if entries else 4.0)
 
 
-def _panel(panel: Panel, left: float, top: float, width: float, height: float, *, labelled: bool) -> str:
+def _panel(panel: Panel, left: float, top: float, width: float, height: float, away: float, *, labelled: bool) -> str:
     """Return the frame, the ticks and the curves of a panel at a place."""
     (x0, x1), (y0, y1) = _ranges(panel)
     logs = "x" in panel.log, "y" in panel.log
     across = _Scale(x0, x1, left, left + width, logs[0])
     upward = _Scale(y0, y1, top + height, top, logs[1])
-    parts = [_grid(across, upward, panel, labelled=labelled)]
+    parts = [*_bands(panel, across, top, height), _grid(across, upward, panel, labelled=labelled)]
     drawn = []
+    if panel.field:
+        parts.insert(0, _cells(panel.field, across, upward))
     for curve in panel.curves:
+        if curve.bars:
+            drawn.append(_bars(curve, across, upward))
+            continue
         drawn += [
             f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in _paths(curve, across, upward)
         ]
@@ -82,13 +102,20 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, *
             parts.append(
                 f'<path {_LIMIT} data-name="{safe_text(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>'
             )
+    for name, level in panel.xlimits:
+        if x0 <= level <= x1:
+            at = f"M{across(level):.1f} {top:.1f}v{height:.1f}"
+            parts.append(f'<path {_LIMIT} data-name="{safe_text(name)}" d="{at}"/>')
     parts += [
         f'<circle class="dot" fill="#333" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots
     ]
+    for x, y, note, on_left in panel.notes:
+        aside = -6.0 if on_left else 6.0
+        parts.append(_text(across(x) + aside, upward(y) + 4.0, note, anchor="end" if on_left else "start", halo=True))
     if panel.title:
         parts.append(_text(left, top - 5.0, panel.title, weight="bold"))
     middle = top + 0.5 * height
-    parts.append(_text(left - 46.0, middle, panel.ylabel, anchor="middle", turned=True))
+    parts.append(_text(left - away, middle, panel.ylabel, anchor="middle", turned=True))
     if panel.xlabel:
         parts.append(_text(left + 0.5 * width, top + height + 29.0, panel.xlabel, anchor="middle"))
     ranges = " ".join(f"{value:.9g}" for value in (x0, x1, y0, y1))
@@ -96,6 +123,17 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, *
     data = f'data-ranges="{ranges}" data-area="{area}" data-log="{panel.log}"'
     data += f' data-unit="{panel.unit}" data-xunit="{panel.xunit}"'
     return f'<g class="panel" {data}>{"".join(parts)}</g>'
+
+
+def _bands(panel: Panel, across: "_Scale", top: float, height: float) -> Iterator[str]:
+    """Yield shaded ranges across with their names at the upper end, each below those that it overlaps."""
+    for number, (name, low, high) in enumerate(panel.bands):
+        left, right = across(max(low, across.low)), across(min(high, across.high))
+        if left <= right:
+            over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
+            rect = f'x="{left:.1f}" y="{top:.1f}" width="{max(right - left, 1.0):.1f}" height="{height:.1f}"'
+            yield f'<rect fill="#888" fill-opacity="0.18" {rect}/>'
+            yield _text(0.5 * (left + right), top + 12.0 * (1 + over), name, anchor="middle")
 
 
 class _Scale:
@@ -118,7 +156,8 @@ class _Scale:
 
 
 def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
-    xs = panel.xlim or (min(float(c.x.min()) for c in panel.curves), max(float(c.x.max()) for c in panel.curves))
+    every = [*(curve.x for curve in panel.curves), *([panel.field.x] if panel.field else [])]
+    xs = panel.xlim or (min(float(x.min()) for x in every), max(float(x.max()) for x in every))
     if xs[0] == xs[1]:
         xs = (xs[0], xs[0] + 1.0)
     if panel.ylim is not None:
@@ -138,22 +177,45 @@ def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
 def _grid(across: _Scale, upward: _Scale, panel: Panel, *, labelled: bool) -> str:
     left, right = across(across.low), across(across.high)
     bottom, top = upward(upward.low), upward(upward.high)
-    xs = _ticks(across, most=max(3, int((right - left) / (38.0 if across.log else 62.0))))
-    ys = _ticks(upward, most=max(3, int((bottom - top) / (16.0 if upward.log else 26.0))))
+    xs = panel.xticks or _ticks(across, most=max(3, int((right - left) / (42.0 if across.log else 62.0))))
+    ys = panel.yticks or _ticks(upward, most=max(3, int((bottom - top) / (16.0 if upward.log else 26.0))))
     lines = "".join(
-        [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x in xs]
-        + [f"M{left:.1f} {upward(y):.1f}H{right:.1f}" for y in ys]
+        [f"M{across(x):.1f} {bottom:.1f}V{top:.1f}" for x, _ in xs]
+        + [f"M{left:.1f} {upward(y):.1f}H{right:.1f}" for y, _ in ys]
     )
-    texts = [_text(left - 6.0, upward(y) + 4.0, number_text(y), anchor="end") for y in ys]
+    texts = [_text(left - 6.0, upward(y) + 4.0, text, anchor="end") for y, text in ys]
     if labelled:
-        texts += [_text(across(x), bottom + 14.0, number_text(x), anchor="middle") for x in xs]
+        texts += [_text(across(x), bottom + 14.0, text, anchor="middle") for x, text in xs]
     frame = f'<path class="frame" fill="none" stroke="#8a9099" d="M{left:.1f} {top:.1f}H{right:.1f}V{bottom:.1f}H{left:.1f}Z"/>'
     return f'<path class="grid" fill="none" stroke="#e3e6ea" d="{lines}"/>{frame}{"".join(texts)}'
 
 
-def _ticks(scale: _Scale, *, most: int) -> list[float]:
+def _cells(field: Field, across: _Scale, upward: _Scale) -> str:
+    """Return the cells of a field as rectangles."""
+    xs, ys, parts = across.of(field.x), upward.of(field.y), []
+    for row, colours in enumerate(field_colours(field)):
+        for column, colour in enumerate(colours):
+            if colour:
+                size = f'width="{xs[column + 1] - xs[column] + 0.3:.1f}" height="{ys[row] - ys[row + 1] + 0.3:.1f}"'
+                parts.append(f'<rect x="{xs[column]:.1f}" y="{ys[row + 1]:.1f}" {size} fill="{colour}"/>')
+    return "".join(parts)
+
+
+def _bars(curve: Curve, across: _Scale, upward: _Scale) -> str:
+    """Return bars from zero as thick lines, with the intervals across their ends."""
+    zero, ys = across(max(across.low, 0.0)), upward.of(curve.y)
+    d = "".join(f"M{zero:.1f} {y:.1f}H{x:.1f}" for x, y in zip(across.of(curve.x), ys, strict=True))
+    bars = f'<path {_look(curve, abs(upward(curve.bars) - upward(0.0)))} d="{d}"/>'
+    if curve.ends is None:
+        return bars
+    spans = zip(across.of(curve.ends), ys, strict=True)
+    d = "".join(f"M{a:.1f} {y - 3:.1f}v6m0-3H{b:.1f}m0-3v6" for (a, b), y in spans)
+    return f'{bars}<path class="frame" fill="none" stroke="#8a9099" d="{d}"/>'
+
+
+def _ticks(scale: _Scale, *, most: int) -> list[tuple[float, str]]:
     ticks = log_ticks(scale.low, scale.high, most=most) if scale.log else linear_ticks(scale.low, scale.high, most=most)
-    return [float(tick) for tick in ticks if scale.low <= tick <= scale.high]
+    return [(float(tick), number_text(tick)) for tick in ticks if scale.low <= tick <= scale.high]
 
 
 def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
@@ -161,10 +223,14 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
     keep = (curve.x >= across.low) & (curve.x <= across.high) if (np.diff(curve.x) >= 0.0).all() else slice(None)
     x, y = curve.x[keep], curve.y[keep]
     if curve.marks:
-        return ["".join(f"M{a:g} {b:g}h0" for a, b in _points(across.of(x), upward.of(y)))]
+        inside = (y >= min(upward.low, upward.high)) & (y <= max(upward.low, upward.high))
+        x, y = x[inside], y[inside]
+        places = np.unique(np.round(_points(across.of(x), upward.of(y)), 0 if x.size > _MANY else 1), axis=0).tolist()
+        return ["".join(f"M{a:g} {b:g}h0" for a, b in places)]
     tolerance = _FINE * abs(upward.high - upward.low)
     if upward.log or across.log:
-        rows = np.arange(x.size)
+        both = np.column_stack([across.of(x), upward.of(y)])
+        rows = rows_of_line(np.arange(x.size, dtype=np.float64), both, _CLOSE)
     elif (np.diff(x) > 0.0).all():
         if is_dense(x, y[:, None], tolerance):
             at, low, high = envelope(x, y[:, None])
@@ -185,26 +251,33 @@ def _points(x: Array, y: Array) -> list[list[float]]:
     return (np.round(np.column_stack([x, y]), 1) + 0.0).tolist()
 
 
+_DASHES = {"dashed": "6 3", "dotted": "1.5 2.5"}
 _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
 
-_LIMIT = f'class="limit" fill="none" stroke="#{bytes(LIGHT.limit).hex()}" stroke-width="1.1" stroke-dasharray="5 4"'
+_LIMIT = f'class="limit" fill="none" stroke="{hexadecimal(LIGHT.limit)}" stroke-width="1.1" stroke-dasharray="5 4"'
 
 
-def _look(curve: Curve) -> str:
+def _look(curve: Curve, bar: float = 0.0) -> str:
     """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
     kind = curve.kind
-    color: Color = LIGHT.base if kind == BASE else _FAINT if kind == OTHERS else LIGHT.series[int(kind)]
+    named: dict[int | str, Color] = {BASE: LIGHT.base, OTHERS: _FAINT, LIMIT: LIGHT.limit}
+    color = named[kind] if kind in named else LIGHT.series[int(kind)]
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
-    width = _MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5
+    width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
     cap = ' stroke-linecap="round"' if curve.marks else ""  # a mark is a line of no length with round ends
-    return f'class="{name}" fill="none" stroke="#{bytes(color).hex()}" stroke-width="{width}"{cap}'
+    faint = f' stroke-opacity="{curve.opacity:.2g}"' if curve.opacity < 1.0 else ""
+    dash = f' stroke-dasharray="{_DASHES[curve.dash]}"' if curve.dash else ""
+    return f'class="{name}" fill="none" stroke="{hexadecimal(color)}" stroke-width="{width:g}"{cap}{dash}{faint}'
 
 
-def _text(x: float, y: float, text: str, *, anchor: str = "start", weight: str = "", turned: bool = False) -> str:
+def _text(
+    x: float, y: float, text: str, *, anchor: str = "start", weight: str = "", turned: bool = False, halo: bool = False
+) -> str:
     turn = f' transform="rotate(-90 {x:.1f} {y:.1f})"' if turned else ""
     bold = f' font-weight="{weight}"' if weight else ""
     place = f'x="{x:.1f}" y="{y:.1f}" text-anchor="{anchor}"'
-    return f'<text class="text" fill="#1c2430" {place}{bold}{turn}>{escape(plain_lines(text))}</text>'
+    kind = "text halo" if halo else "text"  # a page's style lets it stand on lines
+    return f'<text class="{kind}" fill="#1c2430" {place}{bold}{turn}>{escape(plain_lines(text))}</text>'
 
 
 def safe_text(text: str) -> str:

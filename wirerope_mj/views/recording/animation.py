@@ -4,12 +4,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.samples import Points, along_branch
+from wirerope_mj.dynamics.frequency_response.curve import along_branch
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MemorySamples
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
 
 MOST_POINTS = 60
@@ -32,7 +32,7 @@ class Strip:
 
     number: int
     branch: Branch
-    points: Points
+    points: Integers
     orbits: tuple[PeriodicOrbit, ...]
 
     @property

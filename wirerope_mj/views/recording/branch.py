@@ -5,8 +5,8 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 
 ```text
 /world                           the scene, as in the recording of a response, small motions drawn larger
-/response                        frame of the frequency response, logarithmic;  .../data/level_1/stable|unstable|sweep_up|..
-/response/data/here/level_1      the motion of each level on its curve;  .../data/events  folds and changes of stability
+/response                        frame of the frequency response, logarithmic;  .../data/NAME  a curve, folds among them
+/response/data/here/level_1      the motion of each level on its curve
 /loops/AXIS/MOUNT                frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
 /shape                           the loop that takes most energy, over its own ranges
 /multipliers                     unit circle, and the Floquet multipliers of the motion
@@ -17,29 +17,68 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.content.blocks import Content, Statement
+from wirerope_mj.content.orbits import motion_blocks
+from wirerope_mj.content.panels import Chart
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
-from wirerope_mj.views.recording.along import along_branch
-from wirerope_mj.views.recording.animation import animation_of, strips_of
-from wirerope_mj.views.recording.branch_blueprint import SQUARE, branch_blueprint, loop_grid
+from wirerope_mj.engine.response import Response
+from wirerope_mj.views.markdown import markdown_blocks
+from wirerope_mj.views.recording.along import POINT, along_branch, at_points
+from wirerope_mj.views.recording.animation import Animation, animation_of, strips_of
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
-from wirerope_mj.views.recording.multipliers import log_multipliers
-from wirerope_mj.views.recording.orbit_loops import log_orbit_loops, shown_loops
-from wirerope_mj.views.recording.orbit_text import log_texts
-from wirerope_mj.views.recording.poses import frames_of
-from wirerope_mj.views.recording.response_curve import log_response
+from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, fitting_width
+from wirerope_mj.views.recording.letters import known_letters
+from wirerope_mj.views.recording.orbit_loops import (
+    MULTIPLIERS,
+    SHAPE,
+    log_here,
+    log_multipliers,
+    log_orbit_loops,
+    loop_path,
+    shown_loops,
+)
+from wirerope_mj.views.recording.over_frequency import log_frequency_panel
+from wirerope_mj.views.recording.paths import AXES, child, entity
+from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
+from wirerope_mj.views.recording.views import opening, whole_scene_view
+
+RESPONSE, MOTION, ABOUT = "response", "motion", "about"
+
+PANE = (640.0, 500.0)
+"""Width and height [points] of the pane of loops on a full-HD screen."""
+
+SQUARE = 92.0
+"""Width of the frames of shape and multipliers, whose panes are a little higher than wide."""
+
+AWAY = 1.15
+"""Factor by which the camera stands farther away than for the modelled geometry: motions are drawn larger."""
+
+PER_SECOND = 5.0
+"""Points that are played in a second."""
+
+RESPONSE_WIDTH = 225.0
+"""Width of the frame of the response, so that it fills its pane."""
+
+_TIMELINES = (
+    "Timeline point: from motion to motion along the branches; frequency_mHz: the same by frequency, all levels at one "
+    "frequency; sim_time: one repetition of each motion after the other."
+)
 
 
-def record_branches(result: FrequencyResponse, findings: list[LevelSummary], path: str | Path) -> Path:
+def record_branches(
+    result: FrequencyResponse, findings: list[LevelSummary], content: Content, path: str | Path
+) -> Path:
     """Write the branches of a frequency response as a recording, and return its path.
 
     Args:
         result: the response; at least one level has a branch.
         findings: what is read off it, level by level.
+        content: what it says.
         path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
 
     Raises:
@@ -50,24 +89,100 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], pat
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
     target = target_of(path)
     with atomic_recording(target) as rec:
-        _write(result, findings, rec)
+        _write(findings, content, rec)
     return target
 
 
-def _write(result: FrequencyResponse, findings: list[LevelSummary], rec: Any) -> None:
+def _write(findings: list[LevelSummary], content: Content, rec: Any) -> None:
     strips = strips_of(findings)
     animation = animation_of(strips[-1])  # the highest level, which the scene shows
     _, extent = scene_extent(animation.response.scene)
     factor = factor_of(animation.response, extent)
     scene = enlarged(animation.response, factor)
     selection, frames = select(animation.response), frames_of(scene)
-    layout = branch_blueprint(scene, animation, frames, factor)
+    layout = _blueprint(scene, animation, frames, factor)
     rec.send_blueprint(layout, make_active=True, make_default=True)  # before the data: right from the first moment
-    rec.send_recording_name(f"{result.name}: frequency response")
-    log_texts(rec, result, findings, animation)
-    log_response(rec, findings, animation, strips)
+    rec.send_recording_name(content.title)
+    _log_texts(rec, content, animation)
+    chart = next(block for block in content.blocks() if isinstance(block, Chart) and block.id == "amplitude")
+    log_frequency_panel(rec, entity(RESPONSE), chart.rows[0][0], width=RESPONSE_WIDTH, lift=LARGE)
+    log_here(rec, child(entity(RESPONSE), "data", "here"), animation, strips)
     log_multipliers(rec, animation, width=SQUARE)
     if shown_loops(animation):
         _, width = loop_grid(len(shown_loops(animation)))
         log_orbit_loops(rec, animation, strips, width=width, shape_width=SQUARE)
     log_scene(along_branch(rec, animation), scene, selection, frames)
+
+
+def _log_texts(rec: Any, content: Content, animation: Animation) -> None:
+    """Log a text for every motion of the animation, and one about all levels."""
+    import rerun as rr
+
+    strip, kind = animation.strip, rr.MediaType.MARKDOWN
+    loop = next(iter(shown_loops(animation)), None)
+    ends = [*strip.points[1:].tolist(), strip.branch.frequency.size]
+    texts = [
+        markdown_blocks(motion_blocks((strip.branch, int(point), orbit), end, loop))
+        for point, orbit, end in zip(strip.points, strip.orbits, ends, strict=True)
+    ]
+    columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
+    rec.send_columns(entity(MOTION), at_points(animation, strip), columns)
+    about = markdown_blocks([content.verdict, *content.blocks("headline", "summary"), Statement(text=_TIMELINES)])
+    rec.log(entity(ABOUT), rr.TextDocument(about, media_type=kind), static=True)
+
+
+def loop_grid(loops: int) -> tuple[int, float]:
+    """Return columns of the grid of loops, and the width of a frame that fills its cell."""
+    columns = 1 if loops == 1 else 2
+    rows = -(-loops // columns)
+    return columns, fitting_width(PANE, columns, rows)
+
+
+def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
+    """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
+    import rerun.blueprint as rrb
+
+    texts = rrb.Tabs(
+        rrb.TextDocumentView(origin=entity(MOTION), name="Motion"),
+        rrb.TextDocumentView(origin=entity(ABOUT), name="Levels"),
+    )
+    multipliers = _plane(entity(MULTIPLIERS), f"Floquet multipliers at {animation.strip.level:.4g} m/s²", SQUARE)
+    larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
+    name = f"{scene.scene.name} at {animation.strip.level:.4g} m/s², seen from the base{larger}"
+    left = rrb.Vertical(
+        whole_scene_view(scene, frames, name, away=AWAY),
+        rrb.Horizontal(texts, multipliers, column_shares=[1, 1]),
+        row_shares=[1, 1],
+    )
+    response = _plane(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", RESPONSE_WIDTH)
+    below = _loops(animation)
+    right = rrb.Vertical(response, *below, row_shares=[1] * (1 + len(below)))
+    slow = animation.strip.frequency[
+        int(animation.strip.amplitude.argmax())
+    ]  # one period at the resonance takes a second
+    panel = rrb.TimePanel(
+        state="collapsed", timeline=POINT, playback_speed=1.0 / float(slow), fps=PER_SECOND * float(slow),
+        play_state="paused", loop_mode="all",
+    )  # fmt: skip
+    return opening(rrb.Horizontal(left, right, column_shares=[5, 6]), panel)
+
+
+def _loops(animation: Animation) -> list[Any]:
+    """Return the loops and the shape of one, if there are mounts."""
+    import rerun.blueprint as rrb
+
+    shown = shown_loops(animation)
+    if not shown:
+        return []
+    columns, width = loop_grid(len(shown))
+    loops = [_plane(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
+    mount, axis = shown[0]
+    shape = _plane(entity(SHAPE), f"{mount}, {AXES[axis]}: over its own ranges", SQUARE)
+    return [rrb.Horizontal(rrb.Grid(*loops, grid_columns=columns), shape, column_shares=[8, 5])]
+
+
+def _plane(origin: str, name: str, width: float) -> Any:
+    import rerun.blueprint as rrb
+
+    bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
+    return rrb.Spatial2DView(origin=origin, name=known_letters(name), background=GROUND, visual_bounds=bounds)

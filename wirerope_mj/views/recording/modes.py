@@ -10,15 +10,15 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.modes import amplitudes_table, mode_blocks, modes_table
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.modes.animation import ModeAnimation
 from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.foundation.plain_text import markdown
-from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.markdown import markdown_table
+from wirerope_mj.views.markdown import markdown_blocks, markdown_table
 from wirerope_mj.views.recording.along import Along
-from wirerope_mj.views.recording.paths import AXES, TIMELINE, entity, nanoseconds
+from wirerope_mj.views.recording.paths import TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
@@ -64,50 +64,14 @@ def _write(animation: ModeAnimation, rec: Any, title: str, larger: Sequence[Mode
     columns = rr.TextDocument.columns(text=texts, media_type=[kind] * len(texts))
     along = Along(rec, animation.starts, {MODE: np.arange(1, animation.starts.size + 1)})
     along.send_columns(entity(MODE), index, columns)
-    rec.log(entity(ALL), rr.TextDocument(modes_table(animation.modes, larger), media_type=kind), static=True)
+    table = amplitudes_table(animation.modes, larger) if larger else modes_table(animation.modes)
+    rec.log(entity(ALL), rr.TextDocument(markdown_table(table), media_type=kind), static=True)
     log_scene(along, response, selection, frames)
 
 
 def mode_text(modes: Modes, mode: int) -> str:
     """Return Markdown about one mode."""
-    mass = ", ".join(f"{in_unit(part, '%'):.1f} %" for part in modes.participation[mode])
-    columns = [Column("mount", align="left"), *(Column(axis, form="+.3f") for axis in AXES)]
-    mounts = Table(title="", columns=columns, rows=[(name, *shape[mode]) for name, shape in modes.mounts.items()])
-    return "\n\n".join(
-        [
-            f"### Mode {mode + 1}: {markdown(modes.descriptions[mode])}",
-            f"**{_hertz(modes.frequencies[mode])}**",
-            f"{_hertz(modes.loading[mode])} with the tangents on further loading, {_hertz(modes.unloading[mode])} on "
-            f"unloading; damping ratio {modes.damping_ratio[mode]:.3f}",
-            f"Effective mass along x, y, z: {mass}",
-            f"Deflections of the mounts, the largest 1:\n\n{markdown_table(mounts)}",
-        ]
-    )
-
-
-def modes_table(modes: Modes, larger: Sequence[Modes] = ()) -> str:
-    """Return Markdown with a row for every mode, and a column for every amplitude."""
-    results = [modes, *larger]
-    sizes = ["small amplitude" if r.amplitude is None else f"{in_unit(r.amplitude, 'mm'):.4g} mm" for r in results]
-    indices = [modes.indices_in(result) for result in results]
-    rows = []
-    for mode, description in enumerate(modes.descriptions):
-        pairs = [(result, index[mode]) for result, index in zip(results, indices, strict=True)]
-        values = [_hertz(result.frequencies[i], result.damping_ratio[i]) for result, i in pairs]
-        rows.append((str(mode + 1), *values, description))
-    table = Table(
-        title=f"About the {modes.history} position",
-        columns=[Column(), *map(Column, sizes), Column(align="left")],
-        rows=rows,
-        note="Damping ratios in brackets; mm: amplitude of the mount that moves most.",
-    )
-    return markdown_table(table)
-
-
-def _hertz(frequency: float, damping: float = 0.0) -> str:
-    if not np.isfinite(frequency):
-        return "runs away"
-    return f"{frequency:.3f} Hz ({damping:.3f})" if damping else f"{frequency:.3f} Hz"
+    return f"### Mode {mode + 1}: {markdown(modes.descriptions[mode])}\n\n{markdown_blocks(mode_blocks(modes, mode))}"
 
 
 def _blueprint(animation: ModeAnimation, frames: dict[str, Frame], title: str) -> Any:

@@ -1,18 +1,18 @@
-"""Loops of the motions of a branch: they change from point to point, and a cursor runs around them in time."""
+"""What changes from motion to motion of a branch: its place on the curves, its loops and their cursor, its multipliers."""
 
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.dynamics.frequency_response.samples import busiest_loops
+from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.along import along_branch, at_points
 from wirerope_mj.views.recording.animation import Animation, Strip
-from wirerope_mj.views.recording.frame import LARGE, Plot, log_frame
+from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
-from wirerope_mj.views.recording.response_curve import level_color
 
 MOST_LOOPS = 4
 """Loops that are shown: those that take most energy at the highest amplitude."""
@@ -22,6 +22,36 @@ SHAPE = "shape"
 
 _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
 _CURSOR = (255, 255, 255)
+
+MULTIPLIERS = "multipliers"
+
+_LARGEST = 2.0
+"""Modulus beyond which a multiplier is drawn at the edge of the frame, in its direction."""
+
+_CIRCLE, _INSIDE, _OUTSIDE = (150, 158, 168), (110, 200, 130), (240, 80, 80)
+
+
+def _color(level: int) -> Color:
+    return DARK.series[level % len(DARK.series)]
+
+
+def log_here(rec: Any, path: str, animation: Animation, strips: list[Strip]) -> None:
+    """Log the motion of every level on its curve, with its values when the mouse is over it."""
+    import rerun as rr
+
+    for strip in strips:
+        below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
+        size = rr.Radius.ui_points(7.0)
+        look = rr.Points2D.from_fields(colors=_color(strip.number), radii=size, draw_order=60.0, show_labels=False)
+        rec.log(below, look, static=True)
+        labels = [
+            f"{strip.level:.4g} m/s²: {branch.frequency[point]:.5g} Hz, {branch.amplitude[point]:.4g} m/s², "
+            f"{'stable' if branch.stable[point] else 'unstable'}"
+            for point in strip.points
+        ]
+        positions = np.column_stack([np.log10(strip.frequency), np.log10(strip.amplitude)])
+        columns = rr.Points2D.columns(positions=positions, labels=labels)
+        rec.send_columns(below, at_points(animation, strip), columns)
 
 
 def shown_loops(animation: Animation) -> list[tuple[str, int]]:
@@ -86,7 +116,7 @@ def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Str
         below = child(path, f"level_{strip.number + 1}")
         stable = strip.branch.stable[strip.points]
         radii = [rr.Radius.ui_points(1.5 if good else 0.7) for good in stable]
-        rec.log(below, rr.LineStrips2D.from_fields(colors=level_color(strip.number)), static=True)
+        rec.log(below, rr.LineStrips2D.from_fields(colors=_color(strip.number)), static=True)
         columns = rr.LineStrips2D.columns(strips=[loop.astype(np.float32) for loop in rows], radii=radii)
         rec.send_columns(below, at_points(animation, strip), columns)
 
@@ -98,3 +128,29 @@ def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> Non
     look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
     along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
+
+
+def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:
+    """Log the unit circle, and the multipliers of every motion of the animation."""
+    import rerun as rr
+
+    side = _LARGEST * 1.06
+    across = side * width / 100.0
+    plot = Plot(across=(-across, across), upward=(-side, side), width=width)
+    numbers = np.array([-1.0, 0.0, 1.0])
+    log_frame(rec, entity(MULTIPLIERS), plot, across=numbers, upward=numbers, lift=LARGE)
+    data = child(entity(MULTIPLIERS), "data")
+    angle = np.linspace(0.0, 2.0 * np.pi, 181)
+    circle = rr.LineStrips2D([np.column_stack([np.cos(angle), np.sin(angle)])], colors=_CIRCLE, radii=0.006)
+    rec.log(data, plot.transform(), static=True)
+    rec.log(child(data, "circle"), circle, static=True)
+    rec.log(child(data, "here"), rr.Points2D.from_fields(radii=rr.Radius.ui_points(5.0), draw_order=50.0), static=True)
+    rows = [orbit.floquet_multipliers for orbit in animation.strip.orbits]
+    values = np.concatenate(rows)
+    modulus = np.abs(values)
+    drawn = values * np.minimum(1.0, _LARGEST / np.maximum(modulus, 1e-12))
+    colors: list[Color] = [_OUTSIDE if size > 1.0 + 1e-4 else _INSIDE for size in modulus]
+    columns = rr.Points2D.columns(positions=np.column_stack([drawn.real, drawn.imag]), colors=colors)
+    rec.send_columns(
+        child(data, "here"), at_points(animation, animation.strip), columns.partition([row.size for row in rows])
+    )

@@ -20,58 +20,84 @@ WIDTH = 320.0
 """Width of the frame, so that it fills its pane."""
 
 _CURSOR: Color = (255, 255, 255)
-_LIFT = 4.5
+_LIFT = 4.5  # as `frame.LARGE`, for a wide view
+_DASH = 5  # intervals of a curve in a dash, and in the gap behind it
+_MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
 _LEGEND, _LINE = (
     (WIDTH + 46.0, 8.0),
     9.0,
-)  # where the first text stands and how far the next is below it, in units of the view
+)  # where the first text stands, how far the next is below it, in units of the view
 _ASIDE = 92.0  # width of the legend
 
 
 def log_over_frequency(rec: Any, run: RunResult, panel: Panel) -> None:
     """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides."""
-    plot, upright = _plot(panel), panel.log == "xy"
+    path = entity(ROOT)
+    plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
+    _log_peaks(rec, child(path, "data"), panel, plot)
+    _log_now(rec, child(path, "data"), run, plot)
+
+
+def log_frequency_panel(rec: Any, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
+    """Log frame, ticks and curves of a panel over frequency, the first in front, and return its plot.
+
+    Curves of one name are one entity. Positions are logarithms along logarithmic axes.
+    """
+    import rerun as rr
+
+    plot, upright = _plot(panel, width), panel.log == "xy"
     across = log_ticks(*(10.0**end for end in plot.across))
     upward = log_ticks(*(10.0**end for end in plot.upward)) if upright else linear_ticks(*plot.upward)
     names = [f"{value:.5g}" for value in across], [f"{value:.4g}" for value in upward]
-    path = entity(ROOT)
-    log_frame(
-        rec,
-        path,
-        plot,
-        across=np.log10(across),
-        upward=np.log10(upward) if upright else upward,
-        names=names,
-        lift=_LIFT,
-    )
+    heights = np.log10(upward) if upright else upward
+    log_frame(rec, path, plot, across=np.log10(across), upward=heights, names=names, lift=lift)
     data = child(path, "data")
     rec.log(data, plot.transform(), static=True)
-    _log_curves(rec, data, panel, plot, upright=upright)
-    _log_now(rec, data, run, plot)
+    named: dict[str, list[Curve]] = {}
+    for curve in panel.curves:
+        named.setdefault(curve.name, []).append(curve)
+    for number, (name, curves) in enumerate(reversed(named.items())):
+        lines = [_positions(curve, plot, upright=upright) for curve in curves]
+        color = [*_colour(curves[0]), 120 if curves[0].weight < 1.0 else 255]
+        look = {"colors": color, "draw_order": float(number), "show_labels": False}
+        if curves[0].marks:
+            radii = rr.Radius.ui_points(2.2 * curves[0].weight)
+            drawn = rr.Points2D(np.concatenate(lines), labels=[name] * sum(map(len, lines)), radii=radii, **look)
+        else:
+            strips = [part for line in lines for part in (_dashes(line) if curves[0].dash == "dashed" else [line])]
+            radii = rr.Radius.ui_points(curves[0].weight)
+            drawn = rr.LineStrips2D(strips, labels=[name] * len(strips), radii=radii, **look)
+        rec.log(child(data, name), drawn, static=True)
+    return plot
 
 
-def _log_curves(rec: Any, data: str, panel: Panel, plot: Plot, *, upright: bool) -> None:
-    """Log the curves, the first in front, and the largest value of each."""
+def _dashes(line: Array) -> list[Array]:
+    """Return every other few intervals of a line."""
+    parts = [line[first : first + _DASH + 1] for first in range(0, len(line), 2 * _DASH)]
+    return [part for part in parts if len(part) > 1]
+
+
+def _positions(curve: Curve, plot: Plot, *, upright: bool) -> Array:
+    """Return where a curve runs, as far as its plot reaches."""
+    inside = (curve.x > 0.0) & (np.log10(np.maximum(curve.x, 1e-300)) <= plot.across[1] + 1e-9)
+    line = np.column_stack([np.log10(curve.x[inside]), _height(curve.y[inside], plot, upright=upright)])
+    return line[np.unique(np.linspace(0, len(line) - 1, min(len(line), _MOST_ROWS)).round().astype(int))]
+
+
+def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
+    """Log the largest value of each curve, and their texts in a column, as peaks often coincide."""
     import rerun as rr
 
-    labels: list[tuple[str, Color]] = []
-    for number, curve in enumerate(reversed(panel.curves)):
-        inside = (curve.x > 0.0) & (np.log10(np.maximum(curve.x, 1e-300)) <= plot.across[1] + 1e-9)
-        across, upward = np.log10(curve.x[inside]), _height(curve.y[inside], plot, upright=upright)
-        color, order = _colour(curve), float(number)
-        line = rr.LineStrips2D(
-            [np.column_stack([across, upward])], colors=color, radii=rr.Radius.ui_points(1.0), draw_order=order
-        )
-        rec.log(child(data, curve.name), line, static=True)
-        top = int(np.argmax(upward))
-        text = f"{curve.name} {curve.y[inside][top]:.3g} {panel.unit} @ {curve.x[inside][top]:.4g} Hz"
-        dot = {"colors": color, "radii": rr.Radius.ui_points(3.0), "draw_order": 20.0 + order}
-        rec.log(child(data, curve.name, "peak"), rr.Points2D([[across[top], upward[top]]], **dot), static=True)
-        labels.append((text, color))
-    # Peaks often coincide: their texts stand in a column of their own.
+    labels: list[str] = []
+    for number, curve in enumerate(panel.curves):
+        line = _positions(curve, plot, upright=panel.log == "xy")
+        top, peak = int(np.argmax(line[:, 1])), int(np.argmax(curve.y))
+        labels.append(f"{curve.name} {curve.y[peak]:.3g} {panel.unit} @ {curve.x[peak]:.4g} Hz")
+        dot = {"colors": _colour(curve), "radii": rr.Radius.ui_points(3.0), "draw_order": 30.0 - number}
+        rec.log(child(data, curve.name, "peak"), rr.Points2D([line[top]], **dot), static=True)
     places = [[_LEGEND[0], _LEGEND[1] + _LINE * row] for row in range(len(labels))]
-    texts, colors = zip(*reversed(labels), strict=True)
-    legend = rr.Points2D(places, labels=texts, colors=colors, radii=rr.Radius.ui_points(0.0), show_labels=True)
+    colors = [_colour(curve) for curve in panel.curves]
+    legend = rr.Points2D(places, labels=labels, colors=colors, radii=rr.Radius.ui_points(0.0), show_labels=True)
     rec.log(entity(ROOT, "legend"), legend, static=True)
 
 
@@ -107,7 +133,7 @@ def over_frequency_view(panel: Panel) -> Any:
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)
 
 
-def _plot(panel: Panel) -> Plot:
+def _plot(panel: Panel, width: float) -> Plot:
     """Return the ranges of a panel, logarithms where its axes are."""
     x = np.concatenate([curve.x for curve in panel.curves])
     y = np.concatenate([curve.y for curve in panel.curves])
@@ -116,7 +142,7 @@ def _plot(panel: Panel) -> Plot:
         low, high = np.log10(panel.ylim or (float(y.min()), float(y.max())))
     else:
         low, high = panel.ylim or (0.0, 1.08 * float(y.max()))
-    return Plot(across=(float(np.log10(left)), float(np.log10(right))), upward=(float(low), float(high)), width=WIDTH)
+    return Plot(across=(float(np.log10(left)), float(np.log10(right))), upward=(float(low), float(high)), width=width)
 
 
 def _height(values: Array, plot: Plot, *, upright: bool) -> Array:

@@ -1,0 +1,216 @@
+"""Cyclic tests of an isolator or a law: measures of its loops, the loops as charts, and which law describes measured ones."""
+
+import math
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.isolator import FREQUENCY, law_text
+from wirerope_mj.content.panels import BASE, LIMIT, Chart, Curve, Panel
+from wirerope_mj.foundation.tables import Cell, Column, Table
+from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.mounts.identification.choice import LawComparison
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes, largest_amplitude
+from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
+from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
+
+_FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel, that the picture of an isolator shows
+_MOST_NAMES = 8  # in a legend: more would hide the loops
+_WEAK = 100.0  # [N], below which forces are read in N
+_CLOSED = 1e-10  # of the force range: what cyclic tests close to
+_DAMPED = 1e-9  # damping ratio, below which loops have no width to speak of
+_COLUMNS = (
+    Column("axis", align="left"),
+    Column("amplitude", "mm", ".4g"),
+    Column("secant\nstiffness", "kN/m", ".4g"),
+    Column("energy\nper cycle", "J", ".4g"),
+    Column("damping\nratio", "%", ".4g"),
+    Column("tangent\nafter largest", "kN/m", "z.4g"),
+    Column("tangent\nafter smallest", "kN/m", "z.4g"),
+    Column("cycles\nto close", align="left"),
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class CyclicTests:
+    """Cyclic tests of the axes of an isolator.
+
+    Attributes:
+        isolator: that was tested.
+        laws: of its axes, by what they are called.
+        loops: of each, by the same names.
+        operating_point: about which it was tested [m].
+        frequency: of the tests [Hz].
+    """
+
+    isolator: Isolator
+    laws: Mapping[str, Law]
+    loops: Mapping[str, Sequence[Loop]]
+    operating_point: float
+    frequency: float
+
+
+def loops_content(tests: CyclicTests) -> Content:
+    """Describe cyclic tests: the laws, measures of every loop, those of all loops of an axis, and the loops as a chart."""
+    about = f", about {in_unit(tests.operating_point, 'mm'):.4g} mm" if tests.operating_point else ""
+    rate = "" if all(law.rate_independent for law in tests.laws.values()) else f", at {tests.frequency:g} Hz"
+    title = f"{tests.isolator.name}{about}{rate}"
+    return Content(
+        title=title,
+        verdict=Statement(id="tests", text=title),
+        sections=(
+            Section(id="tests", title="", build=lambda: _test_blocks(tests), depth="summary"),
+            Section(id="loops", title="", build=lambda: [loops_chart(_titled(tests))]),
+        ),
+    )
+
+
+def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
+    lines = []
+    for title, law in tests.laws.items():
+        lines.append(f"{title}: {law_text(law)}")
+        if isinstance(law, Hysteresis | EnhancedDryFriction) and law.z_max < math.inf:
+            form = law.normalised
+            lines.append(
+                f"{title}, normalised: z_max = {form.z_max:.6g} N, x_y = {in_unit(form.x_y, 'mm'):.6g} mm, "
+                f"sigma = {form.sigma:.6g}, n = {form.n:.6g}"
+            )
+    yield Statement(id="laws", items=tuple(lines))
+    rows = [[title, *_measures(loop, tests.laws[title])] for title, loops in tests.loops.items() for loop in loops]
+    note = "Tangent: stiffness right after the largest and the smallest deflection, where the motion turns round."
+    yield Table(id="loop-measures", title="Measures of the loops", columns=_COLUMNS, rows=rows, note=note)
+    yield Statement(
+        id="loop-findings",
+        items=tuple(f"{title}: {text}" for title, loops in tests.loops.items() for text in _findings(loops)),
+    )
+
+
+def _measures(loop: Loop, law: Law) -> list[Cell]:
+    """Return a loop's measures; a rate-dependent force turns round smoothly and has no tangent to state."""
+    tangents = loop.tangents_at_reversal if law.rate_independent else (None, None)
+    closed = f"{loop.cycles}" if loop.closure <= _CLOSED else f"{loop.cycles}, open by {loop.closure:.1g}"
+    return [loop.amplitude, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio, *tangents, closed]
+
+
+def _findings(loops: Sequence[Loop]) -> Iterator[str]:
+    """Yield measures of the loops of an axis together, as far as their number allows."""
+    amplitudes = {loop.amplitude for loop in loops}
+    if len(amplitudes) >= 2 and max(loop.damping_ratio for loop in loops) > _DAMPED:
+        try:
+            yield f"hardening overlap {hardening_overlap(loops):.3f} (0: all amplitudes load along one path in tension)"
+        except ValueError as error:
+            yield f"no hardening overlap: {error}"
+    if len(amplitudes) >= 3:
+        yield softening_to_hardening(loops).message
+
+
+def _titled(tests: CyclicTests) -> dict[str, Sequence[Loop]]:
+    """Return the loops by the titles of their panels: of a rate-dependent law with the frequency."""
+    rate = f", {tests.frequency:g} Hz"
+    return {f"{name}{'' if tests.laws[name].rate_independent else rate}": one for name, one in tests.loops.items()}
+
+
+def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
+    """Return a panel for each test: its loops from the smallest to the largest, as they were run or measured.
+
+    Args:
+        tests: loops by the title of their panel; one that begins with "axial" says that tension is positive.
+    """
+    panels = []
+    for title, loops in tests.items():
+        strong = max(float(np.abs(loop.force).max()) for loop in loops) >= _WEAK
+        ordered = sorted(loops, key=lambda loop: loop.amplitude)
+        panels.append(_panel(_curves(ordered, "kN" if strong else "N"), title, "kN" if strong else "N"))
+    return _chart(panels, "Force over deflection in cyclic tests.")
+
+
+def isolator_chart(device: Isolator, *, frequency: float = FREQUENCY) -> Chart:
+    """Return a panel for each axis: steady loops at 25, 50 and 100 % of the rated travel, first loading, and the ratings.
+
+    Without a rated travel the largest loop is 5 % of the height, beyond the gap of a stop, or the whole of a table. Axes that
+    share their law share a panel.
+
+    Args:
+        device: what to draw.
+        frequency: of the test [Hz]; without effect on a rate-independent law.
+    """
+    panels = []
+    for title, axis, law in distinct_axes(device):
+        loops = cyclic_test(law, amplitudes_of(device, axis, _FRACTIONS), frequency=frequency)
+        curves = [*_ratings(device, axis, law), *_curves(loops, "kN")]
+        panels.append(_panel(curves, title if law.rate_independent else f"{title}, {frequency:g} Hz", "kN"))
+    return _chart(panels, "Steady loops, the first loading, the rated travel on it and the rated static load.")
+
+
+def _chart(panels: Sequence[Panel], caption: str) -> Chart:
+    return Chart(id="loops", rows=[panels], height=360.0, caption=caption, alt="Loops of force over deflection.")
+
+
+def _panel(curves: Sequence[Curve], title: str, unit: str) -> Panel:
+    return Panel(
+        curves=curves,
+        xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
+        ylabel=f"force [{unit}]",
+        title=title,
+        unit=unit,
+        xunit="mm",
+    )
+
+
+def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:
+    """Return loops of deepening colour; of many only some are named, each by its amplitude and damping ratio."""
+    named = set(np.linspace(0, len(loops) - 1, min(len(loops), _MOST_NAMES)).round().astype(int))
+    shades = np.linspace(0.45, 1.0, len(loops)) if len(loops) > 1 else [1.0]
+    curves = []
+    for number, (loop, shade) in enumerate(zip(loops, shades, strict=True)):
+        ratio, amplitude = loop.damping_ratio, in_unit(loop.amplitude, "mm")
+        size = f"±{amplitude:.3g} mm" if amplitude < 1000.0 else f"±{amplitude:.0f} mm"
+        name = f"{size}, within the gap" if math.isnan(ratio) else f"{size}, ζ = {in_unit(ratio, '%'):.1f} %"
+        x, y = in_unit(loop.deflection, "mm"), in_unit(loop.force, unit)
+        curves.append(Curve(x=x, y=y, name=name if number in named else "", kind=0, opacity=float(shade)))
+    return curves
+
+
+def _ratings(device: Isolator, axis: str, law: Law) -> Iterator[Curve]:
+    """Yield the rated static load and the rated travel on the first loading, and that to both sides."""
+    travel = device.rated_travel(axis)
+    below, load = travel[0], device.limits.static_load
+    if axis == "axial" and load is not None and below is not None:
+        path = law.trace(-np.linspace(0.0, below, 2001))
+        if -path.force[-1] >= load:  # the first loading carries it within the rated travel
+            depth = float(np.interp(load, -path.force, -path.deflection))
+            yield _mark(-depth, -load, f"rated load {in_unit(load, 'kN'):.3g} kN", BASE)
+    if not law.rate_independent:
+        return
+    for sign, limit in zip((-1.0, 1.0), travel, strict=True):
+        if limit is not None:
+            end = law.trace([0.0, sign * limit])
+            yield _mark(float(end.deflection[-1]), float(end.force[-1]), "rated travel", LIMIT)
+    for sign in (-1.0, 1.0):
+        path = law.trace(sign * np.linspace(0.0, largest_amplitude(device, axis), 200))
+        x, y = in_unit(path.deflection, "mm"), in_unit(path.force, "kN")
+        yield Curve(x=x, y=y, name="first loading", kind=BASE, dash="dashed")
+
+
+def _mark(deflection: float, force: float, name: str, kind: str) -> Curve:
+    x, y = np.array([in_unit(deflection, "mm")]), np.array([in_unit(force, "kN")])
+    return Curve(x=x, y=y, name=name, kind=kind, marks=True, weight=2.0)
+
+
+def law_choice_statement(table: LawComparison, files: str) -> Statement:
+    """Return which of several laws to trust, for which amplitudes, and how it is identified from the files."""
+    best, general, chosen = table.best, table.most_general, table.recommended
+    items = [f"{best.law} has the best criterion, {general.law} the smallest error on an amplitude left out."]
+    if chosen is not general:
+        items.append(
+            f"{chosen.law} has no error on an amplitude left out, for which there are too few, but errs by at most "
+            f"{in_unit(float(chosen.errors.max()), '%'):.2g} % where {general.law} errs by "
+            f"{in_unit(float(general.errors.max()), '%'):.2g} %: test one amplitude more to see how it predicts."
+        )
+    farthest = in_unit(float(table.amplitudes[-1]), "mm")
+    items.append(f"Errors are those of cycles up to ±{farthest:.3g} mm; of larger ones they say nothing.")
+    items.append(f"wirerope identify {files} --law {chosen.law} --out isolator.toml")
+    return Statement(id="law-choice", text=f"Recommended: {chosen.law}.", items=tuple(items), tone="strong")

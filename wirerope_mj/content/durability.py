@@ -1,0 +1,78 @@
+"""Cycles of the mounts of a run or a service life, the damage that they do, and what is damaged most."""
+
+from collections.abc import Sequence
+
+from wirerope_mj.assessment.durability.mission import Mission, MountDamage, Stage
+from wirerope_mj.content.blocks import Content, Section, Statement
+from wirerope_mj.foundation.tables import Column, Row, Table
+
+
+def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows: int) -> Content:
+    """Describe the damage of a service life: what is damaged most and how long it lasts, and a table of the worst.
+
+    Args:
+        mission: the service life.
+        damages: of every axis of every mount, the largest first.
+        rows: of the table.
+    """
+    names = " + ".join(_often(stage) for stage in mission.stages)
+    worst = _worst(mission, damages)
+    return Content(
+        title=f"Durability: {names}",
+        verdict=worst,
+        sections=(
+            Section(id="durability", title="", build=lambda: [_table(mission, damages, rows), worst], depth="summary"),
+        ),
+    )
+
+
+def _worst(mission: Mission, damages: Sequence[MountDamage]) -> Statement:
+    """Return what is damaged most, and how often it lasts where the fatigue curve has a constant."""
+    worst = damages[0] if damages else None
+    if worst is None or not worst.total:
+        return Statement(id="most-damaged", text="Nothing is damaged: no cycle was counted.", values={"damage": 0.0})
+    text = f"Most damaged: {_called(worst)}"
+    if mission.constant is None:
+        text += ". Its life is not known: damage is relative, because no constant of the fatigue curve was given."
+        return Statement(id="most-damaged", text=text, tone="unjudged", values={"where": _called(worst)})
+    life = 1.0 / worst.total
+    text += f": damage {worst.total:.3g} in one such life; it lasts {life:.3g} such lives."
+    values: dict[str, float | str | None] = {"where": _called(worst), "damage": worst.total, "lives": life}
+    return Statement(id="most-damaged", text=text, tone="exceeded" if worst.total > 1.0 else "within", values=values)
+
+
+def _table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table:
+    unit = "mm" if mission.quantity == "deflection" else "kN"
+    worst = damages[0] if damages else None
+    known, several = mission.constant is not None, len(mission.stages) > 1
+    rows: list[Row] = []
+    for one in damages[:most]:
+        mean = one.total * (mission.constant or 1.0) / one.cycles if one.cycles else 0.0
+        relative = one.total / worst.total if worst and worst.total else None
+        amount = (one.total, 1.0 / one.total if one.total else None) if known else ()
+        stages = [part / one.total if one.total else None for part in one.stages] if several else []
+        amplitude = mean ** (1.0 / mission.exponent)
+        rows.append((one.mount, one.axis, one.cycles, one.largest_range, amplitude, *amount, relative, *stages))
+    note = (
+        f"Rainflow cycles of the {mission.quantity} (ASTM E1049), open ones as halves; exponent {mission.exponent:g}; "
+    )
+    note += f"{len(damages)} counted. Equivalent amplitude: of as many equal cycles that do the same damage."
+    if any(stage.hours is not None for stage in mission.stages):
+        note += " Hours are of steady vibration: without rise, fall and what follows."
+    columns = (
+        Column("mount", align="left"), Column("axis", align="left"), Column("cycles", form=".1f"),
+        Column("largest\nrange", unit, ".3g"), Column("equivalent\namplitude", unit, ".3g"),
+        *((Column("damage", form=".3g"), Column("lasts\n[lives]", form=".3g")) if known else ()),
+        Column(f"damage over that\nof {_called(worst)}" if worst else "damage", "%", ".3g"),
+        *(Column(f"by {stage.run.name}", "%", ".3g") for stage in mission.stages if several),
+    )  # fmt: skip
+    return Table(id="damage", title="Cycles and damage of the mounts", columns=columns, rows=rows, note=note)
+
+
+def _called(one: MountDamage) -> str:
+    return f"{one.mount} {one.axis}"
+
+
+def _often(stage: Stage) -> str:
+    name = stage.run.name
+    return f"{stage.hours:g} h of {name}" if stage.repetitions is None else f"{stage.repetitions:g} x {name}"

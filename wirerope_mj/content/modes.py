@@ -1,0 +1,265 @@
+"""The modes of a system about its equilibrium: which frequency to quote, damping, shapes, and what the laws were tested for."""
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
+
+from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
+from wirerope_mj.assessment.criteria.tested import untested
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.statics import HISTORIES, stability_blocks
+from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.foundation.tables import Cell, Column, Row, Table
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis
+
+TIPS = "tips over"
+"""Stands for the frequency of a mode in which the weight wins over the mounts."""
+
+_SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
+_LEAST_WEIGHT = 1e-3  # fraction of a mode's weight along which it is said to move
+_FREQUENCY, _DAMPING = Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.1f")
+_MASS = [Column(f"mass\n{axis}", "%", "z.1f") for axis in "xyz"]
+_MODE = Column("mode", align="left"), Column("shape", align="text")
+_NOTE = (
+    "Frequency and damping: of small amplitude, where friction damps nothing and dampers alone do. Tangent: with the mounts' "
+    "stiffness in either direction from rest, which the first quarter cycle feels; no value to quote. Mass: fraction that "
+    "takes part of the mass that can move along each axis."
+)
+
+
+def modes_content(
+    system: System, small: Modes, large: Sequence[Modes] = (), *, ddam: tuple[Ship, Location] | None = None
+) -> Content:
+    """Describe the modes of a system.
+
+    Args:
+        system: the system.
+        small: its modes at small amplitude.
+        large: those at other amplitudes.
+        ddam: ship and location, for the design accelerations of DDAM.
+    """
+    stability = list(stability_blocks({small.history: small.stability}))
+    parts: dict[str, Callable[[], Iterable[Block | None]]] = {
+        "modes": partial(_modes_blocks, system, small, bool(large)),
+        "amplitudes": partial(_amplitudes_blocks, system, small, large),
+        "stability": lambda: stability,
+        "ddam": lambda: [_ddam(small, *ddam)] if ddam else [],
+    }
+    sections = [Section(id=name, title="", build=build, depth="summary") for name, build in parts.items()]
+    return Content(title=f"{system.name}: modes", verdict=stability[0], sections=tuple(sections))
+
+
+def run_modes_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield the modes of a run's system about its equilibria at small amplitude, and how stable it stands."""
+    found = {history: modes for history, modes in run.modes.items() if isinstance(modes, Modes)}
+    for history, modes in run.modes.items():
+        if isinstance(modes, Absent):
+            yield Statement(id=f"modes-{history}", text=modes.reason, tone="unjudged")
+    for number, modes in enumerate(found.values()):
+        yield modes_table(modes, note=_NOTE if number + 1 == len(found) else "")
+    if found:
+        yield _quote(at_amplitudes=False)
+        yield from _statements("below-tests", below_tests(run.system))
+    yield from stability_blocks({history: modes.stability for history, modes in found.items()})
+
+
+def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
+    """Tabulate frequency, damping, tangents and mass of every mode."""
+    tangents = Column("tangent,\nunloading", "Hz", "z.3f"), Column("tangent,\nloading", "Hz", "z.3f")
+    rows: list[Row] = []
+    for number, shape in enumerate(modes.descriptions):
+        frequencies = [_hertz(values[number]) for values in (modes.unloading, modes.loading)]
+        mass = map(float, modes.participation[number])
+        damping = float(modes.damping_ratio[number])
+        rows.append((str(number + 1), shape, _hertz(modes.frequencies[number]), damping, *frequencies, *mass))
+    return Table(
+        id=f"modes-{modes.history}",
+        title=f"Modes about the equilibrium {HISTORIES[modes.history]}",
+        columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS),
+        rows=rows,
+        note=note,
+    )
+
+
+def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
+    """Tabulate frequency and damping of every mode at every amplitude."""
+    results = [small, *large]
+    indices = [small.indices_in(result) for result in results]
+    rows: list[Row] = [
+        (
+            str(mode + 1), shape, "small" if result.amplitude is None else result.amplitude,
+            _hertz(result.frequencies[index[mode]]), float(result.damping_ratio[index[mode]]),
+        )
+        for mode, shape in enumerate(small.descriptions)
+        for result, index in zip(results, indices, strict=True)
+    ]  # fmt: skip
+    return Table(
+        id="modes-at-amplitudes",
+        title="Natural frequency and damping by amplitude",
+        columns=(*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING),
+        rows=rows,
+        note=f"Amplitude: of the mount that moves most, about the equilibrium {HISTORIES[small.history]}.",
+    )
+
+
+def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
+    """Yield what is known of one mode: frequency to quote, damping, tangents, mass, and deflections of the mounts."""
+    mass = ", ".join(
+        f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True)
+    )
+    yield Statement(
+        id="mode",
+        text=f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}",
+        tone="strong",
+        items=(
+            f"damping {in_unit(float(modes.damping_ratio[mode]), '%'):.1f} %",
+            f"tangents at rest: unloading {_text(modes.unloading[mode])}, loading {_text(modes.loading[mode])}",
+            f"mass that takes part: {mass}",
+        ),
+    )
+    columns = [Column("mount", align="left"), *(Column(axis, form="+.3f") for axis in ("roll", "shear", "axial"))]
+    rows: list[Row] = [(name, *map(float, shape[mode])) for name, shape in modes.mounts.items()]
+    yield Table(id="mode-shape", title="Deflections of the mounts, the largest 1", columns=columns, rows=rows)
+
+
+def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block]:
+    yield modes_table(small)
+    yield _quote(at_amplitudes=at_amplitudes)
+    yield from _statements("small-amplitude", about_small(system, small))
+    yield from _statements("below-tests", below_tests(system))
+
+
+def _amplitudes_blocks(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[Block]:
+    if large:
+        yield amplitudes_table(small, large)
+        yield from _statements("beyond-rating", beyond_rating(system, large), "exceeded")
+        yield from _statements("outside-tests", outside_tests(system, large))
+        yield from _statements("carried", about_carried(system, small, large), "")
+
+
+def _statements(name: str, texts: Iterator[str], tone: str = "unjudged") -> Iterator[Statement]:
+    return (Statement(id=name, text=text, tone=tone) for text in texts)
+
+
+def _quote(*, at_amplitudes: bool) -> Statement:
+    """Return which frequency is quoted for what."""
+    where = "listed below" if at_amplitudes else "which `wirerope modes --amplitude-mm` gives"
+    return Statement(
+        id="which-frequency",
+        text="Quote the small-amplitude natural frequency for small vibration, and for a shock the frequency at the amplitude "
+        f"reached, {where}: mounts soften, and harden towards the end of their travel.",
+        tone="strong",
+    )
+
+
+def about_small(system: System, small: Modes) -> Iterator[str]:
+    """Yield what is unusual of the frequencies of small amplitude: outside the tangents, or of a law with n < 1."""
+    outside = small.outside_tangents
+    if outside.size:
+        yield (
+            f"In mode {', '.join(str(row + 1) for row in outside)} the small-amplitude natural frequency is not between those "
+            "of the tangents: with gamma > beta, and with an elastic part that bends, both can lie to one side of it."
+        )
+    laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
+    if any(getattr(law, "n", 1.0) < 1.0 for law in laws if isinstance(law, Hysteresis)):
+        yield (
+            "A law with n < 1 is near the limit of small amplitude only at amplitudes that no rig shows: quote the frequency "
+            "at an amplitude, which --amplitude-mm gives."
+        )
+
+
+def below_tests(system: System) -> Iterator[str]:
+    """Yield a sentence on the isolators whose small cycles lie below what was tested."""
+    least = {
+        f"{mount.isolator.name} {axis} ({in_unit(one.amplitude[0], 'mm'):.3g} mm)": None
+        for mount in system.mounts.values()
+        for axis, one in mount.isolator.validity.stated.items()
+        if one.amplitude[0] > 0.0
+    }
+    if least:
+        yield (
+            "Small amplitudes lie below the least that isolators were tested at, and their frequencies are extrapolated: "
+            f"{', '.join(least)}."
+        )
+
+
+def beyond_rating(system: System, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude a sentence on the mounts that it takes beyond a rated travel in some mode, sag included."""
+    for result in large:
+        beyond = {name: used for name in system.mounts if (used := travel_utilisation(system, result, name)) > 1.0}
+        if beyond:
+            worst = max(beyond, key=lambda name: beyond[name])
+            yield (
+                f"{_size(result)} takes mounts beyond their rated travel: {', '.join(beyond)} ({worst} up to "
+                f"{in_unit(beyond[worst], '%'):.0f} % of it, sag included). The law is not warranted there."
+            )
+
+
+def outside_tests(system: System, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude a sentence on the mounts that it takes outside what their laws were identified from."""
+    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
+    for result in large:
+        if where := untested(isolators, {name: reached_in(result, name) for name in system.mounts}):
+            tested = "outside the cycles that isolators were identified from"
+            yield f"{_size(result)} is {tested}: {where}. Their laws are extrapolated."
+
+
+def about_carried(system: System, small: Modes, large: Sequence[Modes]) -> Iterator[str]:
+    """Yield for each amplitude a sentence on the modes that lie elsewhere where the cycles' mean force carries the weight."""
+    for result in large:
+        there = carried(system, result)
+        if not there.apart.size:
+            continue
+        rows = {index: row + 1 for row, index in enumerate(small.indices_in(result))}
+        text = ", ".join(
+            f"mode {rows[int(at)]} at {there.frequencies[at]:.3f} instead of {result.frequencies[at]:.3f} Hz "
+            f"({there.mounts[at]} {in_unit(there.shift[at], 'mm'):.2g} mm away)"
+            for at in there.apart
+        )
+        yield (
+            f"Cycles of {_size(result)} about the equilibrium do not carry the weight on average. In lasting vibration the "
+            f"mounts move to where they do: {text}."
+        )
+
+
+def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
+    """Tabulate modal weight and design acceleration of every mode along the directions in which it takes part."""
+    rows: list[Row] = []
+    for number, frequency in enumerate(map(float, small.frequencies)):
+        weights = STANDARD_GRAVITY * small.moving_mass * small.participation[number]
+        cells: list[Cell] = [str(number + 1), _hertz(frequency)]
+        for weight, direction in zip(map(float, weights), _SHIP_AXES, strict=True):
+            if not (frequency > 0.0 and weight > _LEAST_WEIGHT * weights.sum()):
+                cells += [None, None]
+                continue
+            values = ddam_design_values(weight, frequency, location=location, direction=direction, ship=ship)
+            cells += [values.weight, values.acceleration]
+        rows.append(cells)
+    axes = [
+        column for axis in "xyz" for column in (Column(f"weight {axis}", "kN", ".3f"), Column(f"D {axis}", "g", ".1f"))
+    ]
+    return Table(
+        id="ddam",
+        title=f"DDAM: design accelerations, {ship}, {location}",
+        columns=(Column("mode", align="left"), _FREQUENCY, *axes),
+        rows=rows,
+        note="x fore and aft, y athwartship, z vertical; modal weights at small amplitude. The unclassified interim values of "
+        "NRL memorandum 1396, elastic, at least 6 g; a linear method, in which large deflections of mounts have no place.",
+    )
+
+
+def _size(result: Modes) -> str:
+    return f"{in_unit(result.amplitude or 0.0, 'mm'):g} mm"
+
+
+def _hertz(frequency: float) -> Cell:
+    return float(frequency) if math.isfinite(frequency) else TIPS
+
+
+def _text(frequency: float) -> str:
+    return f"{frequency:.3f} Hz" if math.isfinite(frequency) else TIPS

@@ -1,0 +1,229 @@
+"""What a search says: its front in a table and a chart, and some of its designs as scenes."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
+from wirerope_mj.content.numbers import number, several
+from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
+from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question
+from wirerope_mj.content.study_statements import travel_statements
+from wirerope_mj.content.study_tables import varied_table
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.studies.results.measure import Measure, input_names, measure_of, values_of
+from wirerope_mj.studies.results.statistics import row_of
+from wirerope_mj.studies.search.result import GENERATION, SearchResult
+
+_SHOWN, _EMPTY = 24, 12  # designs that are read at once; names of mounts that are not fitted and listed
+_DRAWN, _NEAREST = 4, 8  # designs that are drawn; that are shown where none is within the limits
+_NAMED = 12  # designs of the front with a label
+_AROUND = 0.35  # of the extent of the front with the given designs: what is drawn around it
+_APART = 0.05  # of the chart's height: labels that are nearer would cover each other
+_LEFT = 0.15  # of the chart's width: nearer to its edge labels have no room on the left
+
+
+def search_content(result: SearchResult) -> Content:
+    """Compose what a search that is complete says."""
+    study = result.study
+    return Content(
+        title=study.name.replace("_", " ").capitalize(),
+        facts=study_facts(result, "Designs", str(result.inputs["search"]["optimiser"])),
+        question=study_question(result, "search"),
+        verdict=_verdict(result),
+        sections=(
+            Section(id="answer", title="", build=lambda: _answer(result), depth="headline"),
+            Section(
+                id="sought", title="Objectives and limits", build=lambda: (_sought(result), varied_table(study))
+            ),
+            Section(id="results", title="Results", build=lambda: _results(result), depth="summary"),
+            Section(id="numerics", title="Numerics and versions", build=lambda: (numerics_table(result),)),
+        ),
+    )  # fmt: skip
+
+
+def _verdict(result: SearchResult) -> Statement:
+    count = result.front.num_rows
+    if not count:
+        return Statement(id="headline", text="No design within the limits was found", tone="exceeded")
+    text = f"{several(count, 'design')} on the front, within the limits"
+    return Statement(id="headline", text=text, tone="within", values={"front": float(count)})
+
+
+def _answer(result: SearchResult) -> Iterator[Block]:
+    notes = travel_statements(result.study.base) if "travel" in result.shown else []
+    yield Statement(id="answer", text=" ".join([result.message, *notes]))
+    yield from failed_blocks(result, "design")
+
+
+def _sought(result: SearchResult) -> Statement:
+    items = [f"Least: {measure_of(name).text}." for name in result.minimise]
+    for name, largest in result.limits.items():
+        measure = measure_of(name)
+        items.append(f"Limit: {measure.text} at most {number(measure.factor * largest)} {measure.unit}.")
+    return Statement(id="objectives", items=tuple(items))
+
+
+def _results(result: SearchResult) -> Iterator[Block]:
+    yield front_chart(result)
+    if not result.front.num_rows:
+        return
+    if any(column.places_mounts for one in result.study.quantities for column in one.columns):
+        for variant in _drawn(result):
+            caption = f"{_title(result, variant)}; marks are mounts, crosses empty places."
+            scene, absent = result.scene(variant), tuple(result.absent(variant))
+            yield SceneView(id=f"placement-{variant}", scene=scene, caption=caption, absent=absent)
+    yield front_table(result)
+    yield designs_table(result)
+
+
+def front_table(result: SearchResult, most: int | None = None) -> Table:
+    """Tabulate the designs that were given, and those of the front."""
+    measures = [measure_of(name) for name in result.shown]
+    rows = result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()
+    return Table(
+        id="front-designs",
+        title="The front: designs within the limits that no other one beats",
+        columns=[
+            Column("design", align="left"),
+            *(measure.column for measure in measures),
+            Column("generation"),
+            Column("", align="left"),
+        ],
+        rows=[
+            (
+                str(row["variant"]),
+                *(row[measure.name] for measure in measures),
+                str(row[GENERATION]),
+                result.remark(row["variant"]),
+            )
+            for row in list({row["variant"]: row for row in rows}.values())[:most]
+        ],
+        note="Other designs of the search may come close to these, and better ones may exist: an evolution proves nothing.",
+        shown=_SHOWN,
+    )
+
+
+def designs_table(result: SearchResult) -> Table:
+    """Tabulate each design of the front: the mounts that are not fitted, and its other inputs."""
+    others = [name for name in input_names(result.table) if not name.endswith("/fitted")]
+    rows = []
+    for row in result.front.to_pylist():
+        absent = result.absent(row["variant"])
+        names = ", ".join(absent[:_EMPTY]) + (f" and {len(absent) - _EMPTY} more" if len(absent) > _EMPTY else "")
+        values = (f"{row[name]:.4g}" if isinstance(row[name], float) else str(row[name]) for name in others)
+        inputs = ", ".join(f"{name} {value}" for name, value in zip(others, values, strict=True))
+        rows.append((str(row["variant"]), names or "none", inputs or "-"))
+    heads = (("design", "left"), ("places without a mount", "text"), ("other inputs", "text"))
+    columns = [Column(head, align=align) for head, align in heads]  # type: ignore[arg-type]
+    return Table(id="designs", title="These designs", columns=columns, rows=rows, shown=_SHOWN)
+
+
+def front_chart(result: SearchResult) -> Chart:
+    """Draw all designs by the first two measures that were minimised; of one measure, in the order of the designs."""
+    names = result.minimise[:2]
+    across, up = (measure_of(names[1]) if len(names) > 1 else None), measure_of(names[0])
+    x, y = _values(result, across), _values(result, up)
+    within, front, given = result.feasible, np.asarray(result.front["variant"]), np.arange(result.start)
+    known = np.isfinite(x) & np.isfinite(y)
+    knee = np.array([] if result.knee is None else [result.knee], dtype=np.int64)
+    curves = [
+        Curve(x=x[rows], y=y[rows], name=name, kind=kind, marks=True)
+        for name, kind, rows in (
+            ("knee of the front", 2, knee), ("given", 1, given), ("front", 0, front),
+            ("within the limits", 3, np.flatnonzero(known & within)),
+            ("beyond a limit", OTHERS, np.flatnonzero(known & ~within)),
+        )
+        if rows.size
+    ]  # fmt: skip
+    if front.size > 1 and len(result.minimise) == 2:
+        curves.append(Curve(x=x[front], y=y[front], name="", kind=0))
+    wanted = np.array(result.chosen if front.size else result.chosen[:_NEAREST], dtype=np.int64)
+    shown = np.concatenate([wanted, given])
+    xlim, ylim = (
+        _range(values[shown], None if measure is None else result.limits.get(measure.name), measure)
+        for measure, values in ((across, x), (up, y))
+    )
+    outside = int((known & ((x < xlim[0]) | (x > xlim[1]) | (y < ylim[0]) | (y > ylim[1]))).sum())
+    left_out = [f"{outside} designs farther out"] * bool(outside) + [f"{len(result.failed)} failed"] * bool(
+        result.failed
+    )
+    panel = Panel(
+        curves=curves,
+        ylabel=up.column.title(),
+        xlabel="design" if across is None else across.label,
+        limits=_limit(result, up),
+        xlimits=[] if across is None else _limit(result, across),
+        notes=_labels(result, front, (x, y), (xlim, ylim)),
+        xlim=xlim,
+        ylim=ylim,
+        title=f"not shown: {'; '.join(left_out)}" if left_out else "",
+        unit=up.unit,
+        xunit="" if across is None else across.unit,
+    )
+    text = " and ".join(measure_of(name).text for name in result.minimise)
+    front_text = " Line: the front, designs within the limits that no other one beats." if front.size else ""
+    caption = f"All designs by {text}, some with their numbers of mounts.{front_text}"
+    return Chart(id="front", rows=[[panel]], height=260.0, caption=caption, alt=caption)
+
+
+def _values(result: SearchResult, measure: Measure | None) -> Array:
+    """Return a measure of all designs in the unit in which it is shown; without one, their numbers."""
+    if measure is None:
+        return np.arange(result.table.num_rows, dtype=np.float64)
+    return measure.factor * values_of(result.table, measure.name)
+
+
+def _limit(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:
+    return [("limit", measure.factor * result.limits[measure.name])] if measure.name in result.limits else []
+
+
+def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple[float, float]:
+    """Return what is shown of an axis: some designs with some room around, and the limit, but not what lies far away."""
+    ends = values[np.isfinite(values)]
+    ends = ends if ends.size else np.zeros(1)
+    if measure is not None and limit is not None:
+        ends = np.append(ends, measure.factor * limit)
+    room = _AROUND * float(np.ptp(ends) or abs(ends[0]) or 1.0)
+    low = float(ends.min()) - room
+    return (max(low, 0.0) if ends.min() >= 0.0 else low), float(ends.max()) + room
+
+
+def _labels(
+    result: SearchResult,
+    front: npt.NDArray[np.int64],
+    at: tuple[Array, Array],
+    limits: tuple[tuple[float, float], tuple[float, float]],
+) -> list[Note]:
+    """Name designs of the front, and those that were given, by their number of mounts, where there is room."""
+    mounts, notes, heights = np.asarray(result.table["mounts"]), list[Note](), list[float]()
+    first = [*range(result.start), *([] if result.knee is None else [result.knee])]
+    for variant in [*first, *front[[0, -1]], *front] if front.size else first:
+        x, y = at[0][variant], at[1][variant]
+        across, up = ((value - low) / (high - low) for value, (low, high) in zip((x, y), limits, strict=True))
+        inside = 0.0 <= across <= 1.0 and 0.0 <= up <= 1.0
+        if not inside or len(notes) == _NAMED or any(abs(up - other) < _APART for other in heights):
+            continue
+        heights.append(up)
+        label = f"{mounts[variant]:.0f} mounts" + (f", design {variant}" if variant in first else "")
+        # On the left of a front there is nothing; beyond the given design there is room on the right.
+        notes.append((float(x), float(y), label, across > _LEFT and variant >= result.start))
+    return notes
+
+
+def _drawn(result: SearchResult) -> list[int]:
+    """Return the designs that are drawn: the given one, and the front's ends, knee and middle."""
+    front = result.front["variant"].to_pylist()
+    wanted = list(dict.fromkeys([*range(min(result.start, 1)), *result.chosen]))[:_DRAWN]
+    return sorted(wanted, key=lambda one: (one >= result.start, front.index(one) if one in front else -1))
+
+
+def _title(result: SearchResult, variant: int) -> str:
+    row = row_of(result.table, variant)
+    measures = [measure_of(name) for name in result.minimise if name != "mounts"]
+    parts = [f"{row['mounts']:.0f} mounts"]
+    parts += [f"{one.name} {one.factor * row[one.name]:.3g} {one.unit}" for one in measures]
+    remark = result.remark(variant)
+    return f"Design {variant}{f' ({remark})' if remark else ''}: {', '.join(parts)}"

@@ -1,0 +1,248 @@
+"""Statements on the results of a study, as text."""
+
+import math
+import re
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import pyarrow as pa
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.studies.ended import ended_early, why_early
+from wirerope_mj.studies.inputs.sobol import SAMPLING
+from wirerope_mj.studies.inputs.specimens import specimen_messages
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
+from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
+from wirerope_mj.studies.results.measure import Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.stated_limits import StatedLimit
+from wirerope_mj.studies.results.statistics import (
+    CONFIDENCE,
+    Exceedance,
+    exceedance_of,
+    row_of,
+    struck_variants,
+    worst,
+)
+
+_NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
+_NUMBERED = 6  # variants of one message that are listed by their numbers
+_CHOICES = 8  # choices that are named
+_INPUTS = 2  # inputs that are said of the largest value
+
+SLIGHT = 0.01
+"""Total index below which a factor is only named."""
+
+
+def statements(result: StudyResult) -> list[str]:
+    """Return a statement on every measure with a limit, and what must be known to read them."""
+    texts = [
+        _of_limit(result, measure, measure.limit)
+        for measure in map(measure_of, [*headlines(result.table), *_overloaded(result.table)])
+        if measure.limit is not None
+    ]
+    if not texts:
+        texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
+    texts = [*early_statements(result.table), *texts, *struck_statements(result.table)]
+    if "travel" in headlines(result.table):
+        texts += travel_statements(result.study.base)
+    texts += specimen_messages(result.study.quantities)
+    if result.study.sampling == SAMPLING:
+        every = (sobol_indices(result, name) for name in headlines(result.table))
+        texts += [of_indices(one) for one in every if one.factors]
+    return texts
+
+
+def percent(probability: float) -> str:
+    """Return a probability in per cent, to two digits."""
+    value = 100.0 * probability
+    return (
+        f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{value:.1f} %" if value >= 0.095 else f"{value:.2g} %"
+    )
+
+
+def failures(failed: Mapping[int, str]) -> dict[str, list[int]]:
+    """Return the messages of the variants that failed with their numbers; of those that differ in numbers alone the first."""
+    variants: dict[str, list[int]] = {}
+    first: dict[str, str] = {}
+    for number, message in failed.items():
+        variants.setdefault(first.setdefault(_NUMBER.sub("", message), message), []).append(number)
+    return variants
+
+
+def numbered(numbers: Sequence[int], noun: str = "variant") -> str:
+    """Return which variants there are, for a message: "variant 3", or "17 variants (3, 8, 9, ...)"."""
+    if len(numbers) == 1:
+        return f"{noun} {numbers[0]}"
+    shown = ", ".join(map(str, numbers[:_NUMBERED])) + (", ..." if len(numbers) > _NUMBERED else "")
+    return f"{len(numbers)} {noun}s ({shown})"
+
+
+def struck_statements(table: pa.Table) -> list[str]:
+    """Return in how many variants stops were struck; nothing of none, and of tables of older versions, which do not say it."""
+    struck = struck_variants(table)
+    if not struck:
+        return []
+    return [
+        f"Stops are struck in {struck} of {table.num_rows} variants: their accelerations depend on stiffness and "
+        "damping of the stops."
+    ]
+
+
+def _overloaded(table: pa.Table) -> list[str]:
+    """Return the measure of static load if a mount is loaded beyond its rating; one that keeps it is not mentioned."""
+    return ["static_load"] if np.nanmax(values_of(table, "static_load"), initial=0.0) > 1.0 else []
+
+
+def travel_statements(system: System) -> list[str]:
+    """Return what a run's report judges of travel and a study does not; nothing unless a mount is rated along several axes."""
+    for mount in system.mounts.values():
+        if len({RATINGS[rating][0] for rating in mount.isolator.limits.travel.stated}) > 1:
+            return [
+                "Travel is judged along each axis by itself; the report of a run judges all axes together, too (travel "
+                "combined), which can be exceeded where this is not."
+            ]
+    return []
+
+
+def limit_statement(stated: StatedLimit, table: pa.Table, *, sampled: bool) -> str:
+    """Return in one sentence how often a limit is exceeded; bounds of the probability where variants are a sample."""
+    beyond = stated.exceedance(table)
+    several = f", any of {len(stated.measures)}" if len(stated.measures) > 1 else ""
+    failed = not_counted(beyond)
+    if not beyond.judged:
+        why = "every run ends before its peaks are over" if beyond.n else "nothing has a value"
+        return f"Beyond {stated.text}: not judged, since {why}{failed}."
+    start = f"Beyond {stated.text}{several}: {beyond.count} of {beyond.n} variants"
+    if not sampled:
+        return f"{start}{failed}."
+    bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+    return f"{start}, {percent(beyond.ratio)} ({bounds}){failed}."
+
+
+def exceedance_text(exceedance: Exceedance, ratio: float | None) -> str:
+    """Return an exceedance for a cell: "88 of 325 (27 %), 17 failed"; without the ratio if it is None."""
+    of = "" if ratio is None or math.isnan(ratio) else f" ({percent(ratio)})"
+    failed = f", {exceedance.failed} failed" if exceedance.failed else ""
+    failed += f", {exceedance.early} not judged" if exceedance.early else ""
+    return f"{exceedance.count} of {exceedance.n}{of}{failed}"
+
+
+def _of_limit(result: StudyResult, measure: Measure, limit: float) -> str:
+    """Return how often a measure is beyond its limit, and its largest value."""
+    table, independent, inputs = result.table, result.independent, input_names(result.table)
+    beyond, top = exceedance_of(independent, measure.name, limit), worst(independent, measure.name, 1)[0]
+    values = values_of(independent, measure.name)
+    largest = f"the largest is {measure.factor * np.nanmax(values):.3g} % in variant {top}"
+    start = f"{capital(measure.name)} ({measure.text}): beyond 100 % in {beyond.count} of {beyond.n}"
+    if not beyond.judged:
+        return f"{capital(measure.name)} ({measure.text}): not judged, since every run ends before its peaks are over."
+    if not result.is_sampled:
+        fraction = fraction_of_directions(table, inputs, values, limit)
+        which = exceeding_inputs(table, inputs, values, limit)
+        which += "" if fraction is None else f", {percent(fraction)} of {directions_text(table)}"
+        return f"{start} variants{which}{not_counted(beyond)}; {largest}{inputs_text(row_of(table, top), inputs)}."
+    bounds = f"{percent(beyond.low)} to {percent(beyond.high)} at {percent(CONFIDENCE)} confidence"
+    of = f"{'' if independent is table else 'independent '}variants"
+    at_most = f": {percent(beyond.at_most)} if all of them were beyond" if beyond.failed or beyond.early else ""
+    return f"{start} {of}, {percent(beyond.ratio)} ({bounds}){not_counted(beyond)}{at_most}; {largest}."
+
+
+def not_counted(beyond: Exceedance) -> str:
+    """Return how many variants are not judged, and how many not counted; "" if all are."""
+    early = f"; {beyond.early} ended too early to be judged" if beyond.early else ""
+    are = "is" if beyond.failed == 1 else "are"
+    return early + (f"; {beyond.failed} more failed and {are} not counted" if beyond.failed else "")
+
+
+def early_statements(table: pa.Table) -> list[str]:
+    """Return how many variants' runs end before their peaks are over, and how long they must be; nothing of none."""
+    count = int(np.count_nonzero(ended_early(table)))
+    if not count:
+        return []
+    which = "Every variant" if count == table.num_rows else f"{count} of {table.num_rows} variants"
+    return [f"{which}: not judged but for what is exceeded already, since {why_early(table)}."]
+
+
+def of_indices(indices: SobolIndices) -> str:
+    """Return what the factors explain of a measure."""
+    measure = measure_of(indices.measure)
+    begin = capital(measure.text if measure.limit is None else measure.name)
+    dropped = f" {indices.dropped} of {indices.rows + indices.dropped} base rows were dropped: variants of them failed."
+    end = dropped if indices.dropped else ""
+    if indices.too_few:
+        reach = max(one.reach for one in indices.factors)
+        return (
+            f"{begin}: {indices.rows} base rows are too few to say what explains its variance (total indices are known to "
+            f"within {100.0 * reach:.0f} % of it).{end}"
+        )
+    first, *others = indices.factors
+    low, high = (100.0 * max(side, 0.0) for side in first.total_interval)
+    parts = [
+        f"{first.name} explains {_index(first.first)} of its variance alone, {_index(first.total)} with what it does together "
+        f"with others ({low:.0f} to {high:.0f} % at {percent(CONFIDENCE)} confidence)"
+    ]
+    parts += [f"{one.name} {_index(one.first)} and {_index(one.total)}" for one in others if one.total >= SLIGHT]
+    slight = [one.name for one in others if one.total < SLIGHT]
+    if slight:
+        parts.append(f"less than {percent(SLIGHT)}: {', '.join(slight)}")
+    return f"{begin}: {'; '.join(parts)}.{end}"
+
+
+def _index(index: float) -> str:
+    return f"{100.0 * min(max(index, 0.0), 1.0):.0f} %"
+
+
+def capital(text: str) -> str:
+    """Return a text or the name of a measure as it begins a sentence."""
+    return f"{text[0].upper()}{text[1:].replace('_', ' ')}"
+
+
+def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limit: float) -> str:
+    """Return for which values of the only input a limit is exceeded; "" if none is, or several inputs vary.
+
+    Of a number the value at which the limit is first crossed, interpolated between two variants; of choices their names.
+
+    Args:
+        table: of a study.
+        inputs: what was sampled in it.
+        values: of a measure, (n,).
+        limit: of the measure.
+    """
+    beyond = values > limit
+    if len(inputs) != 1 or not beyond.any():
+        return ""
+    (name,) = inputs
+    kind = table.schema.field(name).type
+    if pa.types.is_floating(kind):
+        return _crossing(name, np.asarray(table[name], dtype=np.float64), values, limit)
+    texts = [_value(value) for value, is_beyond in zip(table[name].to_pylist(), beyond, strict=True) if is_beyond]
+    rest = len(texts) - _CHOICES
+    return f" ({name}: {', '.join(texts[:_CHOICES])}{f' and {rest} more' if rest > 0 else ''})"
+
+
+def inputs_text(row: dict[str, Any], inputs: Sequence[str]) -> str:
+    """Return the inputs of a variant; "" if there are more than two."""
+    if not 1 <= len(inputs) <= _INPUTS:
+        return ""
+    return f" ({', '.join(f'{name} {_value(row[name])}' for name in inputs)})"
+
+
+def _crossing(name: str, x: Array, values: Array, limit: float) -> str:
+    known = np.isfinite(values)
+    x, values = x[known], values[known]
+    order = np.argsort(x, kind="stable")
+    x, values = x[order], values[order]
+    first = int(np.argmax(values > limit))
+    if first == 0:
+        return f", already at {name} {x[0]:.4g}"
+    fraction = (limit - values[first - 1]) / (values[first] - values[first - 1])
+    at = x[first - 1] + fraction * (x[first] - x[first - 1])
+    return f", first at {name} {at:.3g} (interpolated between {x[first - 1]:.4g} and {x[first]:.4g})"
+
+
+def _value(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float) else str(value) or "none"

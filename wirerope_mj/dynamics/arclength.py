@@ -1,0 +1,141 @@
+"""Following a curve of solutions by its arclength: tangent, corrector, and where something vanishes along the curve.
+
+A point has n unknowns and a parameter, in units in which its steps have length; `matrix`, (n, n + 1), is the derivative of its
+gap, which vanishes on the curve. The unit tangent t has matrix t = 0. A move from the last point to the next solves
+
+    gap(move) = 0,        row . move = wanted
+
+with row = t for a step of the length `wanted` across the curve, and the parameter's own unit vector to meet a value of it.
+"""
+
+from collections.abc import Callable
+from typing import Protocol, TypeVar
+
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+
+# Singular values below this say nothing: they are the difference quotients' own error. Axes that hardly move have singular
+# values near 1e-5 that must not be cut off: their states do converge.
+NEUTRAL = 1e-6
+# Corrections of one point.
+CORRECTIONS = 10
+# Ratio of two gaps above which the matrix is computed anew.
+SLOW = 0.5
+# Points that are computed to find where something vanishes.
+LOCATIONS = 12
+
+
+class Tried(Protocol):
+    """What a move leads to, and its gap, (n,)."""
+
+    @property
+    def gap(self) -> Array: ...  # noqa: D102
+
+
+class OnCurve(Protocol):
+    """A point of a curve and its unit tangent, (n + 1,)."""
+
+    @property
+    def tangent(self) -> Array: ...  # noqa: D102
+
+
+T = TypeVar("T", bound=Tried)
+P = TypeVar("P", bound=OnCurve)
+
+
+def least_solution(matrix: Array, right: Array) -> Array:
+    """Solve matrix @ step = right, with the least step in the directions in which nothing changes."""
+    try:
+        inverse = np.linalg.inv(matrix)
+    except np.linalg.LinAlgError:
+        inverse = np.full_like(matrix, np.inf)
+    if np.linalg.norm(inverse) < 1.0 / NEUTRAL:  # no singular value is below it: this costs a tenth of them
+        return np.asarray(inverse @ right)
+    u, values, v = np.linalg.svd(matrix, full_matrices=False)
+    kept = values > NEUTRAL
+    return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
+
+
+def unit_tangent(matrix: Array, like: Array) -> Array:
+    """Compute the unit tangent, (n + 1,), turned like another direction."""
+    n = matrix.shape[0]
+    tangent = least_solution(np.vstack([matrix, like]), np.append(np.zeros(n), 1.0))
+    return np.asarray(tangent / np.linalg.norm(tangent))
+
+
+def corrected(
+    at: Callable[[Array], T],
+    matrix_at: Callable[[T, Array], Array],
+    matrix: Array,
+    move: Array,
+    row: Array,
+    wanted: float,
+    tolerance: float,
+) -> tuple[T, Array, int] | None:
+    """Correct a move until its gap vanishes under row . move = wanted; None where that does not come about.
+
+    The matrix is brought up to date by Broyden's formula, and computed anew once where a correction leaves most of the gap.
+
+    Args:
+        at: where a move, (n + 1,), leads.
+        matrix_at: the matrix there.
+        matrix: at the last point, (n, n + 1).
+        move: predicted, (n + 1,).
+        row: of the constraint, (n + 1,).
+        wanted: value of the constraint.
+        tolerance: largest residual.
+
+    Returns:
+        Where it leads, the move and the number of corrections.
+    """
+    n, fresh = matrix.shape[0], False
+    system, now = np.vstack([matrix, row]), at(move)
+    size = float(np.abs(now.gap).max())
+    for correction in range(CORRECTIONS):
+        if size <= tolerance:
+            return now, move, correction
+        if not np.isfinite(size):
+            return None
+        change = least_solution(system, np.append(-now.gap, wanted - row @ move))
+        move = move + change
+        (before, last), now = (now, size), at(move)
+        size = float(np.abs(now.gap).max())
+        if not np.isfinite(size):
+            return None
+        system[:n] += np.outer(now.gap - before.gap - system[:n] @ change, change) / (change @ change)
+        if size > SLOW * last and not fresh:
+            system[:n], fresh = matrix_at(now, move), True
+    return None
+
+
+def crossing(
+    step: Callable[[float], P | None], ends: tuple[P, P], length: float, test: Callable[[P], float], close: float
+) -> P:
+    """Find where `test` vanishes between two points by the Illinois method.
+
+    Args:
+        step: the point at an arclength from the first; None if there is none.
+        ends: the points, at whose values of `test` the signs differ.
+        length: arclength between them.
+        test: of a point; the tangent's component of the parameter, for a fold.
+        close: distance in the parameter, in its unit of arclength, to which it is located.
+    """
+    left, right, f_left, f_right = 0.0, length, test(ends[0]), test(ends[1])
+    best, least = min(((end, abs(test(end))) for end in reversed(ends)), key=lambda pair: pair[1])
+    for _ in range(LOCATIONS):
+        middle = (left * f_right - right * f_left) / (f_right - f_left)
+        point = step(middle)
+        if point is None:
+            break
+        value = test(point)
+        if abs(value) < least:
+            best, least = point, abs(value)
+        if abs(point.tangent[-1]) * abs(right - left) < close:  # the remaining interval, in the parameter
+            break
+        if value * f_right < 0.0:
+            left, f_left = right, f_right
+        else:
+            f_left *= 0.5
+        right, f_right = middle, value
+    return best

@@ -1,0 +1,204 @@
+"""The laws of a system as periodic motions need them: smoothed over a velocity, their states scaled by their own slope.
+
+Bouc-Wen's equation is zdot = v f(z, s), s = sgn v, f = alpha - |z|^n (beta sgn(s z) + gamma). For n < 1 the derivative of f is
+infinite at z = 0: sampled at steps, or in differences of the stepped map, it scatters for any step that can be paid. With
+
+    dz = f w        d/dt(f w) = v f f' w + f w'        so that        w' = dv
+
+within a segment of one sign of v, exactly. At a reversal z and dz are continuous, and w is multiplied by f(z, -s) / f(z, s).
+Where the state saturates f vanishes and w would grow without bound. Therefore dz = phi w with phi = f + SMALL alpha, and
+
+    w' = (f / phi) dv + v f' (1 - f / phi) w
+
+which is the equation in w where f is large, that in dz where it is not. A law that is smoothed over a velocity has
+
+    w' = d(v f) / dv / phi dv + v (df/dz - f phi' / phi) w,        f = alpha - |z|^n (beta tanh(v / width) sgn z + gamma)
+
+with phi as without smoothing. Two states of one axis have one w each.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.periodic.motion import Track, mount_deflections
+from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.varied import with_other_laws
+from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws import Parallel, Smoothed
+from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, SMOOTHED, TABULATED
+from wirerope_mj.mounts.laws.smoothed import with_width
+
+# Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
+# is infinite, a millionth of it is what stays in the equation.
+SMALL = 1e-6
+# Fraction of a state's largest value below which its power is not differentiated.
+NEAREST = 1e-12
+
+
+def smoothed(system: System, width: float) -> System:
+    """Return the system with every law that can be smoothed over the velocity `width` [m/s].
+
+    Raises:
+        ValueError: none of its laws can be smoothed.
+    """
+    if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
+        raise ValueError(
+            "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."
+        )
+    return with_other_laws(system, lambda isolator: _smoothed(isolator, width))
+
+
+def _smoothed(isolator: Isolator, width: float) -> Isolator:
+    axes: dict[str, Any] = {
+        axis: with_width(law, width)
+        for index, (axis, law) in enumerate(isolator.axes.items())
+        if law is not None and index not in isolator.coupled_axes
+    }
+    return replace(isolator, **axes)
+
+
+def width_indices(system: System) -> Integers:
+    """Return the indices of the widths of a smoothed system's laws in its model's numeric_data."""
+    model = system.model
+    numbers = model.actuator_dynprm[-1]
+    layout, parameters = int(numbers[1]), int(numbers[2])
+    first = layout + int(model.numeric_data[layout + at.AXES])
+    rows = model.numeric_data[first : first + 3 * at.AXIS_COLUMNS * len(system.mounts)].reshape(-1, at.AXIS_COLUMNS)
+    return parameters + widths_of(rows[:, :2], model.numeric_data[parameters:])
+
+
+def widths_of(laws: npt.NDArray[Any], parameters: Array) -> Integers:
+    """Find the widths of smoothed laws, also those in parallel, among the parameters of (number, first parameter) rows."""
+    found = []
+    for law, first in laws.astype(int).tolist():
+        found += [first] if law == SMOOTHED else []
+        parts = int(parameters[first]) if law == PARALLEL else 0
+        for part in parameters[first + 1 : first + 1 + 3 * parts].reshape(-1, 3).astype(int).tolist():
+            found += [first + part[1]] if part[0] == SMOOTHED else []
+    return np.array(found, dtype=np.int64)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Slopes:
+    """What scales the states over pairs of steps, all unknowns; a pair has one sign of the rate, that of its whole path."""
+
+    scale: Array  # phi / alpha at the three instants of every pair, 1 for what is not scaled, (n_pairs, 3, n)
+    gain: Array  # factor of the rate's change, (n_pairs, 3, n)
+    decay: Array  # factor of w itself [1/s], (n_pairs, 3, n)
+    turns: Array  # by what w is multiplied before a pair, (n_pairs + 1, n); the last one is behind the last pair
+    waits: Array  # time from the pair's start to the reversal, which lies between steps [s], (n_pairs + 1, n)
+
+    @property
+    def begin(self) -> Array:
+        """Scale where the motion starts, (n,)."""
+        return np.asarray(self.scale[0, 0] * self.turns[0])
+
+    @property
+    def end(self) -> Array:
+        """Scale where it ends, (n,)."""
+        return np.asarray(self.scale[-1, 2] / self.turns[-1])
+
+
+class ScaledStates:
+    """The states of a system that follow Bouc-Wen's equation, each alone, and their numbers along a motion.
+
+    Attributes:
+        states: their indices among the internal states, (n,).
+        mounts, axes: where their deflections are, (n,).
+        alpha: their slopes at zero [N/m], (n,).
+        offsets: where their parameters begin among those of their axis, (n,).
+        steep: which of them have n < 1, (n,).
+        smoothed: which of them belong to smoothed laws, (n,).
+    """
+
+    def __init__(self, system: System) -> None:
+        rows, parameters, smoothed, offsets = [], [], [], []
+        for number, mount in enumerate(system.mounts.values()):
+            for axis, law in enumerate(mount.isolator.axes.values()):
+                if law is None or axis in mount.isolator.coupled_axes:
+                    continue
+                state, offset = mount.states[axis].start, 1 + 3 * len(law.laws) if isinstance(law, Parallel) else 0
+                for part in law.components:
+                    plain = part.law if isinstance(part, Smoothed) else part
+                    if plain.kernel in (*BOUC_WEN_LAWS, TABULATED):
+                        rows.append((state, number, axis))
+                        parameters.append(plain.kernel_parameters()[:4])
+                        smoothed.append(isinstance(part, Smoothed))
+                        offsets.append(offset)
+                    state, offset = state + part.n_states, offset + part.kernel_parameters().size
+        self._system = system
+        self.states, self.mounts, self.axes = np.array(rows, dtype=np.int64).reshape(-1, 3).T
+        self.alpha, self._beta, self._gamma, self._n = np.array(parameters, dtype=np.float64).reshape(-1, 4).T
+        self.offsets, self.smoothed = np.array(offsets, dtype=np.int64), np.array(smoothed, dtype=bool)
+        self.steep = self._n < 1.0
+
+    @property
+    def serve(self) -> bool:
+        """True if all of the system's states are scaled, or one is steep.
+
+        The variational equation then knows reversals between steps, which the columns of the stepped map do not.
+        """
+        return bool(self.steep.any()) or 0 < self.states.size == self._system.model.na
+
+    def along(self, track: Track, width: float, first: int) -> Slopes:
+        """Return the numbers along a motion; `first` unknowns stand before the internal states."""
+        x = mount_deflections(self._system, track)[:, self.mounts, self.axes]
+        z = track.act[:, self.states]
+        pairs, h = len(x) // 2, track.drive.duration / len(x)
+        instants = (2 * np.arange(pairs)[:, np.newaxis] + np.arange(3)) % len(x)
+        rate = (np.roll(x, -1, axis=0) - np.roll(x, 1, axis=0)) / (2.0 * h)
+        sign = _signs(x[instants[:, 2]] - x[instants[:, 0]])
+        scale, gain, decay = self._numbers(z[instants], rate[instants], sign[:, np.newaxis], width)
+        # Pair by pair around the circle: phi before and after each start, and when the rate vanished there.
+        start = instants[:, 0]
+        before = self._numbers(z[start], rate[start], np.roll(sign, 1, axis=0), width)[0]
+        turned = sign != np.roll(sign, 1, axis=0)
+        bend = (np.roll(x, -1, axis=0) - 2.0 * x + np.roll(x, 1, axis=0))[start] / h**2
+        with np.errstate(divide="ignore", invalid="ignore"):
+            wait = np.where(turned & ~self.smoothed & (bend != 0.0), -rate[start] / bend, 0.0)
+        wait = np.clip(wait, -h, h)
+        turn = np.where(turned, before / scale[:, 0], 1.0)
+        # A motion that turns round at its start does so there, or at its end a moment before.
+        late = turned[0] & (wait[0] <= 0.0)
+        turns, waits = np.vstack([turn, np.where(late, turn[0], 1.0)]), np.vstack([wait, np.where(late, wait[0], 0.0)])
+        turns[0], waits[0] = np.where(late, 1.0, turn[0]), np.where(late, 0.0, wait[0])
+        size = first + track.act.shape[1]
+        return Slopes(
+            scale=self._of_all(scale, first, size, 1.0), gain=self._of_all(gain, first, size, 1.0),
+            decay=self._of_all(decay, first, size, 0.0), turns=self._of_all(turns, first, size, 1.0),
+            waits=self._of_all(waits, first, size, 0.0),
+        )  # fmt: skip
+
+    def _numbers(self, z: Array, v: Array, sign: Array, width: float) -> tuple[Array, Array, Array]:
+        """Return phi / alpha, the gain and the decay of the scaled states at rates `v` in segments of a sign."""
+        n, size = self._n, np.abs(z)
+        side, power = np.where(z >= 0.0, 1.0, -1.0), size**n
+        with np.errstate(divide="ignore"):
+            slope = n * np.maximum(size, NEAREST * size.max(initial=1e-300)) ** (n - 1.0)
+        f = self.alpha - power * (self._beta * sign * side + self._gamma)
+        phi = np.maximum(f, 0.0) + SMALL * self.alpha
+        phi_slope = np.where(f > 0.0, -slope * (self._beta * sign + self._gamma * side), 0.0)
+        blend = np.where(self.smoothed, np.tanh(v / width) if width else sign, sign)
+        own = self.alpha - power * (self._beta * blend * side + self._gamma)
+        own_slope = -slope * (self._beta * blend + self._gamma * side)
+        steeper = power * self._beta * side * (1.0 - blend**2) * v / width if width else 0.0
+        return phi / self.alpha, (own - steeper) / phi, v * (own_slope - own * phi_slope / phi)
+
+    def _of_all(self, values: Array, first: int, size: int, other: float) -> Array:
+        """Return values of all unknowns, `other` for those that are not scaled."""
+        full = np.full((*values.shape[:-1], size), other)
+        full[..., first + self.states] = values
+        return full
+
+
+def _signs(moves: Array) -> Array:
+    """Return the signs of moves in turn, (n, m); one that is none is that of the move before."""
+    signs = np.sign(moves)
+    for k in range(-1, len(signs) - 1):
+        signs[k + 1] = np.where(signs[k + 1] == 0.0, signs[k], signs[k + 1])
+    return np.where(signs == 0.0, 1.0, signs)

@@ -1,0 +1,333 @@
+"""A system shaken by a continuous sweep, cycle by cycle, or by one steady sine after another."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+
+import mujoco
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.dynamics.sweep.channels import Channels
+from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, at_start, settle, stepping
+from wirerope_mj.dynamics.sweep.envelope import AXES, Collector, FrequencySweep
+from wirerope_mj.engine.control.install import STATE
+from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.engine.simulation.simulate import check_direction
+from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep
+from wirerope_mj.engine.statics import History, equilibrium
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import integer, nonzero, one_of, positive, the_one_given
+from wirerope_mj.foundation.budget import require_memory, require_time
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction, unit_vector
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.state import State
+from wirerope_mj.motions import Sine, Sweep
+
+# Fewest steps of a cycle, and the accuracy they are for: a peak is refined by a parabola, which misses it where a law without
+# an elastic part turns and its slope jumps. Pilots of two such steps have the same error and do not see it.
+STEPS, REFERENCE = 128, 1e-4
+# Samples by which steps are judged before the run, in a cycle of the highest frequency; peaks are judged from every step.
+SAMPLES_PER_CYCLE = 8
+# Cycles between two looks at deflections and progress: their base motion is evaluated at once.
+CHUNK = 64
+# Bytes of a cycle: its instants and how they are found, and its row of extremes, of ten bodies and mounts at the least.
+CYCLE = 500.0
+KIND = "stepped sine"
+# Duration of the sweep over the frequencies along which a step is chosen [s]: long compared with the pilots' windows.
+PILOT = 60.0
+
+
+def require_payload(system: System, payload: str) -> None:
+    """Raise ValueError unless `payload` is a body that moves relative to the base."""
+    names = Channels.of(system).names
+    if payload not in names:
+        others = [name for name in names if name not in system.payloads]
+        more = f" Other bodies that move: {others}." if others else ""
+        raise ValueError(
+            f"`payload` must be a payload of the system, got {payload!r}. Payloads: {system.payloads}.{more}"
+        )
+
+
+def response_axis(response_direction: str | Sequence[float] | None, base: Direction) -> str:
+    """Return "x", "y" or "z" for a response direction along one of them; without one, for the base's."""
+    name = "direction" if response_direction is None else "response_direction"
+    direction = base if response_direction is None else response_direction
+    if isinstance(direction, str):
+        return one_of(name, direction, AXES)
+    unit = np.abs(unit_vector(checked_direction(direction, name)))
+    along = int(np.argmax(unit))
+    if unit[along] < 1.0 - 1e-12:
+        raise ValueError(f"`{name}` must lie along x, y or z, for which envelopes are kept, got {list(direction)}.")
+    return AXES[along]
+
+
+def starting_state(system: System, *, history: History, initial: State | None) -> State:
+    """Return the given state, or the equilibrium."""
+    if initial is None:
+        return equilibrium(system, history=history).state
+    size = int(mujoco.mj_stateSize(system.model, STATE))
+    if not isinstance(initial, State) or initial.values.shape != (size,):
+        raise ValueError(f"`initial` must be a State of this system, with {size} values, such as a `final_state`.")
+    return initial
+
+
+def chosen_step(
+    system: System, motion: Sine | Sweep, start: State, *, duration: float, timestep: float | None, accuracy: float
+) -> ChosenStep:
+    """Return the given step, or one that keeps the accuracy in pilots along the motion."""
+    if timestep is None:
+        rate = SAMPLES_PER_CYCLE / motion.shortest_time
+        chosen = choose_timestep(
+            system, motion, at_start(system, motion, start), duration=duration, sample_rate=rate,
+            accuracy=positive("accuracy", accuracy),
+        )  # fmt: skip
+        longest = motion.shortest_time / STEPS * math.sqrt(accuracy / REFERENCE)
+        return replace(chosen, timestep=min(chosen.timestep, longest))
+    given, limit = positive("timestep", timestep), stable_step(system)
+    if given > limit:
+        raise SimulationError(
+            f"a step of {given:.4g} s is too large for the stiffest mount: RK4 is stable up to {limit:.4g} s here. Give a "
+            "smaller `timestep`, or None to have it chosen."
+        )
+    return ChosenStep(timestep=given, error=math.nan, limited_by=GIVEN)
+
+
+def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:
+    """Return the acceleration amplitude [m/s^2] of a sine whose amplitude is given in `quantity`."""
+    omega = 2.0 * math.pi * frequency
+    return amplitude * {"acceleration": 1.0, "velocity": omega, "displacement": omega**2}[quantity]
+
+
+def frequency_sweep(
+    system: System,
+    sweep: Sweep,
+    *,
+    payload: str,
+    response_direction: str | Sequence[float] | None = None,
+    history: History = "relaxed",
+    initial: State | None = None,
+    settled: float | None = 1e-3,
+    largest_cycles: int = 1000,
+    timestep: float | None = None,
+    accuracy: float = 1e-4,
+    out: str | Path | None = None,
+    progress: bool = False,
+    direction: None = None,
+) -> FrequencySweep:
+    """Return the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
+
+    The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
+    that the envelope begins on the response and not on the transient of switching on. Then it follows the sweep through its
+    complete cycles; what is left of the last one is not run, so that the final state stands at phase 0 and a sweep in the
+    other direction may start from it. A sweep lags behind the steady response by about rate ln 2 / 60 times the decay time of
+    the transients, relative to the frequency: repeat it at half the rate, or in the other direction, to see by how much.
+
+    Args:
+        system: the system.
+        sweep: base motion, up or down.
+        payload: the body that `amplitude` belongs to; envelopes of all others are kept too.
+        response_direction: axis along which the payload's acceleration is taken, "x", "y", "z" or a vector along one of them;
+            None: that of the base.
+        history: equilibrium from which the system starts. Vibration lets the hysteretic part of the static load leak away:
+            a "relaxed" system has that behind it, a "virgin" one sinks during the sweep.
+        initial: a state to start from instead, for instance the `final_state` of a sweep up before one down.
+        settled: relative distance from the limit at which the amplitudes at the start frequency count as settled; None: the
+            sweep begins at once.
+        largest_cycles: number of cycles after which that wait ends.
+        timestep: largest step [s]; None chooses it before the run for `accuracy`.
+        accuracy: error of samples and peaks allowed in pilots along the sweep, relative to the peaks.
+        out: folder to which the table of the envelope is streamed, and an adjacent summary, atomically.
+        progress: whether a progress bar is shown on standard error.
+        direction: refused: the sweep states the base's.
+
+    Raises:
+        ValueError: an argument is out of range, or payload or direction do not exist.
+        ModelError: the base has no driven slide in the sweep's direction.
+        RecordError: `out` already holds a sweep.
+        SimulationError: the step is too large, or a mount left the range of its law; says at which frequency.
+        ConvergenceError: there is no equilibrium to start from.
+    """
+    if not isinstance(sweep, Sweep):
+        raise ValueError(f"`sweep` must be a wirerope_mj.Sweep, got {type(sweep).__name__}.")
+    if direction is not None:
+        raise ValueError(
+            "`direction` is the base's axis, which the sweep motion states; give `response_direction` for the payload's."
+        )
+    check_direction(system, sweep)
+    require_payload(system, payload)
+    along = response_axis(response_direction, sweep.direction)
+    check_cycles(sweep, timestep)
+    instants = sweep.course.whole_cycles()
+    if instants.size < 2:
+        raise ValueError(
+            f"`sweep` ends after {sweep.duration:.4g} s, before its first cycle does; lower its rate or widen its range."
+        )
+    wait = None if settled is None else positive("settled", settled)
+    most = integer("largest_cycles", largest_cycles, least=1)
+    start = starting_state(system, history=history, initial=initial)
+    with (
+        Collector(system, direction=sweep.direction, out=out) as collector,
+        share_bar("sweeping", "Hz", enabled=progress) as update,
+    ):
+        step = chosen_step(system, sweep, start, duration=float(instants[-1]), timestep=timestep, accuracy=accuracy)
+        warnings: tuple[str, ...] = ()
+        if wait is not None:
+            start, warnings = _lead_in(system, sweep, start, collector, step.timestep, wait, most)
+        start = at_start(system, sweep, start)
+        with stepping(system, sweep, start, step.timestep) as stepped:
+            for first in range(0, instants.size - 1, CHUNK):
+                ends = instants[first : first + CHUNK + 1]
+                seen = stepped.run(ends)
+                frequency = sweep.frequency((ends[:-1] + ends[1:]) / 2.0)
+                collector.add(frequency, seen.minimum, seen.maximum, cycles=1, remaining=math.nan, settled=False)
+                update(float(ends[-1] / instants[-1]), float(frequency[-1]))
+            collector.count(stepped.steps, stepped.largest_step)
+            final = stepped.finish()
+        return collector.finish(
+            {
+                "payload": payload, "response_direction": along, "estimated_error": step.error,
+                "excitation": sweep.to_dict(),
+            },
+            initial_state=start, final_state=final, warnings=warnings,
+        )  # fmt: skip
+
+
+def _lead_in(
+    system: System,
+    sweep: Sweep,
+    start: State,
+    collector: Collector,
+    timestep: float,
+    settled: float,
+    largest_cycles: int,
+) -> tuple[State, tuple[str, ...]]:
+    """Shake the system by the steady sine at the start frequency: the state after that, a warning if it has not settled."""
+    acceleration = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
+    sine = Sine(frequency=sweep.start, acceleration=acceleration, direction=sweep.direction)
+    lead = settle(system, sine, start, timestep=timestep, settled=settled, largest_cycles=largest_cycles)
+    collector.count(lead.steps, lead.largest_step)
+    if lead.settled:
+        return lead.state, ()
+    text = f"amplitudes at the start frequency of {sweep.start:.5g} Hz were {lead.remaining:.2g} from their limits"
+    return lead.state, (f"{text} after {lead.cycles} cycles, not {settled:.2g}.",)
+
+
+def check_cycles(sweep: Sweep, timestep: float | None) -> None:
+    """Raise BudgetError if a sweep has more cycles than there is memory or time for."""
+    cycles = abs(float(sweep.course.phase(np.array([sweep.duration]))[0])) / (2.0 * math.pi)
+    what = f"a sweep of {sweep.duration:.4g} s"
+    remedy = "Sweep faster (a larger `rate`), or over a narrower range."
+    require_memory(f"{what}, {cycles:.3g} cycles,", cycles * CYCLE, remedy)
+    require_time(what, max(STEPS_PER_CYCLE * cycles, sweep.duration / (timestep or math.inf)), remedy)
+
+
+def stepped_sine(
+    system: System,
+    *,
+    frequencies: npt.ArrayLike,
+    direction: str | Sequence[float],
+    payload: str,
+    acceleration: float | None = None,
+    velocity: float | None = None,
+    displacement: float | None = None,
+    response_direction: str | Sequence[float] | None = None,
+    settled: float = 1e-4,
+    largest_cycles: int = 1000,
+    history: History = "relaxed",
+    initial: State | None = None,
+    timestep: float | None = None,
+    accuracy: float = 1e-4,
+    out: str | Path | None = None,
+    progress: bool = False,
+) -> FrequencySweep:
+    """Return the settled amplitudes at one frequency after the other, each from the last one's final state.
+
+    A frequency has settled when the amplitudes of all bodies are estimated to lie within `settled` of their limits; the limit
+    of a slow approach is extrapolated, so that a slow change is not taken for none. Where that takes more than
+    `largest_cycles`, as it does for ever with a subharmonic, `settled` says so and the row holds the largest of the last
+    quarter of the cycles.
+
+    Args:
+        system: the system.
+        frequencies: of the base [Hz], (n,), in the order in which they are taken.
+        direction: of the base, "x", "y", "z" or a vector.
+        payload: the body that `amplitude` belongs to; envelopes of all others are kept too.
+        acceleration: amplitude of the base's acceleration [m/s^2]; exactly one of the three amplitudes is given.
+        velocity: amplitude of its velocity [m/s].
+        displacement: amplitude of its displacement [m].
+        response_direction: axis along which the payload's acceleration is taken; None: that of the base.
+        settled: relative distance from the limit at which an amplitude counts as settled.
+        largest_cycles: number of cycles after which the wait at a frequency ends.
+        history: equilibrium from which the system starts.
+        initial: a state to start from instead.
+        timestep: largest step [s]; None chooses it before the run for `accuracy`.
+        accuracy: error of samples and peaks allowed in pilots over the frequencies, relative to the peaks.
+        out: folder to which the table is written, and an adjacent summary, atomically.
+        progress: whether a progress bar is shown on standard error.
+
+    Raises:
+        ValueError: an argument is out of range, or payload or direction do not exist.
+        ModelError: the base has no driven slide in this direction.
+        RecordError: `out` already holds a sweep.
+        SimulationError: the step is too large, or a mount left the range of its law; says at which frequency.
+        ConvergenceError: there is no equilibrium to start from.
+    """
+    quantity, level = the_one_given({"acceleration": acceleration, "velocity": velocity, "displacement": displacement})
+    level = nonzero(quantity, level)
+    base = checked_direction(direction)
+    sines = [
+        Sine(frequency=f, acceleration=acceleration_of(quantity, level, f), direction=base)
+        for f in checked_frequencies(frequencies)
+    ]
+    check_direction(system, sines[0])
+    require_payload(system, payload)
+    along = response_axis(response_direction, base)
+    tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
+    start = starting_state(system, history=history, initial=initial)
+    pilot = _pilot(sines, quantity, level, base)
+    with (
+        Collector(system, direction=base, out=out) as collector,
+        share_bar("stepping", "Hz", enabled=progress) as update,
+    ):
+        step = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy)
+        state = start = at_start(system, sines[0], start)
+        unsettled: list[str] = []
+        for number, sine in enumerate(sines):
+            at = settle(system, sine, state, timestep=step.timestep, settled=tolerance, largest_cycles=most)
+            state = at.state
+            collector.count(at.steps, at.largest_step)
+            collector.add(
+                np.array([sine.frequency]), at.minimum[np.newaxis], at.maximum[np.newaxis], cycles=at.cycles,
+                remaining=at.remaining, settled=at.settled,
+            )  # fmt: skip
+            if not at.settled:
+                unsettled.append(f"{sine.frequency:.5g} Hz ({at.remaining:.2g})")
+            update((number + 1) / len(sines), sine.frequency)
+        warning = f"not settled to {tolerance:.2g} after {most} cycles (estimated distance from the limit): "
+        return collector.finish(
+            {
+                "payload": payload, "response_direction": along, "estimated_error": step.error,
+                "excitation": {"kind": KIND, quantity: level, "direction": plain_direction(base)},
+            },
+            initial_state=start, final_state=state, warnings=[f"{warning}{', '.join(unsettled)}."] if unsettled else [],
+        )  # fmt: skip
+
+
+def checked_frequencies(frequencies: npt.ArrayLike) -> list[float]:
+    """Return the frequencies [Hz] as plain numbers; none, or one that is not positive, is a ValueError."""
+    values = np.atleast_1d(np.asarray(frequencies, dtype=float))
+    if values.ndim != 1 or not values.size:
+        raise ValueError(f"`frequencies` must be a series of numbers, got shape {values.shape}.")
+    return [positive(f"frequencies[{number}]", value) for number, value in enumerate(values.tolist())]
+
+
+def _pilot(sines: list[Sine], quantity: str, level: float, direction: Direction) -> Sine | Sweep:
+    """Return a motion over all frequencies along which a step can be chosen."""
+    low, high = min(sine.frequency for sine in sines), max(sine.frequency for sine in sines)
+    if low == high:
+        return sines[0]
+    rate = 60.0 / PILOT * float(np.log2(high / low))
+    return Sweep(start=low, stop=high, rate=rate, direction=direction, **{quantity: level})

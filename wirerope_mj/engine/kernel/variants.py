@@ -1,0 +1,252 @@
+"""Variants of a system: the numbers of their equations, written from the changes that make them, and several side by side."""
+
+import copy
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import mujoco
+import numpy as np
+
+from wirerope_mj.engine.control import layout as control
+from wirerope_mj.engine.kernel import equations as made
+from wirerope_mj.engine.kernel import layout as at
+from wirerope_mj.engine.kernel.equations import Bodies, Equations, Integers
+from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
+from wirerope_mj.engine.kernel.steps import advance, finish
+from wirerope_mj.engine.system import Changes, System
+from wirerope_mj.engine.system.tables import rated_travel, turning
+from wirerope_mj.engine.system.varied import moving_bodies
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.lanes import WIDTH
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI
+from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS
+from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
+from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
+from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
+
+# kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
+_PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI)
+
+
+class _Changed:
+    """A model with some arrays of its own."""
+
+    def __init__(self, model: mujoco.MjModel, arrays: dict[str, Array]) -> None:
+        self._model = model
+        vars(self).update(arrays)
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self._model, name)
+
+
+class Numbers:
+    """Writes the numbers of variants of a system where they have its structure and its shared numbers.
+
+    Attributes:
+        equations: of the system.
+    """
+
+    def __init__(self, system: System, equations: Equations) -> None:
+        """Look up where the numbers of mounts, bodies and points stand."""
+        model, tables, lay = system.model, system.assembly.tables, equations.lay
+        self.equations, self._system = equations, system
+        n = len(system.mounts)
+        rows = lay[lay[at.MOUNTS] :][: at.MOUNT_COLUMNS * n].reshape(n, at.MOUNT_COLUMNS)
+        self._points = dict(zip(system.mounts, rows[:, at.POINTS].tolist(), strict=True))
+        parameters = int(lay[at.PARAMETERS])
+        axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * n).reshape(n, 3, control.AXIS_COLUMNS)
+        self._laws = dict(zip(system.mounts, (parameters + axes[:, :, 1]).astype(int).tolist(), strict=True))
+        self._couplings = dict(zip(system.mounts, (parameters + rows[:, at.COUPLING]).tolist(), strict=True))
+        self._bodies = Bodies(model)
+        self._kinds = (
+            lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)[:, at.KIND].tolist()
+        )
+        data = mujoco.MjData(model)
+        mujoco.mj_kinematics(model, data)
+        self._axes = data.xmat.reshape(-1, 3, 3).copy()
+        sites = tables.sites.ravel().tolist()
+        # What moves these would change what the variants share, or is refused by `varied`.
+        self._shared_sites = {site for site in sites if sites.count(site) > 1} | set(system.assembly.subjects.points)
+        base = system.assembly.subjects.base
+        self._of_base = set(np.flatnonzero(model.body_rootid == base).tolist()) if base else set()
+        self._moving = set(moving_bodies(model))
+
+    def of(self, changes: Changes) -> Array | None:
+        """Return the numbers of the variant that changes make, (n_num,); None if it may be of another structure.
+
+        They have the bits of those in `equations_of` of that variant.
+        """
+        numbers = self.equations.num.copy()
+        for mount, isolator in changes.isolators.items():
+            if mount not in self._points or not self.write_isolator(numbers, mount, isolator.conditioned):
+                return None
+        return numbers if self.write_geometry(numbers, changes) else None
+
+    def write_law(self, numbers: Array, mount: str, axis: int, parameters: Array) -> None:
+        """Write the parameters of a law of the same structure."""
+        first = self._laws[mount][axis]
+        numbers[first : first + parameters.size] = parameters
+
+    def write_coupling(self, numbers: Array, mount: str, parameters: Array) -> None:
+        """Write the first parameters of a coupling of the same structure."""
+        first = self._couplings[mount]
+        numbers[first : first + parameters.size] = parameters
+
+    def write_isolator(self, numbers: Array, mount: str, isolator: Isolator) -> bool:
+        """Write what a mount's isolator, as it acts, has for numbers; returns whether it has the structure of its own."""
+        old = self._system.mounts[mount].isolator
+        if isolator.coupling != old.coupling or (isolator.loop is None) != (old.loop is None):
+            return False
+        turns, turned = turning(isolator), turning(old)
+        if any(turns) != any(turned):
+            return False
+        for axis, (law, own) in enumerate(zip(isolator.axes.values(), old.axes.values(), strict=True)):
+            if not same_structure(law, own):
+                return False
+            if law is not None:
+                self.write_law(numbers, mount, axis, law.kernel_parameters())
+        coupled = isolator.coupled
+        if coupled is not None:
+            if isolator.loop != old.loop:
+                return False
+            self.write_coupling(numbers, mount, coupled.rate_parameters())  # a loop's energy stands behind them
+        first = self._points[mount] + 6
+        numbers[first : first + 3], numbers[first + 3 : first + 7] = turns, rated_travel(isolator)
+        return True
+
+    def write_geometry(self, numbers: Array, changes: Changes) -> bool:
+        """Write what masses, centres of mass and positions of mounts change; returns whether all else stays as it is."""
+        if not (changes.masses or changes.centres or changes.positions or changes.turns):
+            return True
+        if any(any(turn) for turn in changes.turns.values()):
+            return False
+        system, model, lay = self._system, self._system.model, self.equations.lay
+        arrays = {name: getattr(model, name).copy() for name in ("body_mass", "body_inertia", "body_ipos", "site_pos")}
+        touched: set[int] = set()
+        for name in (*changes.masses, *changes.centres):
+            if name not in self._moving or (body := int(model.body(name).id)) in self._of_base:
+                return False
+            touched.add(body)
+        for name, factor in changes.masses.items():
+            body = int(model.body(name).id)
+            arrays["body_mass"][body] *= factor
+            arrays["body_inertia"][body] *= factor
+        for name, shift in changes.centres.items():
+            body = int(model.body(name).id)
+            if model.body_simple[body] and any(shift):
+                return False
+            arrays["body_ipos"][body] += np.asarray(np.array(shift) @ self._axes[body], dtype=np.float64)
+        moved = [name for name, shift in changes.positions.items() if any(shift)]
+        numbered = dict(zip(system.mounts, system.assembly.tables.sites.tolist(), strict=True))
+        if any(name not in numbered or self._shared_sites & set(numbered[name]) for name in moved):
+            return False
+        for name in moved:
+            for site in numbered[name]:
+                axes = self._axes[int(model.site_bodyid[site])]
+                arrays["site_pos"][site] += np.asarray(np.array(changes.positions[name]) @ axes, dtype=np.float64)
+        bodies = copy.copy(self._bodies)
+        bodies.model = _Changed(model, arrays)
+        for body in touched:
+            self._write_body(numbers, bodies, bodies.link[body])
+        for name in moved:
+            first = self._points[name]
+            for part, site in enumerate(numbered[name]):
+                link, pose = bodies.site(site)
+                numbers[first + 3 * part : first + 3 * part + 3] = made.seen(bodies, self._kinds, link) @ pose.origin
+        frames = lay[lay[at.FRAMES] :][: at.FRAME_COLUMNS * lay[at.N_FRAMES]].reshape(-1, at.FRAME_COLUMNS).tolist()
+        for row, body in zip(frames, system.assembly.subjects.bodies, strict=False):
+            if body in touched:
+                centre = bodies.pose[body].then(arrays["body_ipos"][body], model.body_iquat[body]).origin
+                numbers[row[1] : row[1] + 3] = centre
+        return True
+
+    def _write_body(self, numbers: Array, bodies: Bodies, link: int) -> None:
+        """Write inertia of a link, and what follows from it."""
+        lay, model = self.equations.lay, self._system.model
+        first = int(lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA])
+        numbers[first : first + at.INERTIA_SIZE] = made.inertia_of(bodies, link)
+        trees = lay[lay[at.TREES] :][: at.TREE_COLUMNS * lay[at.N_TREES]].reshape(-1, at.TREE_COLUMNS).tolist()
+        for number, (kind, _, size, first_link, _, inverse) in enumerate(trees):
+            if kind == at.SLIDING_TREE and first_link == link:
+                own = np.flatnonzero(model.dof_treeid == number)
+                numbers[inverse : inverse + size * size] = made.inverse_mass(bodies, link, own).ravel()
+
+
+def same_structure(law: Law | None, other: Law | None) -> bool:
+    """Return whether two laws are certainly computed alike but for the values of their parameters."""
+    if law is None or other is None:
+        return law is other
+    return type(law) is type(other) and (law.kernel in _PLAIN or law == other)
+
+
+NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
+
+
+@dataclass(frozen=True, kw_only=True)
+class Group:
+    """Variants that share structure and fixed numbers, one to a lane; lanes that are left over repeat the last variant."""
+
+    equations: Equations  # of the first variant
+    numbers: Array  # of all lanes, (n, WIDTH), see `wirerope_mj.engine.kernel.layout`
+    states: Array
+    memory: Array
+    clock: Array  # see `wirerope_mj.engine.kernel.observe`
+    which: Integers  # number of the motion that each lane's base follows, (WIDTH,)
+    size: int  # number of variants
+
+    @property
+    def failed(self) -> Array:
+        """Why a variant was given up, 0 if it was not, (size,); see `wirerope_mj.engine.kernel.layout`."""
+        return self._section(at.FAILED, at.N_WORK)[0, : self.size]
+
+    def channels(self, number: int) -> Array:
+        """Return the tracker's memory of one variant, (n_channels, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.MEMORY, at.TOUCHED)[:, number].reshape(-1, control.CHANNEL_MEMORY)
+
+    def stops(self, number: int) -> Array:
+        """Return the memory of one variant's stops, (n_stops, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.TOUCHED, at.TRAVELS)[:, number].reshape(-1, control.CONTACT_MEMORY)
+
+    def travels(self, number: int) -> Array:
+        """Return the memory of one variant's travels, (n_mounts, ...), as `wirerope_mj.engine.control.layout` has it."""
+        return self._section(at.TRAVELS, at.FAILED)[:, number].reshape(-1, control.TRAVEL_MEMORY)
+
+    def _section(self, first: int, behind: int) -> Array:
+        lay = self.equations.lay
+        return self.memory[lay[first] : lay[behind]]
+
+    @property
+    def _lanes(self) -> tuple[Array | Integers, ...]:
+        e = self.equations
+        return e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which
+
+    def go(
+        self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int
+    ) -> int:
+        """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`; returns the number of samples so far."""
+        return int(advance(*self._lanes, grid, positions, rates, table, ends, out, sample))
+
+    def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array, sample: int) -> None:
+        """Observe the last instant; `sample` is its number, -1 if it is none."""
+        finish(*self._lanes, time, positions, rates, table, out, sample)
+
+
+def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]) -> Group:
+    """Return a group of at most WIDTH variants with the states (n, n_states) they start from, and their motions."""
+    size = len(equations)
+    lanes = np.minimum(np.arange(WIDTH), size - 1)
+    first = equations[0]
+    memory = np.zeros((int(first.lay[at.N_WORK]), WIDTH))
+    memory[first.lay[at.KIN] : first.lay[at.KIN] + first.rest.size] = first.rest[:, np.newaxis]
+    return Group(
+        equations=first,
+        numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
+        states=np.ascontiguousarray(states[lanes].T),
+        memory=memory,
+        clock=np.zeros(CLOCK_SIZE),
+        which=np.asarray(which, dtype=np.int64)[lanes],
+        size=size,
+    )

@@ -1,0 +1,315 @@
+"""Shocks of test machines: the decaying oscillation of a struck deck, and the impact of a drop table."""
+
+import cmath
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from wirerope_mj.foundation.arguments import between, finite, positive, the_one_given
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import ranges
+from wirerope_mj.motions.motion import StartedMotion, unique_times
+from wirerope_mj.motions.pulses import HalfSine
+
+LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
+
+# length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e
+# to that power is far from the largest number
+SLOWEST_BLOW = 100.0
+
+
+@dataclass(frozen=True, init=False)
+class DecayingSine(StartedMotion):
+    """Deck of one frequency that is struck and swings out: velocity and displacement return to zero by themselves.
+
+    The displacement x of the deck, at rest before `start`, obeys
+
+        x'' + 2 zeta w0 x' + w0^2 x = f(t),    w0 = 2 pi frequency,    integral of f = V
+
+    with f a blow that gives the velocity V at once (`impact_duration` zero), so that with wd = w0 sqrt(1 - zeta^2)
+
+        x = (V/wd) e^(-zeta w0 t) sin(wd t),
+
+    or a half-sine of the length D, (pi V/2D) sin(pi t/D), so that nothing jumps. A sine in the acceleration alone, which is
+    sometimes meant by the name, would leave the base coasting or displaced. That such a motion stands for a deck simulating
+    fixture is common practice; official amplitudes are not given here. Decks of several frequencies are sums of such motions.
+
+    Args:
+        frequency: undamped frequency of the deck [Hz].
+        damping: damping ratio zeta, above 0 and below 1.
+        velocity: velocity V that the blow gives [m/s]; negative for a blow against the direction.
+        acceleration: instead of the velocity: amplitude [m/s^2] of the free oscillation's acceleration, its envelope drawn
+            back to `start`.
+        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
+        impact_duration: length D of the blow [s]; 0: the velocity jumps.
+        start: instant at which the deck is struck [s].
+
+    Attributes:
+        velocity_change: V [m/s], whichever level was given.
+        duration: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that.
+    """
+
+    kind: ClassVar[str] = "decaying-sine"
+
+    frequency: float
+    damping: float
+    quantity: str
+    level: float
+    direction: Direction
+    impact_duration: float
+    start: float
+    duration: float
+
+    def __init__(
+        self,
+        *,
+        frequency: float,
+        damping: float,
+        direction: str | Sequence[float],
+        velocity: float | None = None,
+        acceleration: float | None = None,
+        impact_duration: float = 0.0,
+        start: float = 0.0,
+    ) -> None:
+        object.__setattr__(self, "frequency", ranges.frequency("frequency", frequency))
+        if not 0 < finite("damping", damping) < 1:
+            raise ValueError(
+                f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
+            )
+        object.__setattr__(self, "damping", float(damping))
+        quantity, level = the_one_given({"velocity": velocity, "acceleration": acceleration})
+        object.__setattr__(self, "quantity", quantity)
+        object.__setattr__(self, "level", ranges.level(quantity, level))
+        object.__setattr__(self, "direction", checked_direction(direction))
+        object.__setattr__(self, "impact_duration", ranges.length("impact_duration", impact_duration, least=0.0))
+        object.__setattr__(self, "start", ranges.start("start", start))
+        fading = -math.log(LEFT_AT_END) / (self.damping * self._omega)
+        if fading > ranges.LONGEST:
+            raise ValueError(
+                f"`damping` of {self.damping!r} lets the deck swing for {fading:.3g} s; it must come to rest within "
+                f"{ranges.LONGEST:g} s."
+            )
+        object.__setattr__(self, "duration", self.impact_duration + fading)
+        if self.damping * self._omega * self.impact_duration > SLOWEST_BLOW:
+            raise ValueError(
+                f"`impact_duration` of {self.impact_duration:.4g} s is no blow on this deck, whose oscillation fades within "
+                f"{fading:.4g} s: it must be shorter than {SLOWEST_BLOW / (self.damping * self._omega):.4g} s."
+            )
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity V that the blow gives [m/s]."""
+        if self.quantity == "velocity":
+            return self.level
+        return self.level / (self._omega**2 * abs(self._free))
+
+    @property
+    def corners(self) -> Array:
+        """Start and end of the blow [s], (n,)."""
+        return unique_times([self.start, self.start + self.impact_duration])
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
+        """The blow, if it is instant."""
+        return () if self.impact_duration else ((self.start, self.velocity_change * self.unit),)
+
+    @property
+    def description(self) -> str:
+        """For instance `deck of 14 Hz, damping 0.05, struck to 2 m/s along z`."""
+        deck = f"deck of {self.frequency:.4g} Hz, damping {self.damping:.4g}, struck to {self.velocity_change:.4g} m/s"
+        blow = f" in {1e3 * self.impact_duration:.4g} ms" if self.impact_duration else ""
+        return f"{deck}{blow} {self._line_text}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """The blow, and when a thousandth is left."""
+        return (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
+
+    @property
+    def shortest_time(self) -> float:
+        """Period, or the length of the blow if that is shorter [s]."""
+        return min(1 / self.frequency, self.impact_duration or math.inf)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {"frequency": self.frequency, "damping": self.damping, self.quantity: self.level}
+        direction = plain_direction(self.direction)
+        return {**values, "direction": direction, "impact_duration": self.impact_duration, "start": self.start}
+
+    @property
+    def _omega(self) -> float:
+        return 2 * math.pi * self.frequency
+
+    @property
+    def _root(self) -> complex:
+        """Exponent s = -zeta w0 + i wd of the free oscillation e^(s t)."""
+        return self._omega * complex(-self.damping, math.sqrt(1 - self.damping**2))
+
+    @cached_property
+    def _forced(self) -> tuple[complex, complex]:
+        """Q and K of the displacement during the blow of V = 1: Im(Q e^(i p t)) + Re(K e^(s t)), p = pi/D."""
+        p = math.pi / self.impact_duration
+        q = p / 2 / complex(self._omega**2 - p**2, 2 * self.damping * self._omega * p)
+        at_rest = -q.imag
+        return q, complex(at_rest, (p * q.real + self._root.real * at_rest) / self._root.imag)
+
+    @cached_property
+    def _free(self) -> complex:
+        """K of the displacement Re(K e^(s t)) after a blow of V = 1."""
+        if not self.impact_duration:
+            return -1j / self._root.imag
+        # The half-sine is a sine that starts at 0 and the same sine that starts at D: after that their forces cancel.
+        return self._forced[1] * (1 + cmath.exp(-self._root * self.impact_duration))
+
+    def _along(self, t: Array, order: int) -> Array:
+        since = np.maximum(t - self.start, 0.0)
+        value = np.real(self._free * self._root**order * np.exp(self._root * since))
+        if self.impact_duration:
+            q, k = self._forced
+            p = 1j * math.pi / self.impact_duration
+            during = np.imag(q * p**order * np.exp(p * since)) + np.real(
+                k * self._root**order * np.exp(self._root * since)
+            )
+            value = np.where(t < self.start + self.impact_duration, during, value)
+        return np.where(t >= self.start, self.velocity_change * value, 0.0)
+
+
+@dataclass(frozen=True, init=False)
+class ShockTableImpact(StartedMotion):
+    """Shock of a table that falls from a height, strikes its programmer and rebounds.
+
+    The impact velocity is V = sqrt(2 g h), the rebound velocity e V, and the shock is their sum, V (1 + e), along the
+    direction: at once, or as the half-sine of a programmer, whose peak is pi V (1 + e)/(2 D).
+
+    By default only the impact is played, from rest: the payload then meets it settled on its mounts, and the base coasts
+    at V (1 + e). That is the shock seen from a frame that moves with the falling table, but for one thing: a falling
+    table leaves its payload weightless, so that the mounts have let go of their static deflection, or still swing about it,
+    when the table strikes. With `fall` the fall of sqrt(2 h/g) is played too, at acceleration -g along the direction, which
+    is what a payload in a model with gravity g against the direction must feel to be weightless. Brakes and second impacts
+    are left out.
+
+    Args:
+        drop_height: height h [m].
+        rebound: rebound velocity over impact velocity e, from 0 (the table stays) to 1.
+        pulse_duration: length D of the programmer's half-sine [s]; None: the velocity changes at once.
+        direction: direction of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector.
+        start: instant at which the motion begins [s]: the impact, or the release if the fall is played.
+        fall: whether the fall before the impact is played.
+        gravity: acceleration of the fall g [m/s^2].
+    """
+
+    kind: ClassVar[str] = "shock-table-impact"
+
+    drop_height: float
+    rebound: float
+    pulse_duration: float | None
+    direction: Direction
+    start: float
+    fall: bool
+    gravity: float
+    duration: float
+
+    def __init__(
+        self,
+        *,
+        drop_height: float,
+        rebound: float = 0.0,
+        pulse_duration: float | None = None,
+        direction: str | Sequence[float] = "z",
+        start: float = 0.0,
+        fall: bool = False,
+        gravity: float = STANDARD_GRAVITY,
+    ) -> None:
+        object.__setattr__(self, "drop_height", ranges.level("drop_height", positive("drop_height", drop_height)))
+        object.__setattr__(self, "rebound", between("rebound", rebound, 0.0, 1.0))
+        length = None if pulse_duration is None else ranges.length("pulse_duration", pulse_duration)
+        self._set(
+            pulse_duration=length, direction=checked_direction(direction), start=ranges.start("start", start),
+            fall=bool(fall), gravity=positive("gravity", gravity),
+        )  # fmt: skip
+        self._set(duration=self.fall_duration + (length or 0.0))
+
+    @property
+    def impact_velocity(self) -> float:
+        """Velocity V at which the table strikes [m/s]."""
+        return math.sqrt(2 * self.gravity * self.drop_height)
+
+    @property
+    def velocity_change(self) -> float:
+        """Velocity change V (1 + e) of the impact [m/s]."""
+        return self.impact_velocity * (1 + self.rebound)
+
+    @property
+    def peak(self) -> float:
+        """Peak acceleration of the programmer's half-sine [m/s^2]; infinite if the velocity changes at once."""
+        return math.inf if self.pulse_duration is None else self._pulse(self.pulse_duration).peak
+
+    @property
+    def fall_duration(self) -> float:
+        """Length of the fall that is played [s]: sqrt(2 h/g), or zero."""
+        return self.impact_velocity / self.gravity if self.fall else 0.0
+
+    @property
+    def impact(self) -> float:
+        """Instant at which the table strikes [s]."""
+        return self.start + self.fall_duration
+
+    @property
+    def corners(self) -> Array:
+        """Release, impact and end of the pulse [s], (n,)."""
+        return unique_times([self.start, self.impact, self.end])
+
+    @property
+    def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
+        """The impact, if the velocity changes at once."""
+        return () if self.pulse_duration is not None else ((self.impact, self.velocity_change * self.unit),)
+
+    @property
+    def description(self) -> str:
+        """For instance `drop table 0.5 m, rebound 0.2, 3.758 m/s in 11 ms along z`."""
+        pulse = "at once" if self.pulse_duration is None else f"in {1e3 * self.pulse_duration:.4g} ms"
+        falls = " after its fall" if self.fall else ""
+        size = f"{self.drop_height:.4g} m, rebound {self.rebound:.4g}, {self.velocity_change:.4g} m/s {pulse}{falls}"
+        return f"drop table {size} {self._line_text}"
+
+    @property
+    def events(self) -> tuple[tuple[float, str], ...]:
+        """Release, impact and its end."""
+        release = ((self.start, "table falls"),) if self.fall else ()
+        over = ((self.end, "impact ends"),) if self.pulse_duration is not None else ()
+        return (*release, (self.impact, "table strikes"), *over)
+
+    @property
+    def shortest_time(self) -> float:
+        """Length of the half-sine [s]; infinite if the velocity changes at once."""
+        return self.pulse_duration if self.pulse_duration is not None else math.inf
+
+    def _pulse(self, length: float) -> HalfSine:
+        peak = math.pi * self.velocity_change / (2 * length)
+        return HalfSine(peak=peak, duration=length, direction=self.direction, start=self.impact)
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        values = {"drop_height": self.drop_height, "rebound": self.rebound, "start": self.start, "fall": self.fall}
+        length = {} if self.pulse_duration is None else {"pulse_duration": self.pulse_duration}
+        return {**values, **length, "gravity": self.gravity, "direction": plain_direction(self.direction)}
+
+    def _along(self, t: Array, order: int) -> Array:
+        fallen, since = np.clip(t - self.start, 0.0, self.fall_duration), np.maximum(t - self.impact, 0.0)
+        fall = (
+            -self.gravity * fallen * (fallen / 2 + since),
+            -self.gravity * fallen,
+            np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0),
+        )[order]
+        if self.pulse_duration is not None:
+            return fall + self._pulse(self.pulse_duration)._along(t, order)
+        if order == 2:
+            return fall
+        return fall + (
+            self.velocity_change * since if order == 0 else np.where(t >= self.impact, self.velocity_change, 0.0)
+        )

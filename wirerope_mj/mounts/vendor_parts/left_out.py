@@ -1,0 +1,138 @@
+"""What the rest says of a value that is left out: the band of error of an isolator that was fitted to all of them.
+
+An axis to which three values or more are fitted has its law fitted without one of them, and that law's value stands beside the
+vendor's. Two values fix friction and spring, and without one of them the other parts of the vendor's table must say how both
+belong together: the median of their ratios. Values at 45 degrees are in no fit.
+"""
+
+import math
+from dataclasses import dataclass, replace
+from functools import cache
+from pathlib import Path
+from statistics import median
+
+import numpy as np
+
+from wirerope_mj.foundation.resources import catalogue_folder
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.laws import LoopBoucWen
+from wirerope_mj.mounts.vendor_parts.comparison import compare
+from wirerope_mj.mounts.vendor_parts.law_values import diagonal_secant, secant
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart, vendor_parts
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, two_stiffnesses
+from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_sheet
+
+AXES, DIAGONAL = ("compression", "shear"), "45 degrees"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Band:
+    """Values that were left out, and what is said of them without.
+
+    Attributes:
+        values: those of the isolator, `fitted` predicted without `vendor`.
+        others: by axis, the error of which nine in ten parts of the vendor's table stay below when one of their two
+            stiffnesses is left out [-]; NaN where the table states too few.
+    """
+
+    values: tuple[ComparedValue, ...]
+    others: dict[str, float]
+
+    @property
+    def largest(self) -> float:
+        """Largest error in size [-]; NaN if nothing could be left out."""
+        return max((abs(row.error) for row in self.values if row.error is not None), default=math.nan)
+
+
+def left_out(name: str, isolator: Isolator) -> Band:
+    """Return what the rest says of each value of a part, by the name of its file in the catalogue or in a vendor's table."""
+    path = catalogue_folder() / "datasheets" / f"{name}.toml"
+    part = next((one for one in vendor_parts() if name.lower() in (one.name.lower(), *_file_of(one))), None)
+    values: list[ComparedValue] = []
+    if path.is_file():
+        values += _of_sheet(path, isolator)
+    if part is not None:
+        known = {row.axis for row in values}
+        values += [row for axis in AXES if axis not in known for row in _of_table(part, axis)]
+        values += [] if DIAGONAL in known else _at_45_degrees(part, isolator)
+    others = {} if part is None else {axis: _nine_in_ten(part.series.file, axis) for axis in AXES}
+    return Band(values=tuple(values), others=others)
+
+
+def _file_of(part: VendorPart) -> tuple[str, ...]:
+    ending = part.name.lower().replace("-", "_")
+    return tuple(path.stem for path in catalogue_folder().glob(f"*_{ending}.toml"))
+
+
+def _of_sheet(path: Path, isolator: Isolator) -> list[ComparedValue]:
+    """Return values of a sheet that its own other values say: axes with three or more, and 45 degrees."""
+    sheet = read_datasheet(path)
+    rows = [row for axis in AXES for row in _without_one(sheet, axis)]
+    return rows + [row for row in compare(path, isolator) if row.axis == DIAGONAL and row.error is not None]
+
+
+def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
+    """Return each of an axis' fitted values as the law without it has it; nothing where two are all there are."""
+    stated: AxisValues | None = getattr(sheet, axis)
+    if stated is None or len(stated.fitted) < 3:
+        return []
+    rows = []
+    for value in stated.stated:
+        if not value.fitted:
+            continue
+        rest = tuple(replace(one, fitted=one.fitted and one is not value) for one in stated.stated)
+        law = getattr(
+            fit_sheet(replace(sheet, **{axis: replace(stated, stated=rest)})), "axial" if axis == AXES[0] else axis
+        )
+        found = value.shown(secant(law, value.secant))
+        vendor = value.shown(value.secant.stiffness)
+        rows.append(ComparedValue(axis=axis, name=value.name, unit=value.unit, vendor=vendor, fitted=found))
+    return rows
+
+
+def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
+    """Return both stiffnesses of an axis as the other one and the median ratio of the table's other parts give them."""
+    own = part.modes[axis]
+    if own.vibration is None or own.shock is None or own.vibration == own.shock:  # one number, printed twice
+        return []
+    ratio = median(_ratios(part.series.file, axis, part.name))
+    return [
+        ComparedValue(axis=axis, name=name, unit="N/mm", vendor=1e-3 * vendor, fitted=1e-3 * found)
+        for name, vendor, found in (
+            ("vibration stiffness", own.vibration, own.shock / ratio),
+            ("shock stiffness", own.shock, own.vibration * ratio),
+        )
+    ]
+
+
+def _at_45_degrees(part: VendorPart, isolator: Isolator) -> list[ComparedValue]:
+    """Return the stiffnesses at 45 degrees that a row states beside those of the coupled laws."""
+    own, law = part.modes["45"], isolator.coupled
+    if own.travel is None or own.vibration is None or own.shock is None or not isinstance(law, LoopBoucWen):
+        return []
+    rows = []
+    for value in two_stiffnesses(own.travel, own.vibration, own.shock):
+        found = diagonal_secant(law, value.secant.deflection, steady=value.secant.steady)
+        vendor = value.shown(value.secant.stiffness)
+        rows.append(
+            ComparedValue(axis=DIAGONAL, name=value.name, unit="N/mm", vendor=vendor, fitted=value.shown(found))
+        )
+    return rows
+
+
+def _ratios(file: str, axis: str, without: str = "") -> list[float]:
+    """Return shock over vibration stiffness of a table's parts that state both, but for one part."""
+    modes = [part.modes[axis] for part in vendor_parts() if part.series.file == file and part.name != without]
+    both = [(one.shock, one.vibration) for one in modes if one.shock is not None and one.vibration is not None]
+    return [shock / vibration for shock, vibration in both if shock != vibration]
+
+
+@cache
+def _nine_in_ten(file: str, axis: str) -> float:
+    """Return the 90 % quantile of |median ratio of the other parts / own ratio - 1| over a table's parts."""
+    ratios = np.array(_ratios(file, axis))
+    if len(ratios) < 2:
+        return math.nan
+    errors = [abs(np.median(np.delete(ratios, number)) / own - 1.0) for number, own in enumerate(ratios)]
+    return float(np.quantile(errors, 0.9))

@@ -1,0 +1,65 @@
+"""Variants whose runs end before their peaks are over: nothing of them is judged but what is exceeded already."""
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
+import pyarrow.compute as pc
+
+from wirerope_mj.assessment.criteria.ended import TOO_EARLY, ends_early
+from wirerope_mj.engine.simulation.stability import slowest_period
+from wirerope_mj.studies.inputs.motion_columns import MotionSettings
+from wirerope_mj.studies.inputs.variants import Maker, Work
+
+_SLOWER = 2.0
+"""How much slower than the nominal system's a variant's slowest mode may be without being looked for, if all mounts act."""
+
+_TAKEN_AWAY = ("/failed", "/fitted")
+"""Ends of the names of what takes mounts away, and may free a mode of its stiffness."""
+
+
+class Lengths:
+    """Whether the runs of a study are long enough, by the rule of runs: `wirerope_mj.assessment.criteria.ended`."""
+
+    def __init__(self, work: Work) -> None:
+        self._work = work
+        self._make = Maker(work.system, work.motions, work.columns)
+        slowest = _SLOWER * slowest_period(work.system)
+        far = [not self._early(number, slowest) for number in range(len(work.motions))]
+        all_act = not any(column.name.endswith(_TAKEN_AWAY) for column in work.columns)
+        self._enough = {number for number, holds in enumerate(far) if holds and all_act}
+
+    def early(self, row: Mapping[str, Any]) -> str:
+        """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not."""
+        number = MotionSettings.of([column for column in self._work.columns if not column.targets], row).record
+        return "" if number in self._enough else self._early(number, slowest_period(self._make.system(row)))
+
+    def _early(self, number: int, slowest: float) -> str:
+        motion = self._work.motions[number]
+        over = motion.end if math.isfinite(motion.end) else math.nan
+        return ends_early(motion.to_dict(), (0.0, self._work.duration), over, slowest)
+
+
+_AT_REST = ("static_load", "mounts")
+"""Measures that no run has to go on for."""
+
+
+def ended_early(table: pa.Table, measure: str = "") -> npt.NDArray[np.bool_]:
+    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure of the rest."""
+    if "message" not in table.column_names or measure.partition("/")[0] in _AT_REST:
+        return np.zeros(table.num_rows, dtype=bool)
+    return np.asarray(pc.starts_with(table["message"], TOO_EARLY))
+
+
+def why_early(table: pa.Table) -> str:
+    """Return why runs of variants end before their peaks are over, that of the one which needs most; "" if none does."""
+    return max(set(table["message"].filter(pa.array(ended_early(table))).to_pylist()), key=_least, default="")
+
+
+def _least(note: str) -> float:
+    """Return how long a run must be by its note [s]."""
+    number, unit = note.rpartition("run at least ")[2].split()
+    return float(number) * (1e-3 if unit == "ms" else 1.0)
