@@ -239,9 +239,10 @@ def _changes(curves: Sequence[Curve]) -> str:
     return f": {', '.join(texts)}" if texts else ""
 
 
-def peak_text(curve: Curve, unit: str) -> str:
-    """Return a curve's name with its largest value and the instant, as a legend has room for it."""
+def peak_text(curve: Curve, panel: Panel) -> str:
+    """Return a curve's name with its largest value and where that is, as a legend has room for it."""
     if curve.peak is None:
         return curve.name
-    time, value = curve.peak
-    return f"{curve.name} {number(value)} {unit} at {time:.3f} s"
+    at, value = curve.peak
+    where = f"{at:.3f}" if panel.xunit == "s" else number(at, digits=4)
+    return f"{curve.name} {number(value)} {panel.unit} at {where} {panel.xunit}"

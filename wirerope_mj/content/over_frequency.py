@@ -18,7 +18,7 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
     if isinstance(run.motion, Sweep):
         chart = sweep_chart(run, run.motion)
         ends = sorted((run.motion.start, run.motion.stop))
-        return replace(chart.rows[0][0], xlim=(ends[0], ends[1]))
+        return _with_peaks(replace(chart.rows[0][0], xlim=(ends[0], ends[1])))
     axis = main_direction(run.response)
     if run.spectra.densities:
         panel = _along(densities_chart(run), list(run.spectra.densities), axis)
@@ -28,7 +28,13 @@ def panel_over_frequency(run: JudgedRun) -> Panel | None:
         return replace(panel, curves=curves)
     if isinstance(run.spectra.shock, Absent):
         return None
-    return _along(shock_chart(run), list(run.spectra.shock), axis)
+    return _with_peaks(_along(shock_chart(run), list(run.spectra.shock), axis))
+
+
+def _with_peaks(panel: Panel) -> Panel:
+    """Mark the largest value of each curve."""
+    tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
+    return replace(panel, curves=[replace(one, peak=(float(one.x[top]), float(one.y[top]))) for one, top in tops])
 
 
 def _along(chart: Chart, axes: list[str], axis: str) -> Panel:

@@ -15,6 +15,9 @@ from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
 _MOST = 2
 """Lanes of what uses most of its limits: each is 40 points high."""
 
+_LEGIBLE = 0.04
+"""Fraction of what is shown below which a state's name does not fit its lane."""
+
 _QUIET, _MOVING, _NEAR = (58, 66, 76), (48, 84, 110), (150, 100, 10)
 _USED = (("within", (34, 84, 50)), ("80", _NEAR), ("100", tuple(round(0.75 * part) for part in DARK.limit)))
 _STOPS = (("open", _QUIET), ("stop", CLOSED))
@@ -35,16 +38,17 @@ def lane_paths(response: Response, selection: Selection) -> list[str]:
 
 def log_lanes(rec: Any, response: Response, selection: Selection) -> None:
     """Log the lanes of a run that is alone."""
-    _log_lane(rec, "base", _phases(response), _PHASES)
+    end = selection.window[1]
+    _log_lane(rec, "base", _phases(response), _PHASES, end)
     closed = _pressing(response)
     if closed is not None:
-        _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS)
+        _log_lane(rec, "stops", [(float(response.time[row]), int(closed[row])) for row in changes(closed)], _STOPS, end)
     names = _subjects(selection)
     for used in selection.used:
         if used.subject in names:
             state = (used.course >= NEAR).astype(int) + (used.course > 1.0)
             _log_lane(
-                rec, used.subject, [(float(response.time[row]), int(state[row])) for row in changes(state)], _USED
+                rec, used.subject, [(float(response.time[row]), int(state[row])) for row in changes(state)], _USED, end
             )
 
 
@@ -78,10 +82,16 @@ def _phases(response: Response) -> list[tuple[float, int]]:
     return [phase for phase in phases if response.reaches(phase[0])]
 
 
-def _log_lane(rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...]) -> None:
+def _log_lane(
+    rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...], end: float
+) -> None:
+    """Log a lane, seen until an instant `end` [s]; what is too short for its name is drawn in its colour alone."""
     import rerun as rr
 
     labels, colors = zip(*states, strict=True)
-    rec.log(_path(name), rr.StateConfiguration(values=labels, colors=colors), static=True)
+    blanks = [" " * (number + 1) for number in range(len(labels))]
+    rec.log(_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)
     times, numbers = zip(*changes, strict=True)
-    rec.send_columns(_path(name), at(times), rr.StateChange.columns(state=[labels[n] for n in np.array(numbers)]))
+    lasting = np.diff(np.append(times, max(end, times[-1])))
+    said = [labels[n] if long else blanks[n] for n, long in zip(numbers, lasting >= _LEGIBLE * end, strict=True)]
+    rec.send_columns(_path(name), at(times), rr.StateChange.columns(state=said))

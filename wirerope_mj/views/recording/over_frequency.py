@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 
+from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.panels import BASE, Curve, Panel
 from wirerope_mj.foundation.arrays import Array
@@ -26,7 +27,7 @@ _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
 _LEGEND, _LINE = (
     (WIDTH + 46.0, 8.0),
     9.0,
-)  # where the first text stands, how far the next is below it, in units of the view
+)  # where the first text stands, how far the next is below it, in the view's units
 _ASIDE = 92.0  # width of the legend
 
 
@@ -88,13 +89,12 @@ def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
     """Log the largest value of each curve, and their texts in a column, as peaks often coincide."""
     import rerun as rr
 
-    labels: list[str] = []
     for number, curve in enumerate(panel.curves):
-        line = _positions(curve, plot, upright=panel.log == "xy")
-        top, peak = int(np.argmax(line[:, 1])), int(np.argmax(curve.y))
-        labels.append(f"{curve.name} {curve.y[peak]:.3g} {panel.unit} @ {curve.x[peak]:.4g} Hz")
-        dot = {"colors": _colour(curve), "radii": rr.Radius.ui_points(3.0), "draw_order": 30.0 - number}
-        rec.log(child(data, curve.name, "peak"), rr.Points2D([line[top]], **dot), static=True)
+        if curve.peak is not None:
+            spot = np.log10(curve.peak[0]), _height(np.array(curve.peak[1]), plot, upright=panel.log == "xy")
+            dot = {"colors": _colour(curve), "radii": rr.Radius.ui_points(3.0), "draw_order": 30.0 - number}
+            rec.log(child(data, curve.name, "peak"), rr.Points2D([spot], **dot), static=True)
+    labels = [peak_text(curve, panel) for curve in panel.curves]
     places = [[_LEGEND[0], _LEGEND[1] + _LINE * row] for row in range(len(labels))]
     colors = [_colour(curve) for curve in panel.curves]
     legend = rr.Points2D(places, labels=labels, colors=colors, radii=rr.Radius.ui_points(0.0), show_labels=True)

@@ -51,7 +51,7 @@ def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, e
     for rank, curve in enumerate(reversed(named), start=1):
         width = 1.0 if curve.kind == BASE else 1.5 + step * (len(named) - rank)
         below = child(path, str(rank), curve.name)
-        name = _log_curve(rec, below, curve, panel.unit, tolerance, width)
+        name = _log_curve(rec, below, curve, panel, tolerance, width)
         if curve.peak is not None and (every or curve is named[0]):
             instant, value = curve.peak
             look = rr.SeriesPoints(names=name, markers="Diamond", marker_sizes=6.0, colors=color_of(curve))
@@ -84,12 +84,12 @@ def color_of(curve: Curve) -> Color:
     return DARK.base if curve.kind == BASE else _OTHERS
 
 
-def _log_curve(rec: Any, path: str, curve: Curve, unit: str, tolerance: float, width: float) -> str:
+def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float, width: float) -> str:
     """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
     import rerun as rr
 
     dense = is_dense(curve.x, curve.y[:, None], tolerance)
-    name = f"{peak_text(curve, unit)}{' (band)' if dense else ''}"
+    name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
     rows = (
         rows_of_extremes(curve.y[:, None], _BAND_ROWS) if dense else rows_of_line(curve.x, curve.y[:, None], tolerance)
     )
