@@ -270,6 +270,8 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     within = np.ones_like(fine, dtype=bool)
     for every in _COARSER:
         told = lines[lines <= rate / (SAMPLES_PER_PERIOD * every)]
+        if not told.size:
+            continue
         coarse = shock_response_spectrum(time[::every], acceleration[::every], told, q=spectrum.q).maximax
         allowed = _HELD * (every**2 - 1.0) / 3.0 * np.abs(fine[: told.size])
         within[: told.size] &= np.abs(coarse - fine[: told.size]) <= allowed
