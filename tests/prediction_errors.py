@@ -2,8 +2,8 @@
 
     python tests/prediction_errors.py 20 --seed 1
 
-Each device is of another kind than the law (Iwan, few sliders, Prandtl and Ishlinskii
-behind dead zones, LuGre, two stiffnesses), tested in cycles of 1, 3 and 8 mm with 0.2 % noise, and struck by half-sines within the tested travel.
+Each device is of another kind than the law: Iwan, few sliders, Prandtl and Ishlinskii behind dead zones, LuGre, two
+stiffnesses. It is tested in cycles of 1, 3 and 8 mm with 0.2 % noise, and struck by half-sines within the tested travel.
 """
 
 import argparse
@@ -17,7 +17,7 @@ from house import sdof
 import wirerope_mj as wr
 
 SIZES = (1e-3, 3e-3, 8e-3)
-STEP = 2e-5  # [s] of the explicit integration: a thousandth of the shortest pulses
+STEP = 4e-5  # [s] of the explicit integration: of a Masing device peaks are within 2e-4 of `simulate`
 
 
 @dataclass
@@ -105,18 +105,19 @@ def misses(seed):
     device = drawn(seed)
     found, stiffness = fitted(device, seed)
     mass = stiffness / (2.0 * np.pi * 10.0) ** 2
+    rng = np.random.default_rng(1000 + seed)
     for length in (0.006, 0.011, 0.02):
-        for aim in (0.3, 0.8):
-            level = 50.0
-            for _ in range(4):  # a level that leads there, not exactly
-                pulse = wr.HalfSine(peak=level, duration=length, direction="z", start=0.002)
-                true = device.struck(mass, pulse, 0.2)
-                level *= aim * SIZES[-1] / true[0]
-            system = sdof(found.law, mass=mass)
-            peaks = wr.simulate(system, pulse, duration=0.2, accuracy=1e-3).peaks
-            deflection = peaks.mounts["m1"].deflection.value
-            acceleration = peaks.bodies["mass"].acceleration.value
-            yield found.residual, true[0] / SIZES[-1], deflection / true[0] - 1.0, acceleration / true[1] - 1.0
+        aim, level = float(rng.uniform(0.15, 0.9)), 50.0
+        for _ in range(6):  # a level that leads there, not exactly
+            pulse = wr.HalfSine(peak=level, duration=length, direction="z", start=0.002)
+            true = device.struck(mass, pulse, 0.15)
+            level *= (aim * SIZES[-1] / true[0]) ** 0.7
+        if true[0] > SIZES[-1]:
+            continue  # beyond the tests
+        peaks = wr.simulate(sdof(found.law, mass=mass), pulse, duration=0.15, accuracy=1e-3).peaks
+        deflection = peaks.mounts["m1"].deflection.value
+        acceleration = peaks.bodies["mass"].acceleration.value
+        yield found.residual, true[0] / SIZES[-1], deflection / true[0] - 1.0, acceleration / true[1] - 1.0
 
 
 def main():
@@ -132,7 +133,8 @@ def main():
         errors = np.abs(rows[:, 2:])
         worst.append((rows[0, 0], errors[:, 0].max(), errors[:, 1].max()))
         print(
-            f"seed {seed}, {drawn(seed).kind}: residual {100 * rows[0, 0]:.2g} %, peaks missed by up to "
+            f"seed {seed}, {drawn(seed).kind}: residual {100 * rows[0, 0]:.2g} %, {len(rows)} shocks to "
+            f"{np.round(rows[:, 1], 2).tolist()} of the tested travel, peaks missed by up to "
             f"{100 * worst[-1][1]:.2g} % of deflection, {100 * worst[-1][2]:.2g} % of acceleration",
             flush=True,
         )

@@ -264,9 +264,9 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     """
     rate = (time.size - 1) / float(time[-1] - time[0])
     lines = spectrum.frequencies[spectrum.frequencies <= 0.5 * rate / SAMPLES_PER_PERIOD]
-    if not lines.size or time.size < 2 * max(_COARSER):
-        return 0.0
     fine = spectrum.maximax[: lines.size]
+    if time.size < 2 * max(_COARSER) or not fine.any():  # a short pulse may fall between all samples
+        return 0.0
     within = np.ones_like(fine, dtype=bool)
     for every in _COARSER:
         told = lines[lines <= rate / (SAMPLES_PER_PERIOD * every)]
