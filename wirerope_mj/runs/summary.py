@@ -1,4 +1,4 @@
-"""summary.json of a run: what is written into it, and its headline read back."""
+"""summary.json of a run: what is written into it, and read back."""
 
 import json
 from pathlib import Path
