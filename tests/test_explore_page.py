@@ -37,7 +37,7 @@ def browser():
 @pytest.fixture(scope="module")
 def floor():
     """Return a server of the shipped floor."""
-    explored = Exploration(load_scenario("floating_floor_shock").make())
+    explored = Exploration(load_scenario("floating_floor_shock").make(level_g=15.0))
     with ExploreServer(explored, viewer=True) as server:
         thread = Thread(target=server.serve_forever, daemon=True)
         thread.start()

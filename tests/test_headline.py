@@ -10,7 +10,7 @@ from test_recording import column, entities
 
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Criterion, Verdict, headline
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.summary import read_headline
+from wirerope_mj.runs.summary import read_summary
 
 HALF = "most critical m1, 50 % of rated travel in roll"
 
@@ -22,14 +22,16 @@ def row(value=1.0, limit=2.0, **changes):
 
 
 def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(tmp_path):
-    done = wirerope("run", "floating_floor_shock", "--duration", "0.4", "--out", "here", cwd=tmp_path)
+    done = wirerope(
+        "run", "floating_floor_shock", "--level-g", "18", "--duration", "0.4", "--out", "here", cwd=tmp_path
+    )
     sentence = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))["headline"]
     assert re.match(r"FAIL: \d+ of \d+ checks exceeded; worst \w+, \d+ % of .*\.$", sentence)
     assert sentence in [line.strip() for line in done.stdout.splitlines()]
     page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
     assert re.findall(r'<p id="headline" class="verdict exceeded">(.*?)</p>', page) == [sentence]
     (text,) = column(entities(tmp_path / "here" / "run.rrd")["/peaks"], "TextDocument:text").to_pylist()
-    assert f"- {sentence}\n" in text[0]
+    assert text[0].startswith(f"**{sentence}**\n")
     shutil.copytree(tmp_path / "here", tmp_path / "there")
     compared = wirerope("compare", "here", "there", cwd=tmp_path).stdout
     assert f"here: {sentence}" in " ".join(compared.split())
@@ -103,5 +105,5 @@ def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):
 def test_a_damaged_summary_is_named_with_what_to_do(tmp_path, content, said):
     (tmp_path / "summary.json").write_bytes(content)
     with pytest.raises(RecordError, match=f"{said}.* Take the file from another copy") as caught:
-        read_headline(tmp_path)
+        read_summary(tmp_path)
     assert "Error" not in str(caught.value)  # neither JSON's words nor the interpreter's

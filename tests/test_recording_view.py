@@ -21,9 +21,9 @@ from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.recording import loops, record_rerun, show
-from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.panels import log_panel
+from wirerope_mj.views.recording.paths import known_letters
 from wirerope_mj.views.recording.poses import quaternion_of, rotate
 from wirerope_mj.views.recording.texts import run_texts
 from wirerope_mj.views.recording.viewer import free_port, web_address

@@ -181,7 +181,7 @@ def test_a_run_that_does_not_end_leaves_nothing_and_keeps_the_old_one(table, tmp
     def fail(*_, **__):
         raise error
 
-    monkeypatch.setattr("wirerope_mj.views.recording.record.write_alone", fail)
+    monkeypatch.setattr("wirerope_mj.views.recording.record.record_run", fail)
     for folder, force in ((tmp_path / "deep" / "new", False), (moved, True)):
         with pytest.raises(type(error) if isinstance(error, OSError) else error):
             run_scenario(short_table(), folder, force=force)

@@ -11,7 +11,7 @@ from test_recording import entities
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import contact_verdicts, headline, judge, mount_peaks, verdict_lines
 from wirerope_mj.content.events import events_of
-from wirerope_mj.content.model import _provenance
+from wirerope_mj.content.isolator import provenance_statement
 from wirerope_mj.content.selection import select
 from wirerope_mj.engine.simulation.timestep import ACCURACY
 from wirerope_mj.engine.statics import static_table
@@ -19,7 +19,7 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.mounts.laws.kernels import evaluate
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.views.recording import record_rerun
-from wirerope_mj.views.recording.stops import CLOSED, OPEN
+from wirerope_mj.views.recording.mounts import CLOSED, OPEN
 
 pytestmark = pytest.mark.quick
 
@@ -220,7 +220,7 @@ def test_the_report_states_where_a_stop_closes_and_how_stiff_it_is():
         axial=wr.Stop(gap_below=0.0432, k=24e6),
         roll=wr.Stop(gap_above=0.01, depths=[0.01], forces=[3e3]),
     )
-    words = _provenance(device).text
+    words = provenance_statement(device).text
     assert "Stop, axial: gap 43.2 mm below, 24000 kN/m beyond it." in words
     assert "Stop, roll: gap 10.0 mm above, points up to 3.00 kN at 10.0 mm beyond it." in words
 

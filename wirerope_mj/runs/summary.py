@@ -1,4 +1,4 @@
-"""summary.json of a run: what is written into it, and its headline read back."""
+"""summary.json of a run: what is written into it, and read back."""
 
 import json
 from pathlib import Path
@@ -78,12 +78,3 @@ def read_summary(folder: str | Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise RecordError(f"{path}: this is not the summary of a run, which has names and values in braces. {_REMEDY}")
     return content
-
-
-def read_headline(folder: str | Path) -> str:
-    """Return the headline in a run's summary.json, "" for a run that has none: older ones, and a response saved alone.
-
-    Raises:
-        RecordError: the summary cannot be read.
-    """
-    return str(read_summary(folder).get("headline", "")) if (Path(folder) / SUMMARY).is_file() else ""

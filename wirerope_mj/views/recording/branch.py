@@ -30,7 +30,6 @@ from wirerope_mj.views.recording.animation import Animation, animation_of, strip
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, fitting_width
-from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.orbit_loops import (
     MULTIPLIERS,
     SHAPE,
@@ -41,7 +40,7 @@ from wirerope_mj.views.recording.orbit_loops import (
     shown_loops,
 )
 from wirerope_mj.views.recording.over_frequency import log_frequency_panel
-from wirerope_mj.views.recording.paths import AXES, child, entity
+from wirerope_mj.views.recording.paths import AXES, child, entity, known_letters
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of

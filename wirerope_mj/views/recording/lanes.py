@@ -9,8 +9,8 @@ from wirerope_mj.content.events import NEAR
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.recording.mounts import CLOSED, changes, closed_at
 from wirerope_mj.views.recording.paths import at, entity
-from wirerope_mj.views.recording.stops import CLOSED, changes, closed_at
 
 _MOST = 2
 """Lanes of what uses most of its limits: each is 40 points high."""

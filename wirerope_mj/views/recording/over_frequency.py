@@ -11,9 +11,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, Plot, log_frame
-from wirerope_mj.views.recording.letters import known_letters
 from wirerope_mj.views.recording.now import cursor_rows
-from wirerope_mj.views.recording.paths import at, child, entity
+from wirerope_mj.views.recording.paths import at, child, entity, known_letters
 
 ROOT = "frequencies"
 

@@ -10,8 +10,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.drawn_runs import COLORS
 from wirerope_mj.views.recording.frame import GROUND, Color
-from wirerope_mj.views.recording.letters import known_letters
-from wirerope_mj.views.recording.paths import at, child
+from wirerope_mj.views.recording.paths import at, child, known_letters
 from wirerope_mj.views.recording.views import time_axis
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 

@@ -9,11 +9,10 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.camera import reach, scene_extent
-from wirerope_mj.views.recording.mounts import log_mounts
+from wirerope_mj.views.recording.mounts import log_mounts, log_stops
 from wirerope_mj.views.recording.paths import Rows, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
-from wirerope_mj.views.recording.stops import log_stops
 from wirerope_mj.views.thin import rows_of_steps
 
 _STILL = 1 / 50

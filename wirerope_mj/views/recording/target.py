@@ -10,8 +10,7 @@ from typing import Any
 
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.recording.letters import KnownLetters
-from wirerope_mj.views.recording.paths import APPLICATION, FILE
+from wirerope_mj.views.recording.paths import APPLICATION, FILE, KnownLetters
 
 _BLOCK = 2**20
 """Of a recording, written at once [bytes]."""

@@ -6,8 +6,7 @@ from typing import Any
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT
-from wirerope_mj.views.recording.letters import known_letters
-from wirerope_mj.views.recording.paths import TIMELINE, entity
+from wirerope_mj.views.recording.paths import TIMELINE, entity, known_letters
 from wirerope_mj.views.recording.poses import Frame
 
 SLOW_MOTION = 0.05
