@@ -62,7 +62,7 @@ RACKS = {
         modes={"X": 10.42, "Y": 6.98, "Z": 11.68},
         travel=(15.89, 20.79, 15.22), acceleration=(7.05, 5.96, 7.17),
         known="the sheet gives one value for each axis and does not say in which sense its deck starts; the larger of both "
-        "senses is within the bound everywhere, but for the sag, which is larger by 0.1 mm; the smaller one is beyond it in the "
+        "senses is within the bound everywhere, but the sag is larger by 0.1 mm; the smaller one is beyond it in the "
         "travel along Z (mounts below drawn first) and in the acceleration along X",
     ),
     "rack-320-kg": Rack(

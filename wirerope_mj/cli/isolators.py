@@ -126,7 +126,8 @@ def _band_lines(band: Band) -> list[str]:
     if not band.values:
         return []
     lines = [
-        f"left out, {row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} ({100.0 * row.error:+.0f} %)"
+        f"left out, {row.axis}: {row.name} {row.vendor:.4g} {row.unit}, from the rest {row.fitted:.4g} "
+        f"({100.0 * row.error:+.0f} %)"
         for row in band.values
         if row.vendor is not None and row.error is not None
     ]

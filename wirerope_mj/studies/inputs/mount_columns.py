@@ -71,8 +71,9 @@ class LawParameter(ValueOrFactor):
                 law = law.components[number]
             except (ValueError, IndexError):
                 raise ModelError(
-                    f"`vary`: {name!r}: mount {mount!r} has {len(law.components)} laws on its {axis} axis; name a parameter of "
-                    f"one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: {', '.join(law.factors)}."
+                    f"`vary`: {name!r}: mount {mount!r} has {len(law.components)} laws on its {axis} axis; name a parameter "
+                    f"of one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: "
+                    f"{', '.join(law.factors)}."
                 ) from None
         names = [key for key in law.to_dict() if key != "law" and key not in law.options]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
