@@ -64,7 +64,7 @@ class LawParameter(ValueOrFactor):
                 f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
             )
         if isinstance(law, Parallel):
-            if parameter in law.factors:
+            if parameter in (factors := law.factors):
                 return 1.0
             try:
                 number, parameter = part_of(parameter)
@@ -73,7 +73,7 @@ class LawParameter(ValueOrFactor):
                 raise ModelError(
                     f"`vary`: {name!r}: mount {mount!r} has {len(law.components)} laws on its {axis} axis; name a parameter "
                     f"of one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: "
-                    f"{', '.join(law.factors)}."
+                    f"{', '.join(factors)}."
                 ) from None
         names = [key for key in law.to_dict() if key != "law" and key not in law.options]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}
