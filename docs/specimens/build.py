@@ -14,8 +14,9 @@ from wirerope_mj.mounts.identification import SpecimenFits, identify_specimens, 
 from wirerope_mj.mounts.isolator import Provenance
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
-ORIGIN = Path(__file__).parents[2] / "tests" / "data" / "one_scale" / "enidine_wr16_400.toml"
-"""The catalogue's file of 0.2.0, with one scale of friction, as which the twins were made and tested."""
+ORIGIN = "enidine_wr16_400"
+ORIGIN_FILE = Path(__file__).parents[2] / "tests" / "data" / "one_scale" / f"{ORIGIN}.toml"
+"""The catalogue's file of 0.2.0, with one scale of friction, of which the twins were made."""
 SPECIMENS = 5
 SIZE, ROPE, FRICTION = 0.011, 0.03, 0.05
 """Standard deviations, as shares: of the loops' size, of the rope's bending stiffness, of its friction."""
@@ -39,7 +40,7 @@ def main() -> None:
 
 def identified() -> tuple[wr.Isolator, dict[str, SpecimenFits]]:
     """Return the isolator with its spread, and what was found on every axis."""
-    origin = wr.load_isolator(ORIGIN)
+    origin = wr.load_isolator(ORIGIN_FILE)
     twins = made(origin, scatter())
     found = {axis: _found(axis, origin, [twin.axes[axis] for twin in twins]) for axis in SHARED}
     isolator = wr.Isolator(
