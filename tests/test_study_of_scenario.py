@@ -179,7 +179,7 @@ def test_what_can_vary_names_mounts_parameters_bodies_and_directions():
         "mount/NAME/axial/PARAMETER",
         "mount/NAME/fitted",
         "mount/m01,m05,-m04/position_shift/x",
-        f"alpha = {isolator.axial.alpha:.4g}",
+        f"alpha = {isolator.axial.laws[0].alpha:.4g}",
         "rack: 850 kg, centre (",
         "motion/azimuth",
     ):

@@ -29,7 +29,7 @@ def twins():
 def built():
     """Return the script's names, the twins that it makes, and what it finds of them along shear."""
     names = runpy.run_path(str(BUILD))
-    origin = wr.load_isolator(catalogue_folder() / f"{names['ORIGIN']}.toml")
+    origin = wr.load_isolator(names["ORIGIN_FILE"])
     made = names["made"](origin, names["scatter"]())
     return names, made, names["_found"]("shear", origin, [twin.shear for twin in made])
 
@@ -64,7 +64,7 @@ def test_what_was_made_of_the_twins_is_found_again(built):
 
 def test_a_larger_loop_is_softer_as_rods_are(built):
     names, *_ = built
-    origin = wr.load_isolator(catalogue_folder() / f"{names['ORIGIN']}.toml")
+    origin = wr.load_isolator(names["ORIGIN_FILE"])
     (large,) = names["made"](origin, np.array([[1.1, 1.0, 1.0]]))
     for axis in ("axial", "shear"):
         x = 0.02 * np.sin(np.linspace(0.0, 10.0, 400))

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from one_scale import one_scale
 
 import wirerope_mj as wr
 from wirerope_mj.studies.engines import compute as engine
@@ -49,7 +50,7 @@ def require_equal(one, other):
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_variants_have_the_bits_that_a_batch_of_their_systems_has(name):
-    study = study_of(STUDIES[name])
+    study = study_of(STUDIES[name], isolators=one_scale("wr16_400", "wr12_400"))
     rows = study.table().to_pylist()
     assert together(study.work, rows).indices.tolist() == list(range(11))
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
@@ -88,7 +89,11 @@ def test_mounts_that_failed_are_left_to_systems_of_their_own():
 
 
 def test_what_is_too_heavy_says_so_and_leaves_the_others_as_they_are():
-    study = study_of({"body/floor/mass": wr.Uniform(0.9, 1.1, relative=True)}, variants=3)
+    study = study_of(
+        {"body/floor/mass": wr.Uniform(0.9, 1.1, relative=True)},
+        variants=3,
+        isolators=one_scale("wr16_400", "wr12_400"),
+    )
     rows = study.table().to_pylist()
     rows[1]["body/floor/mass"] = 1e7
     found = table(study, rows)

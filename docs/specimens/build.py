@@ -4,6 +4,8 @@ The thesis tested five nominally equal springs; their records are not published.
 the virtual rig, and identified as measured ones would be. Nothing of it is a measurement.
 """
 
+from pathlib import Path
+
 import numpy as np
 
 import wirerope_mj as wr
@@ -13,6 +15,8 @@ from wirerope_mj.mounts.isolator import Provenance
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 ORIGIN = "enidine_wr16_400"
+ORIGIN_FILE = Path(__file__).parents[2] / "tests" / "data" / "one_scale" / f"{ORIGIN}.toml"
+"""The catalogue's file of 0.2.0, with one scale of friction, of which the twins were made."""
 SPECIMENS = 5
 SIZE, ROPE, FRICTION = 0.011, 0.03, 0.05
 """Standard deviations, as shares: of the loops' size, of the rope's bending stiffness, of its friction."""
@@ -36,7 +40,7 @@ def main() -> None:
 
 def identified() -> tuple[wr.Isolator, dict[str, SpecimenFits]]:
     """Return the isolator with its spread, and what was found on every axis."""
-    origin = wr.load_isolator(catalogue_folder() / f"{ORIGIN}.toml")
+    origin = wr.load_isolator(ORIGIN_FILE)
     twins = made(origin, scatter())
     found = {axis: _found(axis, origin, [twin.axes[axis] for twin in twins]) for axis in SHARED}
     isolator = wr.Isolator(

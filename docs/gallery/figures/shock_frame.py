@@ -139,7 +139,7 @@ def _figure(n: Mapping[str, float]) -> Figure:
         "and undamped, and puts down to it what its simulations miss. How stiff must a frame be for that to hold within 5 %?",
         shown=f"Under a half-sine of 20 g and 11 ms, peak acceleration of the mass and travel of the isolator stay within 5 % "
         f"of those on a rigid frame once the frame alone has more than {n['half-sine low']:.0f} to {high:.0f} Hz, with the "
-        f"masses and damping tried: nine times the isolator's {own:.1f} Hz ({n['half-sine low'] / own:.1f} to "
+        f"masses and damping tried: eight times the isolator's {own:.1f} Hz ({n['half-sine low'] / own:.1f} to "
         f"{high / own:.1f}), or frequency times length of the pulse above {high * PULSE:.2f}. If the same velocity comes at "
         f"once, as from an impact of steel on steel, it must have {n['velocity step low']:.0f} to "
         f"{n['velocity step high']:.0f} Hz, {n['velocity step high'] / own:.0f} times the isolator's: a jump makes every frame "

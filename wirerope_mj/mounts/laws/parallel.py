@@ -137,7 +137,9 @@ class Parallel(Law):
 
     @property
     def factors(self) -> tuple[str, ...]:
-        """Names of factors on all laws: `FACTORS`, and the numbers that each has and not all as 0, such as "alpha"."""
+        """Names of factors on all laws: `FACTORS`, and of laws of one kind the numbers that are not all 0, as "alpha"."""
+        if len({type(law) for law in self.laws}) > 1:
+            return FACTORS
         numbers = [
             {key: value for key, value in law.to_dict().items() if isinstance(value, float)} for law in self.laws
         ]

@@ -10,7 +10,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from statistics import median
-from typing import Any
 
 import numpy as np
 
@@ -83,8 +82,11 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
         if not value.fitted:
             continue
         rest = tuple(replace(one, fitted=one.fitted and one is not value) for one in stated.stated)
-        without: dict[str, Any] = {axis: replace(stated, stated=rest)}
-        law = getattr(fit_sheet(replace(sheet, **without)), "axial" if axis == AXES[0] else axis)
+        without = replace(stated, stated=rest)
+        along = axis == AXES[0]
+        fitted = fit_sheet(replace(sheet, compression=without) if along else replace(sheet, shear=without))
+        law = fitted.axial if along else fitted.shear
+        assert law is not None  # of an axis with values
         found = value.shown(secant(law, value.secant))
         vendor = value.shown(value.secant.stiffness)
         rows.append(ComparedValue(axis=axis, name=value.name, unit=value.unit, vendor=vendor, fitted=found))
