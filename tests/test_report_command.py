@@ -8,9 +8,9 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.content.blocks import ReportContent, Section
+from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRopeError
-from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs import page as page_module
 from wirerope_mj.runs import report as report_module
 from wirerope_mj.runs.report import write_report
@@ -30,7 +30,7 @@ def table(tmp_path_factory):
 @pytest.fixture
 def quick(monkeypatch):
     """Pages without pictures, where only files and messages are looked at."""
-    monkeypatch.setattr(report_module, "report_page", lambda *_: "<!DOCTYPE html><title>quick</title><p>page</p>")
+    monkeypatch.setattr(report_module, "report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>")
 
 
 def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):
@@ -126,10 +126,8 @@ def test_long_tables_repeat_their_heading_on_every_page():
 
     rows = tuple((f"m{place}", f"{place}") for place in range(200))
     long = Table(title="Mounts", columns=(Column("mount", align="left"), Column("headed")), rows=rows)
-    content = ReportContent(
-        title="Long", facts=(), question=("?",), verdict=Mark(content="", tone=""), answer=(),
-        sections=(Section(title="Table", blocks=(long,)),),
-    )  # fmt: skip
+    section = Section(id="table", title="Table", build=lambda: [long])
+    content = Content(title="Long", question=("?",), verdict=Statement(), sections=(section,))
     document = weasyprint.HTML(string=report_html(content)).render()
     pages = ["".join(words(page._page_box)) for page in document.pages]
     assert len(pages) > 2

@@ -10,10 +10,11 @@ import pytest
 from finished_runs import finished_of
 
 import wirerope_mj as wr
+from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.scene_outline import View, drawn_scene
 from wirerope_mj.content.worst import worst_instant
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.views.plots.scene_svg import moved_scene_svgs, scene_svgs
+from wirerope_mj.views.plots.scene_svg import scene_svgs
 
 SVG = "{http://www.w3.org/2000/svg}"
 ELEVATION = 1
@@ -57,20 +58,21 @@ def test_what_moved_stands_as_much_higher_as_it_moved(finished):
         scene,
         bodies=tuple(replace(one, position=one.position + up) if one.name == "block" else one for one in scene.bodies),
     )
-    svg = moved_scene_svgs(scene, moved, ("block", moved.bodies[-1].position), exceeded=True)[ELEVATION]
+    ring = ("block", moved.bodies[-1].position)
+    svg = scene_svgs(SceneView(scene=scene, caption="", moved=moved, ring=ring, exceeded=True))[ELEVATION]
     risen = np.sort(polygons(svg, pale=True)[:, 1])[:1] - np.sort(polygons(svg, pale=False)[:, 1])[:1]
     assert risen == pytest.approx([0.02 * upward_scale(svg)], abs=0.2)  # corners are rounded to a tenth
 
 
 def test_the_worst_instant_is_that_of_the_worst_verdict(finished):
-    (drawing,) = worst_instant(finished)
+    drawing = worst_instant(finished)
     worst = max((row for row in finished.verdicts if row.limit), key=lambda row: row.value / row.limit)
     assert f"{worst.time:.4f} s: {worst.criterion} of {worst.subject}" in drawing.caption
-    assert len(drawing.svgs) == 2
+    assert len(scene_svgs(drawing)) == 2
 
 
 def test_displacements_in_the_picture_are_those_of_the_response_times_the_factor(finished):
-    (drawing,) = worst_instant(finished)
+    drawing = worst_instant(finished)
     factor = (
         float(re.search(r"displacements (\d+) times", drawing.caption)[1])
         if "times as large" in drawing.caption
@@ -81,7 +83,7 @@ def test_displacements_in_the_picture_are_those_of_the_response_times_the_factor
     number = int(np.abs(response.time - instant).argmin())
     block = next(one for one in response.scene.bodies if one.name == "block")
     rise = factor * (response.bodies["block"].position[number] - response.base.displacement[number] - block.position)[2]
-    svg = drawing.svgs[ELEVATION]
+    svg = scene_svgs(drawing)[ELEVATION]
     drawn = np.sort(polygons(svg, pale=True)[:, 1])[:1] - np.sort(polygons(svg, pale=False)[:, 1])[:1]
     assert drawn == pytest.approx([rise * upward_scale(svg)], abs=0.2)
 
@@ -96,11 +98,11 @@ def test_a_run_that_does_not_move_has_no_such_picture(finished):
         if one.name in response.bodies
     }
     still = SimpleNamespace(scene=response.scene, time=response.time, base=response.base, bodies=bodies)
-    assert worst_instant(replace(finished, response=still)) == ()
+    assert worst_instant(replace(finished, response=still)) is None
 
 
 def test_every_mount_is_marked_in_both_views_and_its_isolator_in_the_key(finished):
-    plan, elevation, key = scene_svgs(finished.response.scene)
+    plan, elevation, key = scene_svgs(SceneView(scene=finished.response.scene, caption=""))
     for svg in (plan, elevation):
         marks = [one for one in ElementTree.fromstring(svg).iter(f"{SVG}path") if one.get("transform")]
         assert len(marks) == len(finished.response.scene.mounts)

@@ -10,7 +10,7 @@ import sys
 import pytest
 
 from wirerope_mj.cli import main
-from wirerope_mj.runs import judged as judged_module
+from wirerope_mj.content import judged_run as judged_module
 
 SHORT = ["run", "shock_table", "--duration", "0.4", "--out"]
 
@@ -70,7 +70,7 @@ def test_a_run_is_judged_once_and_printed_as_its_summary_says_it(tmp_path, monke
     assert summary["headline"] in (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
     (mount,) = summary["mounts"]
     (row,) = [line.split() for line in printed.out.splitlines() if line.startswith(mount["name"])]
-    assert row[1:3] == [f"{1e3 * mount[key]['axial']:+.1f}" for key in ("lowest_deflection_m", "highest_deflection_m")]
+    assert row[1:3] == [f"{1e3 * mount[key]['axial']:.1f}" for key in ("lowest_deflection_m", "highest_deflection_m")]
     assert f"{100 * mount['share_of_travel']['compression']:.0f}" in row
     verdict, folder = printed.out.index("estimated error"), printed.out.index(f"written to {tmp_path / 'run'}/,")
     assert verdict < folder < printed.out.index("s in all")
