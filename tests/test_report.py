@@ -152,8 +152,8 @@ def test_the_page_needs_nothing_but_itself(page):
     assert all(attributes.get("src") is None for attributes in page.all("script"))
     assert page.all("img") == []
     charts = [attributes["aria-label"] for attributes in page.all("svg")]
-    # worst instant (2), model (2), key; base, its spectrum, accelerations, spectra, limits, deflections, loops, stops
-    assert len(charts) == 5 + 8
+    # worst instant (2), model (2), key; base, its spectrum, accelerations, spectra, limits, deflections, forces, loops, stops
+    assert len(charts) == 5 + 9
     assert all(charts)
     style = page.words[: page.words.index("Shock and vibration report")]
     assert "url(" not in style
