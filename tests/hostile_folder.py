@@ -33,6 +33,8 @@ PROGRAMS = (
     "python3",
     "uname",
     "objdump",
+    "rerun-loader-evil",
+    "rerun-cli",
 )
 LIBRARIES = (
     "libgcc_s.so.1",
@@ -42,6 +44,11 @@ LIBRARIES = (
     "libpango-1.0-0",
     "libtbb.so.12",
     "libgomp.so.1",
+    "libarrow.so",
+    "libarrow_python.so",
+    "libparquet.so",
+    "libhdfs.so",
+    "librerun_c.so",
 )
 NUMBA = (
     "cache_dir: .k\n",
@@ -77,6 +84,14 @@ SETTINGS = {
     "fonts.conf": "<fontconfig><include>evil</include></fontconfig>",
     "rerun.toml": "evil = true\n",
     ".rerunrc": "evil",
+    ".config/rerun/analytics.json": '{{"analytics_enabled": true, "evil": "{mark}"}}',
+    "rerun_config.json": '{{"external_viewer": "touch {mark}"}}',
+    "blueprint.rbl": "RRF2 evil",
+    "libarrow.so-gdb.py": "import os; os.system('touch {mark}')",
+    "core-site.xml": "<configuration><property><name>fs.defaultFS</name><value>file:///evil</value></property></configuration>",
+    "openssl.cnf": "openssl_conf = e\n[e]\nengines = f\n[f]\ng = h\n[h]\ndynamic_path = ./libarrow.so\ninit = 1\n",
+    ".aws/config": "[default]\ncredential_process = touch {mark}\n",
+    "malloc.conf": "prof:true,prof_prefix:evil",
     "numba.cfg": "cache_dir = .k\n",
     ".netrc": "machine x login y password z",
 }

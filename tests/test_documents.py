@@ -11,7 +11,7 @@ import wirerope_mj as wr
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.studies.inputs.quantities import KINDS
 from wirerope_mj.studies.measures import measure_names
-from wirerope_mj.studies.unknown_measure import kinds_of
+from wirerope_mj.studies.results.measure import kinds_of
 
 ROOT = Path(__file__).parents[1]
 

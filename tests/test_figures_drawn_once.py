@@ -7,7 +7,6 @@ from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import image_of
 
 
 @pytest.fixture
@@ -33,12 +32,6 @@ def a_figure():
 def test_a_figure_is_laid_out_once_and_drawn_once(passes, ending):
     a_figure().savefig(BytesIO(), format=ending)
     assert passes == ["layout", "draw"]
-
-
-def test_a_picture_of_a_report_is_drawn_once_whether_vectors_or_pixels(passes):
-    for detailed in (False, True):
-        image_of(a_figure(), detailed=detailed)
-    assert passes == ["layout", "draw"] * 2
 
 
 def test_a_figure_written_again_keeps_its_layout(passes):

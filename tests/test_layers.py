@@ -153,6 +153,17 @@ def test_a_file_holds_one_idea():
         assert not {"utils", "util", "helpers", "common", "misc", "manager"} & set(module.split("."))
 
 
+def test_a_module_binds_a_constant_once():
+    """A second value under one name would silently be that of the first one's users, too."""
+    for path in FILES.values():
+        names = []
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            if isinstance(node, ast.Assign | ast.AnnAssign):
+                parts = node.targets if isinstance(node, ast.Assign) else [node.target]
+                names += [name.id for part in parts for name in ast.walk(part) if isinstance(name, ast.Name)]
+        assert len(set(names)) == len(names), f"{path} binds {[name for name in names if names.count(name) > 1]}"
+
+
 def test_every_module_is_used_by_another():
     """A file that only tests use is dead; the public API, a command, or a name in a text (a child process) are uses."""
     named, texts = set(), set()

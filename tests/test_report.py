@@ -202,9 +202,9 @@ def test_sag_and_modes_are_those_of_statics_and_modes(page):
     )  # 50 kg, guided: no contact carries
     for history in ("virgin", "relaxed"):
         sag = 1e3 * wr.equilibrium(system, history=history).mounts["m1"].deflection[2]
-        assert fixed(sag, 2) in page.cells
+        assert fixed(sag, 3) in page.cells
         for frequency in wr.modes(system, history=history).frequencies:
-            assert f"{frequency:.2f}" in page.cells
+            assert f"{frequency:.3f}" in page.cells
 
 
 def test_peaks_and_numerics_are_those_of_the_response(page, table):
@@ -252,11 +252,7 @@ def test_warnings_of_a_record_are_in_the_answer_in_the_motion_and_in_the_summary
     words = words_of(folder)
     assert words.count(told) == 2
     assert words.index(told) < words.index("The worst of every criterion") < words.index("Base motion: record ", 2000)
-    assert (
-        words.index("Base motion: record ", 2000)
-        < words.rindex(told)
-        < words.index("What reaches the payload Absolute")
-    )
+    assert words.index("Base motion: record ", 2000) < words.rindex(told) < words.rindex("What reaches the payload")
     assert "After the end of the run at 0.1 s, and not simulated: record deck.csv ends." in words
     assert "record deck.csv begins" in words
     assert "0.1998 record" not in words

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import rate_triples
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.between_samples import parabolas, path, peak_between
@@ -12,6 +13,7 @@ from wirerope_mj.assessment.durability.mission import Mission, Stage, mission_da
 from wirerope_mj.assessment.durability.mounts import deflection_rates
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.motions.spectra.srs import held
 
 SHOCK = sum(
     (wr.HalfSine(peak=15 * 9.80665, duration=0.011, direction=axis, start=0.05) for axis in "yz"),
@@ -196,3 +198,26 @@ def test_hours_are_of_the_stationary_part(cabinet, tmp_path):
     assert total[0] == pytest.approx(total[1], rel=1e-6)  # a tail of rest changes nothing
     counted = wr.mount_cycles(wr.load_response(tmp_path / "short"), start=1.5, end=4.5)
     assert total[0] == pytest.approx(1200.0 * max(one.cycles.damage(4.0) for one in counted), rel=1e-9)
+
+
+def test_what_random_triples_of_motion_rate_and_duration_state_is_right():
+    """A few of those that `python tests/rate_triples.py 200` compares: shocks, a sine and random vibration."""
+    found = rate_triples.Found()
+    for seed in (1, 2, 4, 6):
+        rate_triples.compare(seed, found)
+    assert found.wrong == []
+    assert min(found.rows, found.damages, found.lines) > 20
+
+
+def test_samples_that_leave_the_edges_of_a_pulse_open_hold_no_line():
+    """Six samples of 4 ms of a pulse of 25 ms: all, every other and every third have the same area, 6 % off."""
+    time = np.arange(0.0, 0.9, 1e-4)
+    pulse = wr.Trapezoid(peak=100.0, duration=0.0255, rise=1e-3, direction="z", start=0.0225).acceleration(time)[:, 2]
+    lines = np.geomspace(1.0, 12.0, 20)
+    fine = wr.shock_response_spectrum(time, pulse, lines)
+    coarse = [wr.shock_response_spectrum(time[::n], pulse[::n], lines[lines < 6]).maximax for n in (40, 80, 120)]
+    for other in coarse[1:]:
+        np.testing.assert_allclose(other, coarse[0], rtol=0.01)
+    assert abs(coarse[0][0] / fine.maximax[0] - 1.0) > 0.02
+    for missed in (pulse[::40], 0.0 * pulse[::40]):  # and a pulse that falls between two samples
+        assert held(time[::40], missed, wr.shock_response_spectrum(time[::40], missed, lines)) == 0.0

@@ -53,6 +53,14 @@ def test_factors_are_on_force_friction_and_the_deflection_over_which_it_builds_u
 
 
 @pytest.mark.quick
+def test_a_parameter_that_all_laws_have_is_a_factor_and_one_that_is_zero_in_all_is_none():
+    assert TWO.factors == ("stiffness", "friction", "yield", "alpha", "beta", "gamma", "n", "k1", "b", "c")
+    assert [law.c for law in TWO.completed({"c": 0.5})["laws"]] == [4.0, 4.0]
+    both = TWO.completed({"alpha": 2.0, "laws[1].alpha": 7.0})["laws"]
+    assert [law.alpha for law in both] == [2.0 * TWO.laws[0].alpha, 14.0]
+
+
+@pytest.mark.quick
 @pytest.mark.parametrize("name", ["bouc-wen", "ozdemir", "enhanced-dry-friction", "masing"])
 def test_friction_builds_up_over_a_multiple_of_the_deflection(name):
     law = example(name)
@@ -74,6 +82,7 @@ def test_a_law_without_friction_has_no_yield():
         ("friction", 1.3, {"friction": 1.3}),
         ("yield", 0.8, {"yield": 0.8}),
         ("stiffness", 1.1, {"stiffness": 1.1}),
+        ("alpha", 1.1, {f"laws[{n}].alpha": 1.1 * law.alpha for n, law in enumerate(TWO.laws)}),
     ],
 )
 def test_a_study_varies_one_law_of_several_or_all_of_them(tmp_path, name, value, change):
@@ -131,7 +140,7 @@ def test_what_can_vary_of_several_laws_is_listed():
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("parameter", ["alpha", "laws", "laws[1]", "laws[2].alpha", "laws[x].alpha"])
+@pytest.mark.parametrize("parameter", ["height", "laws", "laws[1]", "laws[2].alpha", "laws[x].alpha"])
 def test_a_name_that_no_law_of_several_has_is_refused(parameter):
     with pytest.raises(wr.ModelError, match=r"has 2 laws on its axial axis; name a parameter of one, laws\[0\]"):
         of_rope({f"mount/m1/axial/{parameter}": wr.Choice(1.0)})

@@ -227,7 +227,7 @@ def test_the_command_says_what_there_is_no_equilibrium_for(capsys, tmp_path):
     (tmp_path / "rig.xml").write_text(sdof_text(gravity=G))
     assert main(["statics", str(tmp_path / "rig.xml")]) == 1
     shown = capsys.readouterr().out
-    assert "relaxed: there is no relaxed equilibrium: the axial law of mount 'm1' has no elastic part" in shown
+    assert "Relaxed: there is no relaxed equilibrium: the axial law of mount 'm1' has no elastic part" in shown
     assert " relaxed " not in " ".join(shown[shown.index("Sag and load") :].split())
 
 

@@ -189,7 +189,7 @@ def test_travel_along_one_axis_is_told_from_that_of_all_together(tmp_path, capsy
     assert main([*command, *vary]) == 0
     out = capsys.readouterr().out
     assert "Travel (largest utilisation of a rated travel along one axis): beyond 100 % in 1 of 2" in out
-    assert "the report of a run judges all axes together, too (travel combined)" in out
+    assert "Combined travel (utilisation of all rated travels at once, in-house rule): beyond 100 % in" in out
 
 
 def test_the_report_of_a_study_is_one_page_that_needs_nothing_else(done, capsys):

@@ -6,6 +6,7 @@ Only the rack of 850 kg, and of that of 320 kg the sag, were used to find the ru
 from dataclasses import replace
 from functools import cache
 
+import house
 import numpy as np
 import one_scale
 import pytest
@@ -179,3 +180,22 @@ def test_a_number_of_scales_without_a_rule_is_refused(tmp_path):
     sheet.write_text(SHEETS["enidine_wr12_400"].read_text().replace("scales = 2", "scales = 3"))
     with pytest.raises(ModelError, match="`scales` must be 1 or 2, got 3"):
         fit_datasheet(sheet)
+
+
+@pytest.mark.parametrize(("timestep", "off"), [(1e-4, 2e-4), (2e-4, 5e-3), (5e-4, 0.04)])
+def test_a_step_through_several_yield_deflections_is_off_by_percents_and_not_unstable(timestep, off):
+    """1 m/s goes through 0.08 mm, the finer yield deflection, in 8e-5 s; the rate of a state beyond its bound is bounded."""
+    system = house.sdof(fitted("socitec_cb1400_15").axial, mass=850.0 / 6.0, gravity=wr.STANDARD_GRAVITY)
+    step = wr.VelocityStep(velocity=racks.VELOCITY, direction="z")
+
+    def peak(h):
+        return wr.simulate(system, step, duration=0.2, timestep=h).peaks.bodies["mass"].acceleration.value
+
+    assert peak(timestep) == pytest.approx(peak(1e-5), rel=off)
+
+
+def test_a_step_through_far_more_is_refused():
+    system = house.sdof(fitted("socitec_cb1400_15").axial, mass=850.0 / 6.0, gravity=wr.STANDARD_GRAVITY)
+    step = wr.VelocityStep(velocity=3.0 * racks.VELOCITY, direction="z")
+    with pytest.raises(wr.SimulationError, match="use a smaller `timestep`"):
+        wr.simulate(system, step, duration=0.2, timestep=1e-3)

@@ -14,7 +14,7 @@ def study(
     population: int = 48,
     generations: int = 25,
     horizontal: bool = True,
-    timestep: float = 1e-3,
+    timestep: float = 2.5e-4,
     seed: int = 1,
 ) -> wr.Search:
     """Return the search for places of mounts.

@@ -51,5 +51,5 @@ def study(
         variants=7 * rows,
         sampling="sobol-indices",
         seed=seed,
-        timestep=5e-4,  # see floor_tolerances
+        timestep=1.25e-4,  # see floor_tolerances
     )

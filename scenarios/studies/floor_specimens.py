@@ -55,5 +55,5 @@ def study(
         variants=variants,
         sampling="latin-hypercube",  # of so many inputs some pairs of Sobol's dimensions go hand in hand
         seed=seed,
-        timestep=5e-4,  # see floor_tolerances
+        timestep=1.25e-4,  # see floor_tolerances
     )

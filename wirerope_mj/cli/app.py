@@ -71,7 +71,7 @@ COMMANDS = {
         "Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.",
     ),
     "share": (
-        "share:share",
+        "exports:share",
         "Write report, recording and viewer of a run as one folder that any web server shows.",
     ),
     "explore": (
@@ -83,11 +83,11 @@ COMMANDS = {
         "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
     ),
     "fmu": (
-        "fmu:fmu",
+        "exports:fmu",
         "Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.",
     ),
     "export": (
-        "export:export",
+        "exports:export",
         "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.",
     ),
     "durability": (
@@ -95,7 +95,7 @@ COMMANDS = {
         "Count the cycles of the mounts of a run or a service life, and compare the damage that they do.",
     ),
     "levels": (
-        "levels:levels",
+        "new:levels",
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     ),
     "select": (

@@ -31,7 +31,7 @@ def isolators(
         all: list the parts of the vendors' tables instead, each of which is a name, too.
         out: where the picture of the loops is written (.png, .svg, .pdf).
     """
-    from wirerope_mj.content.isolator import catalogue_table, isolator_content, parts_table
+    from wirerope_mj.content.catalogue import catalogue_table, isolator_content, parts_table
     from wirerope_mj.foundation.resources import catalogue_folder
     from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator, vendor_parts
     from wirerope_mj.mounts.vendor_parts.left_out import left_out
@@ -70,7 +70,7 @@ def fit(datasheet: Path, out: Path) -> int:
         datasheet: TOML file with the vendor's values, or with `curve = "shock"` or `"static"` and force-deflection curves.
         out: isolator file to write.
     """
-    from wirerope_mj.content.isolator import fitted_table
+    from wirerope_mj.content.catalogue import fitted_table
     from wirerope_mj.mounts.vendor_parts.comparison import compare
     from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
     from wirerope_mj.views.terminal import print_table
@@ -104,7 +104,7 @@ def estimate(
         bar_length: over which the loops are spread evenly [mm], for the rotational stiffness.
         out: isolator file to write; it says that all is estimated.
     """
-    from wirerope_mj.content.isolator import estimate_content
+    from wirerope_mj.content.catalogue import estimate_content
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.mounts.estimate import estimate_loop, estimated_isolator

@@ -29,10 +29,10 @@ from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.measures import measure_names, unjudged_limits
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
+from wirerope_mj.studies.results.measure import unknown_measure
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
-from wirerope_mj.studies.unknown_measure import unknown_measure
 from wirerope_mj.views.terminal import console, print_block, print_headline, print_warnings, show
 
 _RUN = (
@@ -293,7 +293,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
 
 def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
     """Print a study or a search, write its pictures and worst variants, and open these."""
-    from wirerope_mj.runs.study import result_content, write_pictures, write_worst
+    from wirerope_mj.runs.study import result_content, write_content, write_worst
 
     content = result_content(result, by)
     out = console()
@@ -301,7 +301,7 @@ def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
     show(content, "results", "inputs", "worst")
     print_headline(content.verdict)
     show(content, "answer")
-    write_pictures(content, result.folder)
+    write_content(content, result.folder)
     worst = write_worst(result, by, open_worst) if open_worst else []
     # What begins with a dot another process is writing just now.
     files = sorted(path.name for path in result.folder.glob("[!.]*") if path.is_file())

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import Any, Literal
+from typing import Literal
 
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response.scene import Scene
@@ -60,17 +60,7 @@ class SceneView:
     id: str = ""
 
 
-@dataclass(frozen=True, kw_only=True)
-class Picture:
-    """A picture that a view has drawn, with what it shows."""
-
-    image: Any
-    caption: str
-    alt: str
-    id: str = ""
-
-
-Block = Statement | Table | Chart | SceneView | Picture
+Block = Statement | Table | Chart | SceneView
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.isolator import FREQUENCY, law_text
+from wirerope_mj.content.isolator import law_text
 from wirerope_mj.content.panels import BASE, LIMIT, Chart, Curve, Panel
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
@@ -15,9 +15,14 @@ from wirerope_mj.mounts.identification.choice import LawComparison
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes, largest_amplitude
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
+from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
 
-_FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel, that the picture of an isolator shows
+FREQUENCY = 5.0
+"""Of the tests of an isolator [Hz], table and picture alike; without effect on a rate-independent law."""
+
+_FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel
+_UNRATED = 0.002  # [m], at which an axis without rated travel is measured: small for every mount
 _MOST_NAMES = 8  # in a legend: more would hide the loops
 _WEAK = 100.0  # [N], below which forces are read in N
 _CLOSED = 1e-10  # of the force range: what cyclic tests close to
@@ -125,6 +130,27 @@ def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
         ordered = sorted(loops, key=lambda loop: loop.amplitude)
         panels.append(_panel(_curves(ordered, "kN" if strong else "N"), title, "kN" if strong else "N"))
     return _chart(panels, "Force over deflection in cyclic tests.")
+
+
+def measures_table(device: Isolator) -> Table:
+    """Tabulate steady loops about zero at 25, 50 and 100 % of the rated travel, unrated ones beyond the gap."""
+    rows: list[list[Cell]] = []
+    for axis, law in device.axes.items():
+        if law is None:
+            continue
+        rated = max((travel for travel in device.rated_travel(axis) if travel is not None), default=None)
+        for fraction in _FRACTIONS:
+            wanted = largest_gap(law) + fraction * _UNRATED if rated is None else fraction * rated
+            amplitude = min(wanted, fraction * law.finite_travel)
+            loop = cyclic_test(law, amplitude, frequency=FREQUENCY)[0]
+            used = None if rated is None else amplitude / rated
+            rows.append([axis, amplitude, used, loop.secant_stiffness, loop.dissipated_energy, loop.damping_ratio])
+    columns = (
+        Column("axis", align="left"), Column("amplitude", "mm", ".3g"), Column("of rated", "%", ".0f"),
+        Column("secant\nstiffness", "kN/m", ".4g"), Column("energy\nper cycle", "J", ".4g"),
+        Column("damping\nratio", "%", ".4g"),
+    )  # fmt: skip
+    return Table(id="measures", title="Steady loops about zero", columns=columns, rows=rows)
 
 
 def isolator_chart(device: Isolator, *, frequency: float = FREQUENCY) -> Chart:

@@ -2,9 +2,10 @@
 
 from collections.abc import Iterator, Sequence
 
-from wirerope_mj.assessment.criteria.foundation import AreaForce, area_forces, bolt_loads
+from wirerope_mj.assessment.criteria.foundation import AreaForce, area_forces, bolt_loads, standing
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.model import mounts_and_stops
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.foundation.tables import Column, Table
 
@@ -16,13 +17,13 @@ def deck_blocks(run: JudgedRun) -> Iterator[Block]:
     if not run.response.scene.mounts:
         return
     areas = area_forces(run.response)
-    yield _areas(areas) if len(areas) > 1 else Statement(id="deck", text=_sentence(areas[0]))
+    yield _areas(areas) if len(areas) > 1 else _sentence(run, areas[0])
     bolts = _bolts(run)
     if bolts.rows:
         yield bolts
 
 
-def _sentence(whole: AreaForce) -> str:
+def _sentence(run: JudgedRun, whole: AreaForce) -> Statement:
     sizes = [
         f"{with_unit(force, 'kN', digits=3)} {where} at {time:.4f} s"
         for force, where, time in (
@@ -30,15 +31,17 @@ def _sentence(whole: AreaForce) -> str:
             (whole.across, "horizontally", whole.across_time),
         )
     ]  # fmt: skip
-    return (
-        f"All {whole.mounts} mounts that stand on it together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at "
-        f"the beginning; at most {', '.join(sizes)}. Contacts of geoms are not among them."
+    count = mounts_and_stops(standing(run.response.scene))
+    text = (
+        f"All {count} that stand on it together, weight included: {with_unit(whole.at_rest, 'kN', digits=3)} at the beginning; "
+        f"at most {', '.join(sizes)}. Contacts of geoms are not among them."
     )
+    return Statement(id="deck", text=text)
 
 
 def _areas(areas: Sequence[AreaForce]) -> Table:
     columns = (
-        Column("mounts on", align="left"), Column("mounts", form="d"), Column("at rest", "kN", 3),
+        Column("mounts on", align="left"), Column("mounts\nand stops", form="d"), Column("at rest", "kN", 3),
         Column("down", "kN", 3), Column("at", "s", "z.4f"), Column("up", "kN", 3), Column("at", "s", "z.4f"),
         Column("horizontally", "kN", 3), Column("at", "s", "z.4f"),
     )  # fmt: skip

@@ -1,6 +1,6 @@
 """What was simulated: geometry, mounts and isolators with the source of their figures."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 from wirerope_mj.content.blocks import Block, SceneView, Statement
 from wirerope_mj.content.isolator import provenance_statement, ratings_table
@@ -8,6 +8,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, several
 from wirerope_mj.content.scene_outline import axial_direction, crowded_label, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.isolator import Isolator
 
@@ -38,12 +39,17 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 def _summary(run: JudgedRun) -> str:
     scene = run.response.scene
-    count = several(len(scene.isolating), "mount") if scene.isolating else "no mounts"
-    n_stops = len(scene.mounts) - len(scene.isolating)
-    count += f" and {several(n_stops, 'stop')}" if n_stops else ""
     driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
     weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
-    return f"Model {run.model_file} with {count}. {driven}, {weight}. Coordinates are those of the model's world frame, z up."
+    start = f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}."
+    return f"{start} {driven}, {weight}. Coordinates are those of the model's world frame, z up."
+
+
+def mounts_and_stops(mounts: Sequence[SceneMount]) -> str:
+    """Return how many mounts there are, stops counted by themselves: "24 mounts and 16 stops"."""
+    stops = sum(mount.stop for mount in mounts)
+    count = several(len(mounts) - stops, "mount") if len(mounts) > stops else "no mounts"
+    return f"{count} and {several(stops, 'stop')}" if stops else count
 
 
 def _masses(run: JudgedRun) -> Table | None:

@@ -161,9 +161,10 @@ def about_small(system: System, small: Modes) -> Iterator[str]:
     """Yield what is unusual of the frequencies of small amplitude: outside the tangents, or of a law with n < 1."""
     outside = small.outside_tangents
     if outside.size:
+        which = f"{'modes' if outside.size > 1 else 'mode'} {', '.join(str(row + 1) for row in outside)}"
         yield (
-            f"In mode {', '.join(str(row + 1) for row in outside)} the small-amplitude natural frequency is not between those "
-            "of the tangents: with gamma > beta, and with an elastic part that bends, both can lie to one side of it."
+            f"In {which} the small-amplitude natural frequency is not between those of the tangents: with gamma > beta, and "
+            "with an elastic part that bends, both can lie to one side of it."
         )
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
     if any(getattr(law, "n", 1.0) < 1.0 for law in laws if isinstance(law, Hysteresis)):

@@ -137,13 +137,19 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
         level = summary.level
         for number, peak in enumerate(summary.peaks):
             name = _peak_name(peak, first=number == 0, complete=level.complete)
-            note = f"{peak.harmonic}: {100.0 * peak.share:.3g} % of the fundamental"
+            note = f"{peak.harmonic}, {100.0 * peak.share:.3g} %"
             rows.append((level.acceleration, name, peak.frequency, peak.amplitude, peak.transmissibility, note))
         for way, seen in summary.comparisons.items():
             ratio = level.transmissibility(seen.peak)
             rows.append((level.acceleration, f"peak of the sweep {way}", seen.peak_frequency, seen.peak, ratio, ""))
-    columns = (Column("level", "m/s²", ".4g"), Column("peak", align="left"), *_NUMBERS, Column(align="text"))
-    return Table(id="peaks", title="Peaks", columns=columns, rows=rows)
+    columns = (
+        Column("level", "m/s²", ".4g"),
+        Column("peak", align="left"),
+        *_NUMBERS,
+        Column("harmonic", align="text"),
+    )
+    note = "Harmonic: the largest one besides the fundamental, of which it is so many percent."
+    return Table(id="peaks", title="Peaks", columns=columns, rows=rows, note=note)
 
 
 def _peak_name(peak: ResonancePeak, *, first: bool, complete: bool) -> Cell:
@@ -151,7 +157,7 @@ def _peak_name(peak: ResonancePeak, *, first: bool, complete: bool) -> Cell:
         return f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
     if not complete:
         return Mark("highest before it ended", "exceeded")
-    return Mark("highest at the edge of the range", "unjudged") if peak.at_edge else "resonance peak"
+    return Mark("highest, at the edge", "unjudged") if peak.at_edge else "resonance peak"
 
 
 def event_table(findings: Sequence[LevelSummary]) -> Table | None:
@@ -178,10 +184,10 @@ def _branch_events(branch: Branch) -> Iterator[Row]:
         jump = jumps.get(event.frequency) if event.kind == "fold" else None
         if event.kind == "fold" and jump is None:
             continue  # both of its motions are within 1 %
-        notes = [f"{event.before} -> {event.after} multipliers outside the unit circle"]
+        notes = [f"{event.before} -> {event.after} unstable multipliers"]
         if jump is not None:
             landing = "nowhere on this branch" if math.isnan(jump.landing) else f"{jump.landing:.4g} m/s²"
-            notes.append(f"a sweep {'up' if jump.rising else 'down'} jumps to {landing}")
+            notes.append(f"sweep {'up' if jump.rising else 'down'} jumps to {landing}")
         yield event.kind, event.frequency, event.amplitude, event.transmissibility, "; ".join(notes)
     for side in branch.side_branches:
         low, high = sorted((side.start, side.stop))

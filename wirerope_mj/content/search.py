@@ -13,7 +13,7 @@ from wirerope_mj.content.study_statements import travel_statements
 from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.studies.results.measure import Measure, input_names, measure_of, values_of
+from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of
 from wirerope_mj.studies.results.statistics import row_of
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
@@ -53,7 +53,7 @@ def _verdict(result: SearchResult) -> Statement:
 
 
 def _answer(result: SearchResult) -> Iterator[Block]:
-    notes = travel_statements(result.study.base) if "travel" in result.shown else []
+    notes = travel_statements(result.study.base) if "travel" in result.shown and COMBINED not in result.shown else []
     yield Statement(id="answer", text=" ".join([result.message, *notes]))
     yield from failed_blocks(result, "design")
 

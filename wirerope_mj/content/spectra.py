@@ -1,5 +1,6 @@
 """Spectra of shocks and of random vibration, of base and payload, as charts and as a table of rms values."""
 
+import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -20,6 +21,7 @@ from wirerope_mj.motions.spectra import ShockResponseSpectrum
 
 _DECADES, POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
 _ABOVE = 1.15  # of the largest, where the axis ends
+_NEAR_DECADE = 0.05  # of a frequency, within which an axis goes on to a power of ten
 _STILL = 1e-6  # [m/s^2]: an rms that is rounding
 
 
@@ -158,8 +160,14 @@ def spectrum_panel(curves: list[Curve], label: str, unit: str, *, title: str = "
     """Return a panel with logarithmic axes, as far down as matters."""
     high = _ABOVE * max(float(curve.y.max()) for curve in curves) or 1.0  # nothing moved: an empty paper
     low = max(min(float(curve.y.min()) for curve in curves) / _ABOVE, high * 10.0**-decades)
-    ends = min(float(curve.x[0]) for curve in curves), min(float(curve.x[-1]) for curve in curves)
+    ends = _end(min(float(curve.x[0]) for curve in curves)), _end(min(float(curve.x[-1]) for curve in curves))
     return Panel(
         curves=curves, ylabel=label, xlabel="frequency [Hz]", title=title, xlim=ends, ylim=(low, high), log="xy",
         unit=unit, xunit="Hz",
     )  # fmt: skip
+
+
+def _end(frequency: float) -> float:
+    """Return where an axis ends: at a power of ten that is near, so that it is named."""
+    power = 10.0 ** round(math.log10(frequency))
+    return power if abs(frequency / power - 1.0) < _NEAR_DECADE else frequency

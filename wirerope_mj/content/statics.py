@@ -57,7 +57,7 @@ def run_statics_blocks(run: JudgedRun) -> Iterator[Block]:
 def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block]:
     """Yield sag and load of every mount and payload, what carries the weight, and the static loads against their ratings."""
     for history, reason in table.missing.items():
-        yield Statement(id=f"statics-{history}", text=f"{history}: {reason}", tone="unjudged")
+        yield Statement(id=f"statics-{history}", text=f"{history.capitalize()}: {reason}", tone="unjudged")
     static = {(row.subject, row.criterion.sense): row for row in verdicts if row.criterion.kind == STATIC_LOAD}
     yield _mounts(table, static)
     yield _payloads(table)
@@ -140,8 +140,8 @@ def _payloads(table: StaticTable) -> Table:
 
 def _carried(history: str, sag: Sag) -> str:
     """Return a sentence on what carries the weight."""
-    text = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=5)} of weight the mounts carry "
-    text += with_unit(sag.on_mounts, "N", digits=5)
+    text = f"{history.capitalize()}: of {with_unit(sag.weight, 'N', digits=4)} of weight the mounts carry "
+    text += with_unit(sag.on_mounts, "N", digits=4)
     for load, what in ((sag.on_contacts, "contacts"), (sag.elsewhere, "joints and their springs")):
         if abs(load) > _BALANCED * sag.weight:
             text += f", {what} {with_unit(load, 'N')}"

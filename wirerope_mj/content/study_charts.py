@@ -20,7 +20,7 @@ from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.measure import DRAWN, Measure, headlines, input_names, measure_of, values_of
 from wirerope_mj.studies.results.statistics import exceedance_of, finite, quantiles
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary
 
@@ -40,7 +40,7 @@ def study_charts(summary: StudySummary) -> Iterator[Chart]:
     result, by = summary.result, summary.by
     table = result.independent
     inputs = [name for name in input_names(table) if len(set(table[name].to_pylist())) > 1]
-    names = list(dict.fromkeys([by, *headlines(table)]))[:2]
+    names = list(dict.fromkeys([by, *(name for name in headlines(table) if name in DRAWN)]))[:2]
     several = [name for name in names if finite(values_of(table, name)).size > 1]
     if result.is_sampled and several:
         yield distribution_chart(summary, table, several)

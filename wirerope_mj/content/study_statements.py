@@ -17,7 +17,7 @@ from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
-from wirerope_mj.studies.results.measure import Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
@@ -47,11 +47,11 @@ def statements(result: StudyResult) -> list[str]:
     if not texts:
         texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
     texts = [*early_statements(result.table), *texts, *struck_statements(result.table)]
-    if "travel" in headlines(result.table):
+    if "travel" in headlines(result.table) and COMBINED not in result.table.column_names:  # of an older version
         texts += travel_statements(result.study.base)
     texts += specimen_messages(result.study.quantities)
     if result.study.sampling == SAMPLING:
-        every = (sobol_indices(result, name) for name in headlines(result.table))
+        every = (sobol_indices(result, name) for name in headlines(result.table) if name in DRAWN)
         texts += [of_indices(one) for one in every if one.factors]
     return texts
 
@@ -98,12 +98,12 @@ def _overloaded(table: pa.Table) -> list[str]:
 
 
 def travel_statements(system: System) -> list[str]:
-    """Return what a run's report judges of travel and a study does not; nothing unless a mount is rated along several axes."""
+    """Return what a run judges of travel beside each axis; nothing unless a mount is rated along several axes."""
     for mount in system.mounts.values():
         if len({RATINGS[rating][0] for rating in mount.isolator.limits.travel.stated}) > 1:
             return [
-                "Travel is judged along each axis by itself; the report of a run judges all axes together, too (travel "
-                "combined), which can be exceeded where this is not."
+                f"Travel is judged along each axis by itself; a run judges all at once, too (combined travel, {COMBINED}), "
+                "which can be exceeded where this is not."
             ]
     return []
 

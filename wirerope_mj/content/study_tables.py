@@ -8,13 +8,13 @@ from wirerope_mj.content.study_statements import exceedance_text
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import measure_of
+from wirerope_mj.studies.results.measure import ALL, measure_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
 from wirerope_mj.studies.results.varied import varied_of
 
-_WORST, _INPUTS, _EFFECTS, _FEW = 10, 4, 15, 8  # rows and columns that are read, and effects at once
-_LONG = 14  # letters of a heading that stands on two lines where lines are short
+_WORST, _COLUMNS, _EFFECTS, _FEW = 10, 6, 15, 8  # rows and columns that are read, and effects at once
+_LONG = 11  # letters of a heading that stands on two lines where lines are short
 
 
 def varied_table(study: StudyDefinition) -> Table:
@@ -53,7 +53,8 @@ def measures_table(summary: StudySummary) -> Table:
         columns=[
             Column("measure", align="left"),
             *map(Column, ("nominal", *heads)),
-            *map(Column, ("largest", "in variant", "limit", "beyond it")),
+            *map(Column, ("largest", "in\nvariant", "limit")),
+            Column("beyond it", align="text"),
         ],
         rows=[_measure_row(one, sampled) for one in summary.statistics],
         note=f"{meanings[0].upper()}{meanings[1:]}.{percentiles}",
@@ -122,19 +123,23 @@ def effects_table(summary: StudySummary) -> Table | None:
 
 def worst_table(summary: StudySummary) -> Table:
     """Tabulate the variants with the largest values of the measure that is looked at most, with their strongest inputs."""
-    names = summary.ranked_inputs[:_INPUTS]
+    names = [measure.name for measure in summary.measures]
+    measures = [
+        one for one in summary.measures if one.name != "acceleration" or ALL not in names
+    ]  # bodies, points or both
+    names = list(summary.ranked_inputs[: max(_COLUMNS - len(measures), 2)])
     return Table(
         id="worst-variants",
         title=f"Worst variants by {summary.by}, with the inputs that matter most",
         columns=[
             Column("variant", align="left"),
-            *(replace(measure.column, heading=two_lines(measure.name)) for measure in summary.measures),
+            *(replace(measure.column, heading=two_lines(measure.name)) for measure in measures),
             *(Column(two_lines(summary.labels[name]), form=4) for name in names),
         ],
         rows=[
             (
                 str(row["variant"]),
-                *(row[measure.name] for measure in summary.measures),
+                *(row[measure.name] for measure in measures),
                 *(input_cell(row[name]) for name in names),
             )
             for row in summary.worst(_WORST)
@@ -149,10 +154,12 @@ def input_cell(value: Any) -> Cell:
 
 
 def two_lines(name: str) -> str:
-    """Return a heading on two lines if it is long: "mount/m16/", "axial/k1"."""
-    parts = name.replace(" [", "/[").split("/")
-    if len(name) <= _LONG or len(parts) < 2:
-        return name
-    half = len(parts) // 2
-    first = "/".join(parts[:half]) + ("" if parts[half].startswith("[") else "/")
-    return f"{first}\n{'/'.join(parts[half:]).replace('/[', ' [')}"
+    """Return a heading on lines if it is long: "mount/m16/", "axial/k1", "[factor]"; "combined_", "travel"."""
+    name, bracket, unit = name.partition(" [")
+    parts = name.split("/")
+    if len(name) > _LONG and len(parts) > 1:
+        half = len(parts) // 2
+        name = "/".join(parts[:half]) + "/\n" + "/".join(parts[half:])
+    elif len(name) > _LONG:
+        name = name.replace("_", "_\n", 1)
+    return f"{name}\n[{unit}" if bracket else name

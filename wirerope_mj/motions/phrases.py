@@ -30,6 +30,8 @@ _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for un
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
 
+START = {"at": "time"}
+
 
 @dataclass(frozen=True, kw_only=True)
 class Phrase:
@@ -136,9 +138,6 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
         fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'
         raise ValueError(f"{fault}; known are {', '.join(known)}.")
     return _OF_UNIT[unit]
-
-
-START = {"at": "time"}
 
 
 @dataclass(frozen=True, kw_only=True)

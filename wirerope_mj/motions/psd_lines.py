@@ -16,6 +16,14 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, STANDA
 
 Points = tuple[tuple[float, float], ...]
 
+PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
+    ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3"), 1.0
+)
+FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
+ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)
+_MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
+_FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
+
 
 def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2) -> Points:
     """Return points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
@@ -100,16 +108,6 @@ def psd_from_g(points: Sequence[Sequence[float]]) -> Points:
     """Return a power spectral density [(m/s^2)^2/Hz] from points (frequency [Hz], level [g^2/Hz])."""
     checked = checked_points("points", points, quantity="level [g^2/Hz]")
     return tuple((frequency, level * STANDARD_GRAVITY**2) for frequency, level in checked)
-
-
-PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
-    ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3"), 1.0
-)
-FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
-
-ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)
-_MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
-_FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
 
 
 def psd_points(path: Path) -> Points:

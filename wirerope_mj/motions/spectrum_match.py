@@ -19,6 +19,21 @@ from wirerope_mj.motions.psd_lines import Points, checked_points
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
+LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
+
+# largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
+# at least one line lies within it. Twelve to an octave for 5 %.
+SPACING_PER_DAMPING = 1.2
+LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %
+SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
+OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
+ITERATIONS = 60  # corrections after which the search ends; those seen took 2 to 22
+
+# added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
+# ten times as much or a tenth the search was seen to take two or three times as many corrections.
+REGULARISATION = 1e-3
+FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matter for a correction
+
 
 def too_steep(frequencies: Array, target: Array, damping: float) -> str:
     """Return the message about the flank of a spectrum that is farthest beyond any motion; empty if there is none.
@@ -47,22 +62,6 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
         f"steady sine of {frequencies[high]:.4g} Hz sets oscillators there no more than {possible_db:.3g} dB apart. Make that "
         "flank less steep."
     )
-
-
-LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
-
-# largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
-# at least one line lies within it. Twelve to an octave for 5 %.
-SPACING_PER_DAMPING = 1.2
-LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; those of earthquakes are for 2 % to 10 %
-SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
-OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
-ITERATIONS = 60  # corrections after which the search ends; those seen took 2 to 22
-
-# added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
-# ten times as much or a tenth the search was seen to take two or three times as many corrections.
-REGULARISATION = 1e-3
-FORGOTTEN = 1e-6  # fraction of an impulse response below which it does not matter for a correction
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

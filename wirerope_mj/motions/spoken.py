@@ -23,6 +23,14 @@ LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larg
 
 Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
 
+_PULSE = {"acceleration": 1, "time": 1}
+_LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
+
+_SHAFT: dict[str, Any] = {
+    "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
+    "may": {"time": 1, "frequency": 2},
+}  # fmt: skip
+
 
 def _pulse(shape: Callable[..., BaseMotion], *more: str) -> Make:
     """Make a pulse of one shape; `more` are words whose values it takes by their names."""
@@ -112,13 +120,6 @@ def _force_table(phrase: Phrase, _: Direction, __: int, begun: tuple[str, ForceR
     site, (times, loads) = begun
     return ForceTable(site=site, times=times, loads=loads, start=phrase.start)
 
-
-_PULSE = {"acceleration": 1, "time": 1}
-_LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
-_SHAFT: dict[str, Any] = {
-    "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
-    "may": {"time": 1, "frequency": 2},
-}  # fmt: skip
 
 # kinds of motion that a phrase says, by name: of the base, then forces on the payload
 SPOKEN_MOTIONS: dict[str, SpokenMotion] = {

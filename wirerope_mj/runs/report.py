@@ -8,7 +8,7 @@ from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runs.frequency_response import KIND, MARKS
-from wirerope_mj.runs.page import page_files, write_page
+from wirerope_mj.runs.page import REPORT, page_files, write_page
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
 from wirerope_mj.views.report import report_html
@@ -49,7 +49,5 @@ def _run_folder(folder: Path) -> Path:
             f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote."
         )
     if all((folder / mark).is_file() for mark in MARKS):
-        raise RecordError(
-            f"{folder}: this is a {KIND}, whose pictures and tables stand in its folder; reports are made of runs."
-        )
+        raise RecordError(f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs.")
     return folder

@@ -14,10 +14,12 @@ from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import input_names
+from wirerope_mj.studies.results.stated_limits import add_to_summary
 from wirerope_mj.studies.results.statistics import worst
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study
+from wirerope_mj.views.json_content import plain_content
 
 MOST = 6
 """Variants in one comparison: more cannot be distinguished."""
@@ -49,11 +51,15 @@ def result_content(result: StudyResult, by: str | None = None) -> Content:
     return search_content(result)
 
 
-def write_pictures(content: Content, folder: Path) -> None:
-    """Write the charts of a study or a search into its folder, each by its id, and its scenes as placements.png."""
+def write_content(content: Content, folder: Path) -> None:
+    """Write what a study or a search says into its folder.
+
+    Statements and tables stand in the summary under their ids, each chart is a picture by its id, scenes are placements.png.
+    """
     from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes a while
     from wirerope_mj.views.plots.scene_plan import save_scenes
 
+    add_to_summary(folder, {"content": plain_content(content, "answer", "results", "inputs", "worst")})
     blocks = list(content.blocks())
     for chart in blocks:
         if isinstance(chart, Chart):

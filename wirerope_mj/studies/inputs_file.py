@@ -1,24 +1,34 @@
 """The inputs of a study in `study.toml`, and the digest of them by which a folder is known as that of this study."""
 
 import hashlib
+import inspect
+import re
 import tomllib
-from pathlib import Path
-from typing import Any
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+from typing import Any, get_args
 
+import pyarrow as pa
 import tomli_w
 
+from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system.model_files import model_table, write_model
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.motions.restore import copy_records
-from wirerope_mj.studies.checked_inputs import check_inputs
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.inputs.distributions import distribution_to_dict
-from wirerope_mj.studies.old_names import FIRST, todays_inputs
+from wirerope_mj.studies.inputs.distributions import Distribution, distribution_to_dict
 from wirerope_mj.studies.responses import PEAKS
 from wirerope_mj.studies.versions import versions
 
 STUDY = "study.toml"
+
+FIRST = 1
+"""The format in which "body/NAME/centre/x" and "mount/NAME/position/x" were shifts."""
+
+_SHIFT = re.compile(r"^(body/.+/centre|mount/.+/position)(?=/[xyz]$)")
 
 FORMAT = 2
 """Of these files; those of format 1 are read, too, but such a study does not resume."""
@@ -28,6 +38,16 @@ _TEXTS = ("id", "name", "question")
 
 _FILES = "files."
 """Start of the keys of digests of model and records."""
+
+_KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
+_TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
+    "model": ({"file": str}, {"changes": str, "path": str}),
+    "simulate": ({"duration": Any, "timestep": Any, "sample_rate": Any, "initial": Any}, {}),
+    "sampling": ({"method": str, "variants": int, "seed": int}, {}),
+    "versions": ({}, None),
+    "files": ({}, None),
+}
+"""Keys of each table that must be there, and that may be, with the types of their values; None: any may."""
 
 
 def read_inputs(folder: Path) -> dict[str, Any]:
@@ -51,7 +71,7 @@ def read_inputs(folder: Path) -> dict[str, Any]:
     if content["id"] != identity(content):  # a digest of all other keys: they are what was written
         raise RecordError(f"{path}: this file was changed after it had been written; its study cannot go on.")
     try:
-        check_inputs(content)
+        _check_inputs(content)
     except ValueError as error:
         raise RecordError(f"{path}: this is not the file of a study as it was written: {error}") from None
     return todays_inputs(content)
@@ -146,3 +166,70 @@ def _flat(content: Any, path: str = "") -> dict[str, Any]:
         return {path: content}
     items = content.items() if isinstance(content, dict) else enumerate(content)
     return {k: v for key, value in items for k, v in _flat(value, f"{path}.{key}" if path else str(key)).items()}
+
+
+def _check_inputs(content: Mapping[str, Any]) -> None:
+    """Raise ValueError that names the key unless a study can be made from the inputs."""
+    for name, (needed, further) in _TABLES.items():
+        if name == "files" and name not in content:  # of the first format
+            continue
+        _check_table(name, content.get(name), needed, further)
+    for name in ("vary", "motions"):
+        if not isinstance(content.get(name), list):
+            raise ValueError(f"`{name}` must be a list of tables, got {quoted(content.get(name))}.")
+    for number, one in enumerate(content["vary"]):
+        _check_distribution(f"vary.{number}", one)
+    for number, motion in enumerate(content["motions"]):
+        check_motion(f"motions.{number}", motion)
+
+
+def _check_table(name: str, table: Any, needed: Mapping[str, Any], further: Mapping[str, Any] | None) -> None:
+    if not isinstance(table, dict):
+        raise ValueError(f"`{name}` must be a table, got {quoted(table)}.")
+    for key in needed:
+        if key not in table:
+            raise ValueError(f"`{name}.{key}` is missing.")
+    for key, value in table.items():
+        kind = {**needed, **(further or {})}.get(key, Any if further is None else None)
+        if kind is None:
+            raise ValueError(f"`{name}.{key}` is unknown; known: {', '.join([*needed, *(further or {})])}.")
+        if kind is not Any and (not isinstance(value, kind) or isinstance(value, bool)):
+            raise ValueError(f"`{name}.{key}` must be {'text' if kind is str else 'an integer'}, got {quoted(value)}.")
+        if name == "model" and "\0" in value:
+            raise ValueError(f"`{name}.{key}` must be the path of a file, got {quoted(str(PurePosixPath(value)))}.")
+
+
+def _check_distribution(name: str, table: Any) -> None:
+    if not isinstance(table, dict) or not isinstance(table.get("name"), str):
+        raise ValueError(f"`{name}` must be a table with the `name` of what varies, got {quoted(table)}.")
+    one_of(f"{name}.kind", table.get("kind"), _KINDS)
+    given = {key: value for key, value in table.items() if key not in ("name", "kind", "choices")}
+    choices = table.get("choices", [])
+    if not isinstance(choices, list):
+        raise ValueError(f"`{name}.choices` must be a list, got {quoted(choices)}.")
+    for flag in ("relative", "each"):
+        if not isinstance(given.get(flag, False), bool):
+            raise ValueError(f"`{name}.{flag}` must be true or false, got {quoted(given[flag])}.")
+    try:
+        inspect.signature(_KINDS[table["kind"]]).bind(*choices, **given)
+    except TypeError as error:
+        raise ValueError(f"`{name}`: {str(error).replace('an unexpected keyword', 'an unknown')}.") from None
+
+
+def todays_name(name: str) -> str:
+    """Return what an input of a folder of format 1 is called now: "body/floor/centre/x" is "body/floor/centre_shift/x"."""
+    return _SHIFT.sub(r"\1_shift", name)
+
+
+def todays_inputs(content: dict[str, Any]) -> dict[str, Any]:
+    """Return the content of a `study.toml` with today's names; its format stays, which says how its table is written."""
+    if content["format"] != FIRST:
+        return content
+    return {**content, "vary": [{**one, "name": todays_name(one["name"])} for one in content["vary"]]}
+
+
+def todays_table(table: pa.Table, content: dict[str, Any]) -> pa.Table:
+    """Return the table of the folder of `content` with today's names."""
+    if content["format"] != FIRST:
+        return table
+    return table.rename_columns([todays_name(name) for name in table.column_names])

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.travel import combined_utilisation
 from wirerope_mj.engine.response.peaks import Peak, Peaks
 from wirerope_mj.engine.statics.loading import forces_at_rest
 from wirerope_mj.engine.system import System
@@ -23,7 +24,7 @@ NAN = math.nan
 def measure_names(system: System) -> list[str]:
     """Return the names of all measures, the columns of the table between inputs and status."""
     bodies, points = payload_bodies(system), payload_points(system)
-    names = ["acceleration", "travel", "static_load", "fragility", "clearance", "mounts", "struck"]
+    names = ["acceleration", "travel", "combined_travel", "static_load", "fragility", "clearance", "mounts", "struck"]
     names += [f"acceleration/{name}" for name in (*bodies, *points)]
     names += [f"displacement/{name}" for name in points]
     names += [f"displacement/{name}/{side}" for name in points for side in SIDES]
@@ -39,7 +40,8 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     """Return the measures of one variant; `rest` is the equilibrium that it starts from, None if it starts from none.
 
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest
-    utilisation of a rated travel [-] of any mount; travel/MOUNT: of one; deflection/MOUNT/compression, tension, shear and
+    utilisation of a rated travel [-] of any mount along one axis; travel/MOUNT: of one; combined_travel: of all axes at
+    once, by this project's own rule; deflection/MOUNT/compression, tension, shear and
     roll [m], all positive; force/MOUNT: largest norm [N]. static_load: largest utilisation of a rated static load [-] of any
     mount at rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]; displacement/POINT/-x, +x and so on: how far that way.
@@ -53,7 +55,7 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     of_points = {name: peaks.points[name].acceleration for name in points}
     at = of_bodies | of_points
     result = {"acceleration": _largest(peak.value for peak in of_bodies.values())}
-    result |= dict.fromkeys(("travel", "static_load", "fragility", "clearance"), NAN)
+    result |= dict.fromkeys(("travel", "combined_travel", "static_load", "fragility", "clearance"), NAN)
     isolators = {id(mount.isolator): mount.isolator for mount in system.mounts.values()}  # few, and asked once each
     fitted = {key: acts(isolator) and not isolator.is_stop for key, isolator in isolators.items()}
     result["mounts"] = float(sum(fitted[id(mount.isolator)] for mount in system.mounts.values()))
@@ -65,10 +67,10 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     result |= {f"displacement/{name}/{side}": float(value) for name, of in sides.items() for side, value in of.items()}
     result.update(zip(_force_names(tuple(system.mounts)), [m.force.value for m in peaks.mounts.values()], strict=True))
     judged = tuple(name for name, mount in system.mounts.items() if not mount.isolator.is_stop)
-    reached, used = _travel(system, peaks, judged, isolators)
+    reached, used, combined = _travel(system, peaks, judged, isolators)
     loads = _static_loads(system, rest, judged, isolators)
     result.update(zip(_judged_names(judged), [*reached, *used, *loads], strict=True))
-    for measure, values in (("travel", used), ("static_load", loads)):
+    for measure, values in (("travel", used), ("combined_travel", combined), ("static_load", loads)):
         result[measure] = _largest([value for value in values if not math.isnan(value)])
     result["fragility"] = _fragility(system, (of_bodies, of_points))
     result["clearance"] = _largest(float(used) for used in clearances_used(system, sides))
@@ -125,16 +127,25 @@ def _judged_names(mounts: tuple[str, ...]) -> tuple[str, ...]:
 
 def _travel(
     system: System, peaks: Peaks, judged: Sequence[str], isolators: Mapping[int, Isolator]
-) -> tuple[list[float], list[float]]:
-    """Return the travel of some mounts [m], one rating after the other, and their largest utilisation; NaN if not rated."""
+) -> tuple[list[float], list[float], list[float]]:
+    """Return the travel of some mounts [m], one rating after the other, and their largest utilisation; NaN if not rated.
+
+    The last are the utilisations of all axes at once.
+    """
     if not judged:
-        return [], []
+        return [], [], []
     deflections = np.array([peaks.mounts[name].deflection.numbers for name in judged])
     reached = np.array(list(travel_reached(deflections[:, Peak.MINIMUM], deflections[:, Peak.MAXIMUM]).values()))
     stated = {key: isolator.limits.travel.stated for key, isolator in isolators.items()}
     ratings = {key: [travel.get(rating, NAN) for rating in RATINGS] for key, travel in stated.items()}
     rated = np.array([ratings[id(system.mounts[name].isolator)] for name in judged])
-    return reached.ravel().tolist(), largest_utilisation(reached.T, rated).tolist()
+    used, combined = largest_utilisation(reached.T, rated).tolist(), [NAN] * len(judged)
+    if system.combined_travel and peaks.travels is not None:
+        travels = [peaks.travels[name] for name in judged]
+        of_judged = np.array([NAN if one.judged is None else one.judged for one in travels])
+        farthest = np.array([one.value for one in travels])
+        combined = combined_utilisation(farthest, of_judged, reached.T, rated).tolist()
+    return reached.ravel().tolist(), used, combined
 
 
 def _static_loads(

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.travel import combined_utilisation
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.simulation.in_lanes import InLanes
 from wirerope_mj.engine.system import System
@@ -27,6 +28,8 @@ class Extremes:
         value: largest norm of every channel, (n, n_channels); of what is fixed to the base 0.
         lowest, highest: extremes of the components, (n, n_channels, 3).
         struck: number of stops that closed, (n,).
+        travels: largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
+            any, (n, n_mounts, 2).
     """
 
     failed: Flags
@@ -34,6 +37,7 @@ class Extremes:
     lowest: Array
     highest: Array
     struck: Array
+    travels: Array
 
     @classmethod
     def of(cls, system: System, done: InLanes) -> "Extremes":
@@ -42,14 +46,18 @@ class Extremes:
         tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
         channels = np.zeros((n, tables.channels.size, at.CHANNEL_MEMORY))
         failed, struck = np.zeros(n, dtype=bool), np.zeros(n)
+        travels = np.zeros((n, len(system.mounts), 2))
         for group, indices in done.groups:
             failed[indices] = group.failed != 0.0
             for lane, index in enumerate(indices):
                 channels[index, tracked] = group.channels(lane)
+                squares = group.travels(lane)[:, [at.FARTHEST, at.JUDGED]]
+                travels[index] = np.sqrt(np.where(squares >= 0.0, squares, math.nan))
                 stops = group.stops(lane)
                 struck[index] = np.sum(stops[:, at.TOUCHES] > stops[:, at.FROM_START])
         low, high = (channels[:, :, part : part + 3] for part in (at.LOW, at.HIGH))
-        return cls(failed=failed, value=channels[:, :, at.PEAK], lowest=low, highest=high, struck=struck)
+        value = channels[:, :, at.PEAK]
+        return cls(failed=failed, value=value, lowest=low, highest=high, struck=struck, travels=travels)
 
 
 def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:
@@ -71,11 +79,17 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
     reached = travel_reached(extremes.lowest[:, deflections], extremes.highest[:, deflections])
     stated = [isolators[number].limits.travel.stated for number in judged]
     rated = np.array([[one.get(rating, math.nan) for rating in RATINGS] for one in stated]).reshape(-1, len(RATINGS))
-    used = largest_utilisation(np.stack(list(reached.values()), axis=-1), rated)
+    ways = np.stack(list(reached.values()), axis=-1)
+    used = largest_utilisation(ways, rated)
+    combined = np.full_like(used, math.nan)
+    if system.combined_travel and judged:
+        farthest, of_judged = np.moveaxis(extremes.travels[:, judged], -1, 0)
+        combined = combined_utilisation(farthest, of_judged, ways, rated)
     loads = _static_loads([isolators[number].limits.static_load for number in judged], forces, judged, n)
     result = {
         "acceleration": _largest(np.array(bodies).reshape(-1, n).T),
         "travel": _largest(used),
+        "combined_travel": _largest(combined),
         "static_load": _largest(loads),
         "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
         "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))),
@@ -84,8 +98,8 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
     result |= {f"acceleration/{name}": values for name, values in accelerations.items()}
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
-    ways = {c: sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
-    sides = {name: ways[channel] for name, channel in channels["displacement"].items()}
+    by_side = {c: sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
+    sides = {name: by_side[channel] for name, channel in channels["displacement"].items()}
     result |= {f"displacement/{name}/{side}": values for name, of in sides.items() for side, values in of.items()}
     result["clearance"] = _largest(np.array(clearances_used(system, sides)).reshape(-1, n).T)
     for number, name in enumerate(names):

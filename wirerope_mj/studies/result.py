@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from copy import copy
 from dataclasses import dataclass, field
+from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -21,10 +22,9 @@ from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.sampling import LISTED
-from wirerope_mj.studies.inputs_file import STUDY
-from wirerope_mj.studies.old_names import todays_table
+from wirerope_mj.studies.inputs_file import STUDY, todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
-from wirerope_mj.studies.results.measure import checked_measure, measure_of, unit_of, values_of
+from wirerope_mj.studies.results.measure import ALL, checked_measure, measure_of, unit_of, values_of
 from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, worst
 
 NOT_COMPUTED = (
@@ -77,7 +77,10 @@ class StudyResult(Exportable, Summarised):
     def nominal(self) -> dict[str, float]:
         """Measures of the nominal system, with nothing varied and under the first of the motions; none if it fails."""
         measures = nominal(self.study.work)
-        return {} if isinstance(measures, str) else measures
+        if isinstance(measures, str):
+            return {}
+        accelerations = [value for name, value in measures.items() if name.startswith(ALL[:-1])]
+        return measures | ({ALL: max(accelerations)} if accelerations else {})
 
     @property
     def exported(self) -> Exported:
@@ -93,13 +96,14 @@ class StudyResult(Exportable, Summarised):
         )
 
     def narrowed(self, columns: Sequence[str]) -> "StudyResult":
-        """Return the result of a study that is complete with those of `columns` alone that its table has; no others are read.
+        """Return the result of a study that is complete with those columns alone that match `columns`; no others are read.
 
         The table of a million variants takes gigabytes of memory, one column of it 8 MB.
         """
-        there = set(read_schema(self.folder).names)
+        there = read_schema(self.folder).names
         other = copy(self)
-        vars(other)["table"] = read_table(self.folder, [name for name in columns if name in there])
+        names = [name for name in there if any(fnmatchcase(name, one) for one in columns)]
+        vars(other)["table"] = read_table(self.folder, names)
         return other
 
     @cached_property

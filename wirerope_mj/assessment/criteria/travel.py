@@ -109,6 +109,23 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
     return np.sqrt(total)
 
 
+def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
+    """Return what many mounts use of all rated travels at once, (...), as a run's verdict says it; NaN where not judged.
+
+    Args:
+        farthest: largest utilisation of every step, (...).
+        judged: the same of the instants that are judged, (...); NaN where there is none.
+        reached: travel in the order of RATINGS [m], (..., 4).
+        rated: rated travel [m], (..., 4); NaN where none is stated.
+    """
+    missing = np.isnan(rated) & (reached > 0.0)
+    ways = np.array([way != 0.0 for _, way in RATINGS.values()])
+    bound = np.isnan(judged) | missing[..., ~ways].any(axis=-1)
+    left_out = missing[..., ways].any(axis=-1) & (farthest <= 1.0) & ~np.isnan(judged)
+    used = np.where(left_out, judged, farthest)
+    return np.asarray(np.where(bound & (used <= 1.0) | np.isnan(rated).all(axis=-1), np.nan, used))
+
+
 def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
     """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1.
 

@@ -29,6 +29,13 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 
+Kind = Literal["native", "python"]
+_lock = threading.Lock()
+_users = 0
+_kind: Kind = "native"
+_before: tuple[object, ...] = (None,) * 4
+STATE = mujoco.mjtState.mjSTATE_INTEGRATION
+
 
 class _Views:
     """Flat views of one MjData and the addresses of its system: making them anew would cost more than the kernels."""
@@ -113,14 +120,6 @@ def _track_contacts(v: Any, data: mujoco.MjData) -> None:
             )  # fmt: skip
 
 
-Kind = Literal["native", "python"]
-
-_lock = threading.Lock()
-_users = 0
-_kind: Kind = "native"
-_before: tuple[object, ...] = (None,) * 4
-
-
 @contextmanager
 def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native") -> Iterator[Kind]:
     """Make the mounts of every system act for as long as the block runs; what was installed before comes back after it.
@@ -198,9 +197,6 @@ def _set(callbacks: Callbacks, warn: object) -> None:
     mujoco.set_mjcb_act_dyn(callbacks.act_dyn)
     mujoco.set_mjcb_sensor(callbacks.sensor)
     mujoco.set_mju_user_warning(warn)
-
-
-STATE = mujoco.mjtState.mjSTATE_INTEGRATION
 
 
 def state_of(model: mujoco.MjModel, data: mujoco.MjData) -> State:

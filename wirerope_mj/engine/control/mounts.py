@@ -23,6 +23,8 @@ from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
+AXIAL = 2  # index of the axial axis
+
 
 @njit
 def product(a0, a1, a2, a3, b0, b1, b2, b3):
@@ -69,9 +71,6 @@ def righting(e0, e1, e2, e3, roll, shear, axial):
         -2.0 * (e0 * k2 + e3 * k1 - e1 * k3),
         -2.0 * (e0 * k3 + e1 * k2 - e2 * k1),
     )
-
-
-AXIAL = 2  # index of the axial axis
 
 
 @inlined

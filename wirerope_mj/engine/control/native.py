@@ -36,6 +36,19 @@ _SCALARS = {
     "mjtBool": 1, "mjtByte": 1, "char": 1, "unsigned char": 1,
 }  # fmt: skip
 
+ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
+ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
+
+CONTROL_FIELDS = (
+    "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "site_xquat", "subtree_com",
+    "cvel", "xipos", "xfrc_applied",
+)  # fmt: skip
+
+SENSOR_FIELDS = (
+    "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
+    "qvel", "qacc", "site_xmat",
+)  # fmt: skip
+
 
 def _layout_of_fields(fields: Any, union: bool = False) -> tuple[int, int, dict[str, int]]:
     """Return size, alignment and offsets by name of a struct's fields by the rules of the C ABI."""
@@ -92,9 +105,6 @@ def disagreement(model: mujoco.MjModel, data: mujoco.MjData) -> str | None:
     return None
 
 
-ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
-
-
 @intrinsic
 def _as_pointer(typing_context, address):  # type: ignore[no-untyped-def]
     def codegen(context, builder, signature, args):  # type: ignore[no-untyped-def]
@@ -131,9 +141,6 @@ def int32_member(struct, offset):  # type: ignore[no-untyped-def]
 def member(struct, offset, start=0):  # type: ignore[no-untyped-def]
     """Return the float64 array that the pointer at `offset` in a struct leads to, from its entry `start`."""
     return float64_array(int64_array(struct + offset)[0] + 8 * start)
-
-
-ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
 
 
 class Callbacks(NamedTuple):
@@ -223,16 +230,6 @@ def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-
         member(d, field[6]), member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]),
         member(d, field[11]), member(d, field[12]),
     )  # fmt: skip
-
-
-CONTROL_FIELDS = (
-    "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "site_xquat", "subtree_com",
-    "cvel", "xipos", "xfrc_applied",
-)  # fmt: skip
-SENSOR_FIELDS = (
-    "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
-    "qvel", "qacc", "site_xmat",
-)  # fmt: skip
 
 
 @cache

@@ -13,6 +13,12 @@ from wirerope_mj.mounts.vendor_parts import VendorPart
 # by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
 TOLERANCE = 1e-9
 
+_SAME = 1e-3  # closer than this no two mounts can stand [m]
+_LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
+
+# radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
+_FAR = 20.0
+
 
 @dataclass(frozen=True, eq=False)
 class MassProperties:
@@ -120,13 +126,6 @@ def axes_along(axial: Array, bars: Array | None = None) -> Array:
     shear = bars - (bars @ axial) * axial
     shear /= np.linalg.norm(shear)
     return np.array([np.cross(shear, axial), shear, axial])
-
-
-_SAME = 1e-3  # closer than this no two mounts can stand [m]
-_LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
-
-# radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
-_FAR = 20.0
 
 
 def check_places(layout: Layout, masses: Path) -> None:

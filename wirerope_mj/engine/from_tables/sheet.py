@@ -46,6 +46,11 @@ UNITS: dict[str, Mapping[str, float]] = {
 _UNPACKED = 20.0
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 
+_MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": 0.45359237}
+_LENGTH = {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0, "inches": LENGTH_UNITS["in"]}
+_NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
+_HOW = 'Export the mass properties as text in English, with "Mass = .. kilograms", "Center of mass" and "Moments of inertia".'
+
 
 @dataclass(frozen=True)
 class Row:
@@ -202,12 +207,6 @@ def _as_text(value: Any) -> str:
     if value is None:
         return ""
     return repr(value) if isinstance(value, float) else str(value).strip()
-
-
-_MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": 0.45359237}
-_LENGTH = {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0, "inches": LENGTH_UNITS["in"]}
-_NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
-_HOW = 'Export the mass properties as text in English, with "Mass = .. kilograms", "Center of mass" and "Moments of inertia".'
 
 
 def read_cad_text(path: Path, *, sign: float) -> MassProperties:

@@ -8,6 +8,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+FARTHEST = 1e3  # clearance that is as good as any larger one [m]
+
 
 @dataclass
 class Writer:
@@ -102,9 +104,6 @@ def inertia_of(bodies: Bodies, number: int) -> Array:
 
 def _six(matrix: Any) -> Array:
     return np.asarray(matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]], dtype=np.float64)
-
-
-FARTHEST = 1e3  # clearance that is as good as any larger one [m]
 
 
 def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: Writer) -> list[list[int]]:

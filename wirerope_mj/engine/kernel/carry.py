@@ -21,6 +21,11 @@ from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
 
 NEVER = 1e300  # length after which a state comes to zero that never does [m]
 
+# longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
+STEP = 0.08
+MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
+LINE = 12  # index of a line's start and direction among the parameters of the biaxial kernel
+
 
 @inlined
 def along(alpha, b, y, length):
@@ -95,12 +100,6 @@ def carry_states(structure, numbers, states, memory, before, carried, follows, s
                     law, numbers, number, p, sizes[k], x0, x1, states, carried, state, n_states, first_state + state,
                     scratch,
                 )  # fmt: skip
-
-
-# longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
-STEP = 0.08
-MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
-LINE = 12  # index of a line's start and direction among the parameters of the biaxial kernel
 
 
 @inlined

@@ -25,6 +25,8 @@ KNOTS = 4
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
 
+_ENABLED = mujoco.mjtEnableBit.mjENBL_ENERGY | mujoco.mjtEnableBit.mjENBL_FWDINV
+
 
 @dataclass(frozen=True, kw_only=True)
 class Equations:
@@ -296,9 +298,6 @@ def _frames(system: System, bodies: Bodies, fix: Writer, num: Writer) -> list[li
         there = [bodies.link[base], num.put(base_centre), fix.put(row[4:7])]
         rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *there, 1])
     return rows
-
-
-_ENABLED = mujoco.mjtEnableBit.mjENBL_ENERGY | mujoco.mjtEnableBit.mjENBL_FWDINV
 
 
 @once_per_system

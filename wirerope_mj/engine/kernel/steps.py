@@ -33,6 +33,8 @@ from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
 
 BEYOND = 1e10  # acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this
 
+NO_SAMPLES = np.zeros((0, 0, 0))  # room for the samples that are not wanted
+
 
 @njit
 def forward(lay, fix, num, y, work, base):
@@ -246,9 +248,6 @@ def finish(structure, shared, numbers, states, memory, clock, which, time, posit
     forward(lay, fix, num, y, work, base_at(motion, which, False, 0))
     watch(lay, fix, y, work)
     observe(lay, fix, num, y, work, clock, time, out, sample)
-
-
-NO_SAMPLES = np.zeros((0, 0, 0))  # room for the samples that are not wanted
 
 
 @inlined

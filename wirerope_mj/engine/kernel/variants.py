@@ -30,6 +30,8 @@ from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 # kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
 _PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI)
 
+NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
+
 
 class _Changed:
     """A model with some arrays of its own."""
@@ -180,9 +182,6 @@ def same_structure(law: Law | None, other: Law | None) -> bool:
     if law is None or other is None:
         return law is other
     return type(law) is type(other) and (law.kernel in _PLAIN or law == other)
-
-
-NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,6 +20,25 @@ SENSITIVE = "what it hits: the answer is sensitive, and finer steps do not agree
 BLOCK_ROWS = 1 << 16
 BLOCK_NUMBERS = 1 << 22  # numbers that are handed on at once: of hundreds of columns fewer rows
 
+_XYZ = ("x", "y", "z")
+
+_KINEMATICS = (
+    ("position", _XYZ),
+    ("orientation", ("w", "x", "y", "z")),
+    ("velocity", _XYZ),
+    ("angular_velocity", _XYZ),
+    ("acceleration", _XYZ),
+    ("angular_acceleration", _XYZ),
+)
+_POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
+BASE = ("displacement", "velocity", "acceleration")
+CONTACT = ("force", "gap")
+
+_UNITS = {
+    "position": "m", "velocity": "m/s", "acceleration": "m/s^2", "displacement": "m", "relative_displacement": "m",
+    "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N", "gap": "m",
+}  # fmt: skip
+
 
 def block_rows(columns: int) -> int:
     """Return how many rows of so many columns are handed on at once."""
@@ -190,20 +209,6 @@ class Numerics:
         return "the kernel" if self.engine == "kernel" else f"MuJoCo, {self.callback} callback"
 
 
-_XYZ = ("x", "y", "z")
-_KINEMATICS = (
-    ("position", _XYZ),
-    ("orientation", ("w", "x", "y", "z")),
-    ("velocity", _XYZ),
-    ("angular_velocity", _XYZ),
-    ("acceleration", _XYZ),
-    ("angular_acceleration", _XYZ),
-)
-_POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
-BASE = ("displacement", "velocity", "acceleration")
-CONTACT = ("force", "gap")
-
-
 @dataclass(frozen=True, kw_only=True)
 class ColumnPlan:
     """Meaning of the columns of a response, in the order of the system's sensor values."""
@@ -274,12 +279,6 @@ def same_columns(stored: Sequence[str], now: Sequence[str]) -> bool:
 
 def _size(parts: Sequence[tuple[str, Sequence[str]]]) -> int:
     return sum(len(components) for _, components in parts)
-
-
-_UNITS = {
-    "position": "m", "velocity": "m/s", "acceleration": "m/s^2", "displacement": "m", "relative_displacement": "m",
-    "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N", "gap": "m",
-}  # fmt: skip
 
 
 def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported:

@@ -34,6 +34,9 @@ FORMAT = 1
 
 _ROUNDING = 1e-9  # what the sum of a start and a duration may be off by [s]
 
+PARTS = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")  # all but the samples
+_AGAIN = "The file was damaged or edited: take it from another copy of the folder, or simulate the run again."
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Response(Exportable, Summarised):
@@ -134,9 +137,6 @@ class Response(Exportable, Summarised):
         write_rows(Path(folder) / FILE, names, self.samples.columns(0, len(names)), content)
 
 
-PARTS = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")  # all but the samples
-
-
 def response_of(
     plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None,
     **parts: Any,
@@ -163,9 +163,6 @@ def response_metadata(plan: ColumnPlan, parts: Mapping[str, Any]) -> dict[str, A
         "mounts": [[name, list(states)] for name, states in plan.mounts],
         "contacts": list(plan.contacts),
     }
-
-
-_AGAIN = "The file was damaged or edited: take it from another copy of the folder, or simulate the run again."
 
 
 @dataclass(frozen=True)

@@ -42,6 +42,15 @@ UNJUDGED = "the native callback, with which it is compared, is not available"  #
 
 _known: dict[bytes, str] = {}
 
+Engine = Literal["auto", "mujoco", "kernel"]
+
+# reasons why the kernel gives a run up
+WHY = {
+    at.WILD: "its motion grew without bound",
+    at.LIMITED: "a joint came to its limit",
+    at.TOUCHING: "bodies moved by more than the clearance between them and may have touched",
+}
+
 
 @once_per_system
 def unsupported_system(system: System) -> str:
@@ -165,16 +174,6 @@ def _run_apart(system: System, qvel: Array, step: float) -> float:
         one, other = (samples[:, kinds == kind] for samples in (expected, got))
         worst = max(worst, float(np.abs(one - other).max(initial=0.0) / max(np.abs(one).max(initial=0.0), 1e-300)))
     return worst
-
-
-Engine = Literal["auto", "mujoco", "kernel"]
-
-# reasons why the kernel gives a run up
-WHY = {
-    at.WILD: "its motion grew without bound",
-    at.LIMITED: "a joint came to its limit",
-    at.TOUCHING: "bodies moved by more than the clearance between them and may have touched",
-}
 
 
 def compute(

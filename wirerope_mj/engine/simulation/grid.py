@@ -14,6 +14,9 @@ from wirerope_mj.motions import BaseMotion
 # instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it
 SAME_TIME = 1e-10
 
+# instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory
+BLOCK = 1 << 15
+
 
 @dataclass(frozen=True, kw_only=True)
 class Grid:
@@ -40,10 +43,6 @@ class Grid:
     def largest_step(self) -> float:
         """Largest step [s]."""
         return float(((self.stop - self.start) / self.steps).max()) if self.start.size else 0.0
-
-
-# instants of a grid that are made at once: runs up to this long have one block, and longer ones need no more memory
-BLOCK = 1 << 15
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -32,6 +32,8 @@ from wirerope_mj.motions import BaseMotion
 _WORDS = ("name", "text", "tuple", "tex_", "skin_", "vis_")
 _STEP = "opt.timestep"  # the option that belongs to the grid and not to a system
 
+Sink = Callable[[int, Array], None]
+
 
 def check_same_layout(systems: Sequence[System]) -> None:
     """Raise ModelError if one of the systems differs from the first in more than numbers of its model."""
@@ -105,9 +107,6 @@ def _fixed() -> tuple[str, ...]:
     arrays = (name for name in dir(model) if isinstance(getattr(model, name), np.ndarray))
     kept = (name for name in arrays if name not in MODEL_FIELDS and not name.startswith((*_WORDS, "_", "bvh_")))
     return tuple(name for name in kept if not name.endswith("pathadr"))
-
-
-Sink = Callable[[int, Array], None]
 
 
 class Lockstep:

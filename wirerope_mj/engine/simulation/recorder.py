@@ -31,6 +31,9 @@ _SHAPES = {
     mujoco.mjtGeom.mjGEOM_MESH: "mesh",
 }
 
+FARTHEST = 1e3  # gap that is as good as any larger one [m]
+STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
+
 
 @once_per_system
 def scene_of(system: System) -> Scene:
@@ -111,9 +114,6 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
-FARTHEST = 1e3  # gap that is as good as any larger one [m]
-
-
 class Gaps:
     """Geoms of the declared pairs of a system, to be placed as samples say."""
 
@@ -144,9 +144,6 @@ class Gaps:
             for number, (one, other) in enumerate(self._pairs):
                 gaps[row, number] = mujoco.mj_geomDistance(model, data, one, other, FARTHEST, line)
         return gaps
-
-
-STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
 
 
 class Recorder:

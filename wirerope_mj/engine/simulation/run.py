@@ -36,6 +36,20 @@ from wirerope_mj.mounts.isolator.travel import beyond_law
 
 OTHERS = "further pairs"  # name of all pairs of geoms beyond the memory's last row
 
+CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
+
+# where the numbers of a `Peak` stand in the tracker's memory of a channel
+_NUMBERS = np.array(
+    [
+        at.PEAK,
+        at.PEAK_TIME,
+        *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
+    ]
+)
+
+# kinds of motions whose shortest time is a period
+_OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
+
 
 def contacts_of(system: System, user: Array) -> dict[str, ContactPeak]:
     """Return the contacts by name: the model's declared pairs, touched or not, what else touched, then the mounts' stops.
@@ -81,9 +95,6 @@ def _touched(contact: ContactPeak, row: Array) -> ContactPeak:
         force_time=float(row[at.FORCE_TIME]) if force else None, penetration=depth,
         penetration_time=float(row[at.DEPTH_TIME]) if depth else None, energy=float(row[at.WORK]),
     )  # fmt: skip
-
-
-CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,16 +189,6 @@ def _travel(row: list[float]) -> CombinedTravel:
     )  # fmt: skip
 
 
-# where the numbers of a `Peak` stand in the tracker's memory of a channel
-_NUMBERS = np.array(
-    [
-        at.PEAK,
-        at.PEAK_TIME,
-        *(first + c for first in (at.PEAK_VECTOR, at.LOW, at.LOW_TIME, at.HIGH, at.HIGH_TIME) for c in range(3)),
-    ]
-)
-
-
 def aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> str:
     """Return that motions are steadily faster than samples can tell, as a sentence without a capital; "" if none is."""
     parts = [part for motion in motions for part in motion.parts if part.kind in _OF_FREQUENCIES]
@@ -205,9 +206,6 @@ def warn_of_aliasing(motions: Iterable[BaseMotion], sample_rate: float) -> None:
     """Warn where a motion is steadily faster than samples can tell: histories show what is not there."""
     if text := aliasing(motions, sample_rate):
         warnings.warn(text, AccuracyWarning, stacklevel=3)
-
-
-_OF_FREQUENCIES = ("sine", "sweep", "vibration-lines", "random-vibration", "harmonic-force", "unbalance")
 
 
 def require_lawful(system: System, peaks: Peaks) -> None:

@@ -32,6 +32,11 @@ NUMBER = 8  # bytes of a number
 # bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
 OF_AN_INSTANT = 4 * NUMBER
 
+FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
+
+# steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
+MOST_STEPS = 1e9
+
 
 def simulate(
     system: System,
@@ -178,12 +183,6 @@ def checked_corners(corners: Sequence[float] | Array) -> Array:
     if instants.ndim != 1 or not np.isfinite(instants).all():
         raise ValueError(f"`corners` must be finite instants in seconds, got {quoted(corners)}.")
     return np.sort(instants)
-
-
-FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
-
-# steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
-MOST_STEPS = 1e9
 
 
 def checked_step(system: System, timestep: float, duration: float) -> float:

@@ -18,6 +18,8 @@ RK4_LIMIT = 2.7
 # angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely
 SLOWEST_RATE = 1.0
 
+ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
+
 
 def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
@@ -79,9 +81,6 @@ def slowest_period(system: System) -> float:
     rates = np.abs(eigenvalues(system).imag)
     moving = rates[rates > SLOWEST_RATE]
     return float(2.0 * np.pi / moving.min()) if moving.size else 1.0
-
-
-ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
 
 
 class StepBound:

@@ -16,6 +16,9 @@ from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 
+# instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions
+POINTS = 4096
+
 
 class RunningPeak:
     """Extremes of the norm and of the components of a vector, which are zero before the first block."""
@@ -68,10 +71,6 @@ def _extreme(times: Array, values: Array, i: int) -> tuple[float, float]:
     if 0.1 < (later - time) / (time - earlier) < 10.0:  # the two limits of a corner stand 2e-10 s apart
         time, value = parabola_extreme(earlier, values.item(before), time, value, later, values.item(after))
     return value, time
-
-
-# instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions
-POINTS = 4096
 
 
 @dataclass(frozen=True, kw_only=True)

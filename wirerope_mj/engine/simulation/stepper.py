@@ -23,6 +23,26 @@ from wirerope_mj.mounts.isolator.falling import falling_text
 
 _NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
 
+_FARTHEST = 1.0  # m: where a motion has grown without bound it went through every smaller deflection
+_GREW = "the motion grew without bound; use a smaller `timestep`, and check masses, stops and mount loads"
+
+_GREW_FALLING = (
+    "the motion grew without bound because the force of a mount falls as its deflection grows: no timestep mends that; take a "
+    "law that holds there, or test larger amplitudes"
+)
+_GROWING = ("mjWARN_BADQACC", "mjWARN_BADQPOS", "mjWARN_BADQVEL")
+
+_REMEDIES = {
+    "mjWARN_BADCTRL": "a control is not finite or above 1e10; check what writes `ctrl`",
+    "mjWARN_CNSTRFULL": "there are more contacts than memory; raise <size memory=...> in the model",
+    "mjWARN_CONTACTFULL": "there are more contacts than memory; raise <size memory=...> in the model",
+    "mjWARN_INERTIA": "a mass or inertia is close to zero; check the model's masses",
+}
+
+# relative difference of base positions and velocities that is integration error and not another motion
+SAME_MOTION = 1e-6
+HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
+
 
 class Stepper:
     """A copy of a system's model with its data, taken from segment to segment of one grid after the other."""
@@ -181,26 +201,6 @@ def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int6
     rides = np.isin(roots, roots[driven])
     rides[driven] = False
     return np.flatnonzero(rides)
-
-
-_FARTHEST = 1.0  # m: where a motion has grown without bound it went through every smaller deflection
-_GREW = "the motion grew without bound; use a smaller `timestep`, and check masses, stops and mount loads"
-_GREW_FALLING = (
-    "the motion grew without bound because the force of a mount falls as its deflection grows: no timestep mends that; take a "
-    "law that holds there, or test larger amplitudes"
-)
-_GROWING = ("mjWARN_BADQACC", "mjWARN_BADQPOS", "mjWARN_BADQVEL")
-_REMEDIES = {
-    "mjWARN_BADCTRL": "a control is not finite or above 1e10; check what writes `ctrl`",
-    "mjWARN_CNSTRFULL": "there are more contacts than memory; raise <size memory=...> in the model",
-    "mjWARN_CONTACTFULL": "there are more contacts than memory; raise <size memory=...> in the model",
-    "mjWARN_INERTIA": "a mass or inertia is close to zero; check the model's masses",
-}
-
-
-# relative difference of base positions and velocities that is integration error and not another motion
-SAME_MOTION = 1e-6
-HISTORIES: dict[str, History] = {"settled": "virgin", "relaxed": "relaxed"}
 
 
 def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:

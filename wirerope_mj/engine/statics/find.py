@@ -36,6 +36,8 @@ from wirerope_mj.foundation.lanes import WIDTH
 # ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain
 HELD = 1e-12
 
+_known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
+
 
 @dataclass(frozen=True, kw_only=True)
 class Equilibria:
@@ -151,9 +153,6 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
     if not (lawful and residual <= ACCEPTED * max(float(np.linalg.norm(model.opt.gravity)), 1.0)):
         return None
     return Equilibrium.of(system, state_of(model, data), rows, history, residual, unheld)
-
-
-_known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
 
 
 def equilibrium(system: System, *, history: History = "virgin") -> Equilibrium:

@@ -19,6 +19,22 @@ from wirerope_mj.foundation.summary import ByName, Summarised, quantity
 History = Literal["virgin", "relaxed"]
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
 
+LOAD_STEPS = 20
+SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
+TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
+
+# accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
+ACCEPTED = 1e-8
+
+# positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
+MOST = 3_000
+
+# deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
+FARTHEST = 10.0
+
+# argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
+WITHOUT_SENSORS = 1
+
 
 @dataclass(frozen=True, kw_only=True)
 class MountLoad:
@@ -74,25 +90,9 @@ def forces_at_rest(system: System, state: State) -> Array:
     return assembly.tables.user.mount_rows(assembly.user(memory))[:, 1]
 
 
-LOAD_STEPS = 20
 """Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last.
 
 Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
-
-SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
-TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
-
-# accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
-ACCEPTED = 1e-8
-
-# positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
-MOST = 3_000
-
-# deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
-FARTHEST = 10.0
-
-# argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
-WITHOUT_SENSORS = 1
 
 
 class Loading:

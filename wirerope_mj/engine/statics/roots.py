@@ -31,6 +31,9 @@ DIFFERENCE = 1e-7
 # fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it
 INDIFFERENT = 1e-10
 
+# index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have
+LINE = 12
+
 
 class Roots:
     """Finds roots one after another, each from the last.
@@ -98,10 +101,6 @@ def _updated(inverse: Array, step: Array, before: Array, after: Array) -> Array 
     if largest(after) > SLOW * largest(before) or agreement < SLOW * float(step @ step):
         return None
     return np.asarray(inverse + np.outer(step - expected, step @ inverse) / agreement)
-
-
-# index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have
-LINE = 12
 
 
 @njit

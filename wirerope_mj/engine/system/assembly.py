@@ -21,6 +21,10 @@ from wirerope_mj.engine.system.tables import (
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
+# the drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early
+SOLVER_TOLERANCE = 1e-15
+POINT, FORCE = "point/", "force/"
+
 
 class Scratch:
     """Data for models of one layout, those of a system and of its variants; several threads may borrow at once."""
@@ -43,11 +47,6 @@ class Scratch:
     def __reduce__(self) -> tuple[type["Scratch"], tuple[()]]:
         """Carry nothing to another process; a copy lends for itself."""
         return Scratch, ()
-
-
-# the drive's inertia enters MuJoCo's termination scale: with the default 1e-8 contacts stop iterating too early
-SOLVER_TOLERANCE = 1e-15
-POINT, FORCE = "point/", "force/"
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -23,6 +23,26 @@ _WRITTEN = ("pos", "quat", "axis", "size", "mass")
 # and a body on a joint of its own with 1e-11 of the mass that it carries still pass.
 REGULAR = 1e-12
 
+_REMEDY = "every number of a model must be finite, with a finite square. Correct it there, or what it is computed from."
+_LEAD = re.compile(r"^(?:XML Error: |Error: |Schema violation: )+")
+_ELEMENT = re.compile(r" ?Element (?:name )?'([^']*)'(?:, id -?\d+)?(?:, line (\d+))?")
+
+# parts of MuJoCo's messages, and what to do about each; the first that a message holds counts
+_REMEDIES = (
+    ("opening file", "Put the file there, or correct its name; it is looked for from the model's folder on."),
+    ("mjMINVAL", "Give this body mass: a geom, or an <inertial>."),
+    ("decoder", "Export or copy this file again."),
+    (
+        "repeated name",
+        "Give each element of a kind its own name; body/NAME, point/NAME, mount/NAME and wirerope/... are added to each model.",
+    ),
+    ("model type", "An MJCF file begins with <mujoco>."),
+    ("not found", "Name one that the model has, or add it."),
+    ("unknown", "Name one that the model has, or add it."),
+    ("unrecognized name", "Name one that the model has, or add it."),
+)
+_ELSEWHERE = "What each element may hold: https://mujoco.readthedocs.io/en/stable/XMLreference.html."
+
 
 def check_written(text: str, path: Path | None) -> None:
     """Raise ModelError if a number of a model as written is NaN, which MuJoCo takes for one that is not given."""
@@ -49,9 +69,6 @@ def check_numbers(model: mujoco.MjModel) -> None:
         values = getattr(model, name)
         if values.size and not np.isfinite(values).all():
             raise ModelError(_not_finite(model, name, values))
-
-
-_REMEDY = "every number of a model must be finite, with a finite square. Correct it there, or what it is computed from."
 
 
 @cache
@@ -118,25 +135,6 @@ def _check_independent(model: mujoco.MjModel, dofs: npt.NDArray[np.int64], matri
         f"the joints {names} of {bodies} do not move in independent directions: what one does the others undo. Turn the axis "
         "of one of them, or remove it."
     )
-
-
-_LEAD = re.compile(r"^(?:XML Error: |Error: |Schema violation: )+")
-_ELEMENT = re.compile(r" ?Element (?:name )?'([^']*)'(?:, id -?\d+)?(?:, line (\d+))?")
-# parts of MuJoCo's messages, and what to do about each; the first that a message holds counts
-_REMEDIES = (
-    ("opening file", "Put the file there, or correct its name; it is looked for from the model's folder on."),
-    ("mjMINVAL", "Give this body mass: a geom, or an <inertial>."),
-    ("decoder", "Export or copy this file again."),
-    (
-        "repeated name",
-        "Give each element of a kind its own name; body/NAME, point/NAME, mount/NAME and wirerope/... are added to each model.",
-    ),
-    ("model type", "An MJCF file begins with <mujoco>."),
-    ("not found", "Name one that the model has, or add it."),
-    ("unknown", "Name one that the model has, or add it."),
-    ("unrecognized name", "Name one that the model has, or add it."),
-)
-_ELSEWHERE = "What each element may hold: https://mujoco.readthedocs.io/en/stable/XMLreference.html."
 
 
 def refused(reason: str, text: str) -> str:

@@ -21,6 +21,10 @@ from wirerope_mj.mounts.vendor_parts import load_isolator
 COINCIDENCE = 1e-6  # largest distance between the two sites of a mount in the modelled geometry [m]
 MOUNT, ISOLATOR, BASE = "mount/", "isolator/", "base"
 
+AREA = "area/"
+LIMIT, POINT = "limit/", "point/"
+COMBINED = LIMIT + "combined_travel"
+
 
 @dataclass(frozen=True, kw_only=True)
 class DeclaredMount:
@@ -181,9 +185,6 @@ def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
             )
 
 
-AREA = "area/"
-
-
 def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tuple[str, ...]]:
     """Return the mounts of every area, in the order of the model.
 
@@ -208,10 +209,6 @@ def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tu
                 raise ModelError(f"text {name!r}: mount {mount!r} stands on area {taken[mount]!r} already.")
             taken[mount] = area
     return areas
-
-
-LIMIT, POINT = "limit/", "point/"
-COMBINED = LIMIT + "combined_travel"
 
 
 def judges_combined_travel(model: mujoco.MjModel) -> bool:

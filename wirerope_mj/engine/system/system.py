@@ -35,6 +35,8 @@ from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
+Value = TypeVar("Value")
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Mount(Brief):
@@ -233,9 +235,6 @@ def _check_payloads(model: mujoco.MjModel, declared: list[DeclaredMount], base: 
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} is fixed in the world; nothing moves on it.")
         if base and model.body_rootid[body] == base and model.body_weldid[body] == base:
             raise ModelError(f"mount {mount.name!r}: payload site {site!r} belongs to the base; swap the two sites.")
-
-
-Value = TypeVar("Value")
 
 
 def beyond_laws(system: System, deflections: Array, *, fraction: float = 1.0) -> tuple[str, str] | None:

@@ -17,6 +17,9 @@ from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
 
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 
+# inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
+DRIVE_ARMATURE = 1e10
+
 
 def contact_capacity(model: mujoco.MjModel) -> int:
     """Return the rows of the memory of contacts: one for each declared pair, up to `MOST` for what else may touch."""
@@ -78,10 +81,6 @@ def _pairs_by_type(model: mujoco.MjModel) -> int:
     bodies = model.body_weldid[model.geom_bodyid]
     meet &= bodies[:, np.newaxis] != bodies
     return int(np.count_nonzero(np.triu(meet, 1)))
-
-
-# inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
-DRIVE_ARMATURE = 1e10
 
 
 @dataclass(frozen=True, kw_only=True)

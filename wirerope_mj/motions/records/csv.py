@@ -20,6 +20,8 @@ from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
 
+_AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
+
 
 def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False) -> Iterator[Array]:
     """Yield the columns' numbers block by block, (n, n_columns); the first of them is time.
@@ -114,9 +116,6 @@ def _full_rows(header: Header, lines: Iterable[str]) -> Iterator[str]:
 
 def _number_or_nan(cell: str) -> float:
     return parse_number(cell) if cell.strip() else math.nan
-
-
-_AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
 
 
 def csv_channels(path: Path) -> tuple[str, ...]:

@@ -12,48 +12,8 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of
 
 # of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart
-_ORDER, _WINDOW = 32, 1000
+_LAGS, _WINDOW = 32, 1000
 _EXACT = 1e-10  # error of the prediction, as a fraction of the signal's power, at which it is good enough
-
-
-def continued(a: Array, count: int) -> Array:
-    """Return a signal (n,) with samples added at both ends, (n + 2 count,).
-
-    A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
-    was cut out of a longer one and is continued by linear prediction (Burg): sines go on with their phase, noise dies away.
-    """
-    rest = offset_of(a)
-    if is_pulse(a, rest):
-        return np.pad(a, count, mode="reflect")
-    before = _predicted(a[:_WINDOW][::-1] - rest, count)[::-1]
-    after = _predicted(a[-_WINDOW:] - rest, count)
-    return np.concatenate([before + rest, a, after + rest])
-
-
-def _predicted(a: Array, count: int) -> Array:
-    """Return the samples that come after a signal as far as its past tells."""
-    from scipy.signal import lfilter, lfiltic
-
-    weights = _burg(a, min(_ORDER, a.size // 3))
-    state = lfiltic([1.0], weights, a[::-1][: weights.size - 1])
-    return np.asarray(lfilter([1.0], weights, np.zeros(count), zi=state)[0])
-
-
-def _burg(a: Array, order: int) -> Array:
-    """Return 1 and the weights of the past in the error of prediction, which are always those of a stable filter."""
-    weights = np.ones(1)
-    forward, backward = a[1:], a[:-1]
-    enough = _EXACT * 2.0 * float(a @ a)
-    for _ in range(order):
-        power = float(forward @ forward + backward @ backward)
-        if power <= enough:
-            break  # more weights would hold nothing but rounding, and what they predict would grow
-        reflected = float(np.clip(-2.0 * (forward @ backward) / power, -1.0, 1.0))  # beyond by rounding
-        weights = np.append(weights, 0.0)
-        weights = weights + reflected * weights[::-1]
-        forward, backward = (forward + reflected * backward)[1:], (backward + reflected * forward)[:-1]
-    return weights
-
 
 # fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does
 _ROUNDED = 1e-3
@@ -76,6 +36,56 @@ _BLOCK = 100_000  # samples that are looked at together
 # Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong.
 _MOST_MADE, _MOST_TIMES = 1_000_000, 10
 _LARGEST_FACTOR = 10_000  # of a change of rate, as a fraction: the filter has some fifty taps for each
+BASELINES = ("none", "rest", "mean", "velocity", "highpass")
+
+# of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase
+_FILTER_ORDER = 2
+
+# periods of the cutoff by which a record is lengthened at either end, at rest, for the filter's answer, which comes before a
+# shock as well as after it. It has died away there to 1e-4.
+_QUIET = 2.0
+
+# samples that may be added: a cutoff far below anything in a record would fill the memory with rest
+_MOST_ADDED = 20_000_000
+
+
+def continued(a: Array, count: int) -> Array:
+    """Return a signal (n,) with samples added at both ends, (n + 2 count,).
+
+    A pulse is mirrored, so that a filter takes nothing from its area even where it begins with the first sample. A vibration
+    was cut out of a longer one and is continued by linear prediction (Burg): sines go on with their phase, noise dies away.
+    """
+    rest = offset_of(a)
+    if is_pulse(a, rest):
+        return np.pad(a, count, mode="reflect")
+    before = _predicted(a[:_WINDOW][::-1] - rest, count)[::-1]
+    after = _predicted(a[-_WINDOW:] - rest, count)
+    return np.concatenate([before + rest, a, after + rest])
+
+
+def _predicted(a: Array, count: int) -> Array:
+    """Return the samples that come after a signal as far as its past tells."""
+    from scipy.signal import lfilter, lfiltic
+
+    weights = _burg(a, min(_LAGS, a.size // 3))
+    state = lfiltic([1.0], weights, a[::-1][: weights.size - 1])
+    return np.asarray(lfilter([1.0], weights, np.zeros(count), zi=state)[0])
+
+
+def _burg(a: Array, order: int) -> Array:
+    """Return 1 and the weights of the past in the error of prediction, which are always those of a stable filter."""
+    weights = np.ones(1)
+    forward, backward = a[1:], a[:-1]
+    enough = _EXACT * 2.0 * float(a @ a)
+    for _ in range(order):
+        power = float(forward @ forward + backward @ backward)
+        if power <= enough:
+            break  # more weights would hold nothing but rounding, and what they predict would grow
+        reflected = float(np.clip(-2.0 * (forward @ backward) / power, -1.0, 1.0))  # beyond by rounding
+        weights = np.append(weights, 0.0)
+        weights = weights + reflected * weights[::-1]
+        forward, backward = (forward + reflected * backward)[1:], (backward + reflected * forward)[:-1]
+    return weights
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
@@ -240,19 +250,6 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
     return straight
 
 
-BASELINES = ("none", "rest", "mean", "velocity", "highpass")
-
-# of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase
-_ORDER = 2
-
-# periods of the cutoff by which a record is lengthened at either end, at rest, for the filter's answer, which comes before a
-# shock as well as after it. It has died away there to 1e-4.
-_QUIET = 2.0
-
-# samples that may be added: a cutoff far below anything in a record would fill the memory with rest
-_MOST_ADDED = 20_000_000
-
-
 def without_baseline(time: Array, samples: Array, baseline: str, highpass: float | None) -> tuple[Array, Array]:
     """Return instants and samples without a constant (`baseline`), or without what is slower than a cutoff [Hz].
 
@@ -293,7 +290,7 @@ def _highpassed(time: Array, samples: Array, cutoff: float) -> tuple[Array, Arra
             f"`highpass` must be at least {2.0 * _QUIET / (_MOST_ADDED * step):.3g} Hz at {1.0 / step:.6g} samples a second, "
             f"got {cutoff!r}: the filter needs {_QUIET:g} of its periods at rest before and behind the record."
         )
-    sections = butter(_ORDER, cutoff, "highpass", fs=1.0 / step, output="sos")
+    sections = butter(_FILTER_ORDER, cutoff, "highpass", fs=1.0 / step, output="sos")
     longer = np.zeros((time.size + 2 * quiet, samples.shape[1]))
     for column, filtered in zip(samples.T, longer.T, strict=True):
         if column.any():

@@ -13,6 +13,9 @@ from wirerope_mj.foundation.jit import inlined, njit
 ACCELERATION, DISPLACEMENT, VELOCITY = 0, 2, 4
 EXTREMES = 6
 
+# largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file
+JITTER = 0.01
+
 
 @njit
 def extreme_between(y0: float, y1: float, d0: float, d1: float) -> float:
@@ -94,10 +97,6 @@ def ramp_extremes(x: Array, step: Array, frequency: float, damping: float, prima
             widen(primary, VELOCITY, extreme_between(v, v_next, y - a, y_next - b))
         u, v, y, rate = u_next, v_next, y_next, rate_next
     free_extremes(u, v, frequency, damping, residual)
-
-
-# largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file
-JITTER = 0.01
 
 
 def check_samples(time: npt.ArrayLike, acceleration: npt.ArrayLike) -> tuple[Array, float]:

@@ -29,6 +29,14 @@ SAMPLES_PER_PERIOD = 10.0
 HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
 LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
 
+_QUANTITIES = (
+    ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
+    ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),
+    ("acceleration/maximax", "m/s^2", lambda s: s.acceleration.maximax),
+    ("relative_displacement/maximax", "m", lambda s: s.displacement.maximax),
+    ("pseudo_velocity/maximax", "m/s", lambda s: 2.0 * np.pi * s.frequencies[:, None] * s.displacement.maximax),
+)
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Extremes(Brief):
@@ -247,12 +255,18 @@ def _end(channel: Array) -> int:
     return min(int(moving[-1]) + 2, channel.size) if moving.size else 1
 
 
+_HELD = 0.01  # error of a line that samples hold
+_COARSER = (2, 3)  # every so many samples are looked at by themselves
+
+
 def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> float:
     """Return the frequency up to which samples hold a spectrum of theirs within 1 % [Hz]; 0 where they hold no line.
 
     Errors of samples, of straight lines between them and of what is faster than they can tell, fall with the square of the rate
-    as a rule, and by chance do not: lines hold up to the first that every other sample changes by more than 1 %, and to a
-    twentieth of the rate at most.
+    as a rule, and by chance do not: lines hold up to the first that every other sample changes by more than 1 %, or every third
+    by as much as goes with that, and to a twentieth of the rate at most. Of a pulse of six samples all three have the same
+    area, wherever its edges lie between them: so what the two sharpest corners may add to it, a twelfth of a step times the
+    change of slope there, must be less than 1 % of the line, too.
 
     Args:
         time: uniform instants [s], (n,).
@@ -261,22 +275,23 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     """
     rate = (time.size - 1) / float(time[-1] - time[0])
     lines = spectrum.frequencies[spectrum.frequencies <= 0.5 * rate / SAMPLES_PER_PERIOD]
-    if not lines.size or time.size < 5:
-        return 0.0
-    coarse = shock_response_spectrum(time[::2], acceleration[::2], lines, q=spectrum.q).maximax
     fine = spectrum.maximax[: lines.size]
-    within = np.abs(coarse - fine) <= 0.01 * np.abs(fine)
-    within = within if within.ndim == 1 else (within | (fine <= 1e-6 * fine.max())).all(axis=1)
+    if time.size < 2 * max(_COARSER) or not fine.any():  # a short pulse may fall between all samples
+        return 0.0
+    within = np.ones_like(fine, dtype=bool)
+    for every in _COARSER:
+        told = lines[lines <= rate / (SAMPLES_PER_PERIOD * every)]
+        if not told.size:
+            continue
+        coarse = shock_response_spectrum(time[::every], acceleration[::every], told, q=spectrum.q).maximax
+        allowed = _HELD * (every**2 - 1.0) / 3.0 * np.abs(fine[: told.size])
+        within[: told.size] &= np.abs(coarse - fine[: told.size]) <= allowed
+    corners = np.sort(np.abs(np.diff(acceleration, 2, axis=0)), axis=0)[-2:].sum(axis=0) / (12.0 * rate)
+    pulsation = 2.0 * math.pi * lines.reshape((-1,) + (1,) * (fine.ndim - 1))
+    within &= pulsation * corners <= _HELD * fine
+    if fine.ndim > 1:  # a direction in which next to nothing moves holds nothing up
+        within = (within | (fine <= 1e-6 * fine.max())).all(axis=1)
     return float(lines[np.flatnonzero(~within)[0] - 1] if not within.all() else lines[-1]) if within[0] else 0.0
-
-
-_QUANTITIES = (
-    ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
-    ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),
-    ("acceleration/maximax", "m/s^2", lambda s: s.acceleration.maximax),
-    ("relative_displacement/maximax", "m", lambda s: s.displacement.maximax),
-    ("pseudo_velocity/maximax", "m/s", lambda s: 2.0 * np.pi * s.frequencies[:, None] * s.displacement.maximax),
-)
 
 
 def exported_spectra(spectrum: ShockResponseSpectrum, axes: Sequence[str] = "xyz") -> Exported:

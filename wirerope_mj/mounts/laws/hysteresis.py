@@ -18,9 +18,10 @@ LARGEST_EXPONENT = 100.0
 """Largest n of a law: its loop is within 3 % of a parallelogram, and beyond it the corner is a jump of the tangent."""
 
 OVERSHOOT, FAR = 2.0, 1000.0
-"""(|z| / z_max)^n between which the rate of z is bounded. Solutions stay below 1, and stages of steps up to 1.4 yield deflections,
-for which RK4 is stable at the bound, below 1.5: what such steps compute does not change. Up to some ten yield deflections a step
-z then stays within as many bounds, and an error of percents is left; beyond that the run ends as before, in infinity."""
+"""(|z| / z_max)^n between which the rate of z is bounded. Solutions stay below 1, and stages of steps up to 1.4 yield
+deflections, for which RK4 is stable at the bound, below 1.5: what such steps compute does not change. Up to some ten yield
+deflections a step z then stays within as many bounds, and an error of percents is left; beyond that the run ends as before, in
+infinity."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from statistics import median
+from typing import Any
 
 import numpy as np
 
@@ -82,9 +83,8 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
         if not value.fitted:
             continue
         rest = tuple(replace(one, fitted=one.fitted and one is not value) for one in stated.stated)
-        law = getattr(
-            fit_sheet(replace(sheet, **{axis: replace(stated, stated=rest)})), "axial" if axis == AXES[0] else axis
-        )
+        without: dict[str, Any] = {axis: replace(stated, stated=rest)}
+        law = getattr(fit_sheet(replace(sheet, **without)), "axial" if axis == AXES[0] else axis)
         found = value.shown(secant(law, value.secant))
         vendor = value.shown(value.secant.stiffness)
         rows.append(ComparedValue(axis=axis, name=value.name, unit=value.unit, vendor=vendor, fitted=found))

@@ -64,15 +64,17 @@ class LawParameter(ValueOrFactor):
                 f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
             )
         if isinstance(law, Parallel):
-            if parameter in law.factors:
+            whole = law
+            if parameter in whole.factors:
                 return 1.0
             try:
                 number, parameter = part_of(parameter)
-                law = law.components[number]
+                law = whole.components[number]
             except (ValueError, IndexError):
+                count = len(whole.components)
                 raise ModelError(
-                    f"`vary`: {name!r}: mount {mount!r} has {len(law.components)} laws on its {axis} axis; name a parameter of "
-                    f"one, laws[0].alpha to laws[{len(law.components) - 1}].alpha, or a factor on all: {', '.join(law.factors)}."
+                    f"`vary`: {name!r}: mount {mount!r} has {count} laws on its {axis} axis; name a parameter of one, "
+                    f"laws[0].alpha to laws[{count - 1}].alpha, or a factor on all: {', '.join(whole.factors)}."
                 ) from None
         names = [key for key in law.to_dict() if key != "law" and key not in law.options]
         lists = {key: value for key in names if isinstance(value := getattr(law, key), tuple)}

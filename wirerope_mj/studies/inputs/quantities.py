@@ -1,12 +1,19 @@
 """Quantities of a study's system and motion that can vary: names such as "mount/m*/axial/alpha", resolved to columns."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import pyarrow as pa
 
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.studies.inputs.body_columns import Centre, CentreShift, Mass, check_centres
-from wirerope_mj.studies.inputs.column import Entry, InputColumn, Quantity
+from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity
 from wirerope_mj.studies.inputs.distributions import Distribution, Isotropic, Specimens
 from wirerope_mj.studies.inputs.motion_columns import Azimuth, Elevation, Level, Record
 from wirerope_mj.studies.inputs.mount_columns import (
@@ -20,7 +27,6 @@ from wirerope_mj.studies.inputs.mount_columns import (
     StiffeningParameter,
     Turn,
 )
-from wirerope_mj.studies.inputs.shared import TOGETHER, share
 
 KINDS: tuple[type[InputColumn], ...] = (
     Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
@@ -32,6 +38,85 @@ FORMS = ", ".join(kind.form for kind in KINDS)
 """Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13; names joined by " & " share a draw."""
 
 _POSITION = "position"
+
+TOGETHER = " & "
+"""Stands between names that share a draw."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SharedDraw(InputColumn):
+    """One number that several columns take.
+
+    Attributes:
+        shared: these columns.
+    """
+
+    form = f"NAME{TOGETHER}NAME"
+
+    shared: tuple[InputColumn, ...]
+
+    @property
+    def parts(self) -> tuple[InputColumn, ...]:
+        """The columns that share the draw."""
+        return self.shared
+
+    @property
+    def nature_of_numbers(self) -> str:
+        """Nature of the numbers, which is one for all."""
+        return self.shared[0].nature_of_numbers
+
+    @property
+    def unit(self) -> str:
+        """Unit of the numbers."""
+        return self.shared[0].unit
+
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+        """Return nothing: the quantities have values of their own."""
+        return []
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put the value into all of them."""
+        for column in self.shared:
+            column.apply(draft, value)
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid in all of them."""
+        return all(column.certainly_valid(draft, values) for column in self.shared)
+
+    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+        """Return in which variants something stands elsewhere than in the model."""
+        return np.any([column.moved(system, values) for column in self.shared], axis=0)
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        """Return the messages of all of them."""
+        return [message for column in self.shared for message in column.warnings(system, values)]
+
+
+def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
+    """Return the columns of names that share a draw: one, or with `each` as many as every name has targets.
+
+    Raises:
+        ValueError: they cannot share one.
+    """
+    every = [column for own in columns for column in own]
+    if any(not column.targets or column.type != pa.float64() for column in every):
+        raise ValueError(f"`vary`: {name!r}: only numbers of mounts and bodies can share a draw.")
+    if len({len(own) for own in columns}) > 1:
+        counts = " and ".join(str(len(own)) for own in columns)
+        raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
+    if len({(column.nature_of_numbers, column.unit) for column in every}) > 1:
+        kinds = ", ".join(dict.fromkeys(f"{one.nature_of_numbers} {one.unit}".strip() for one in every))
+        raise ValueError(
+            f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
+        )
+    return tuple(
+        SharedDraw(
+            name=TOGETHER.join(column.name for column in together),
+            targets=tuple(dict.fromkeys(target for column in together for target in column.targets)),
+            shared=together,
+        )
+        for together in zip(*columns, strict=True)
+    )
 
 
 def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequence[BaseMotion]) -> tuple[Quantity, ...]:
@@ -67,7 +152,7 @@ def _whole(key: str) -> str:
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:
     if len(names := name.split(TOGETHER)) > 1:
         shared = [_quantity(one, distribution, system, motions).columns for one in names]
-        return Quantity(name=name, distribution=distribution, columns=share(name, shared))
+        return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
     if not isinstance(distribution, Distribution):
         raise ValueError(
             f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."

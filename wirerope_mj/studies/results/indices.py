@@ -9,9 +9,8 @@ import pyarrow as pa
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import measures_of, values_of
+from wirerope_mj.studies.results.measure import ALL, measures_of, unknown_measure, values_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE
-from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _WIDE, _BEYOND = 0.25, 0.1
 """Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few."""
@@ -80,7 +79,7 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
             f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.'
         )
     names = measures_of(result.table)
-    if measure not in names:
+    if measure not in (*names, ALL):
         raise ValueError(unknown_measure(measure, names))
     return indices_of(result.table, list(factors(result.study.quantities)), measure)
 

@@ -5,6 +5,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,13 +19,12 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import measures_of, values_of
+from wirerope_mj.studies.results.measure import measures_of, unknown_measure, values_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_in
-from wirerope_mj.studies.unknown_measure import unknown_measure
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
-    "travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
+    "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
     "clearance": {"%": 0.01},
 }  # fmt: skip
 KEY = "stated_limits"
@@ -100,9 +100,14 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     Raises:
         RecordError: the summary is damaged.
     """
-    content = _content(result) | {KEY: [_exceeded(result, one) for one in limits]}
-    with atomic_file(result.folder / SUMMARY) as temporary_path:
-        temporary_path.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    add_to_summary(result.folder, {KEY: [_exceeded(result, one) for one in limits]})
+
+
+def add_to_summary(folder: Path, content: dict[str, Any]) -> None:
+    """Write more into the summary of a study; RecordError if it is damaged."""
+    whole = _content(folder) | content
+    with atomic_file(folder / SUMMARY) as temporary_path:
+        temporary_path.write_text(json.dumps(whole, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
@@ -114,15 +119,15 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
     path = result.folder / SUMMARY
     if not path.is_file():
         return ()
-    stated = _content(result).get(KEY, [])
+    stated = _content(result.folder).get(KEY, [])
     try:
         return tuple(limit_of_text(one["text"], measures_of(result.table)) for one in stated)
     except (KeyError, TypeError, ValueError) as error:
         raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None
 
 
-def _content(result: StudyResult) -> dict[str, Any]:
-    path = result.folder / SUMMARY
+def _content(folder: Path) -> dict[str, Any]:
+    path = folder / SUMMARY
     try:
         content = json.loads(regular(path).read_text(encoding="utf-8"))
     except (OSError, ValueError) as error:

@@ -13,6 +13,7 @@ from wirerope_mj.studies.results.directions import directions_text, fraction_of_
 from wirerope_mj.studies.results.effects import Effect, effects
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import (
+    DRAWN,
     HEADLINES,
     Measure,
     checked_measure,
@@ -81,7 +82,8 @@ class StudySummary:
         """Sobol's indices of the measures that are displayed; of a study that was not sampled for them, none."""
         if self.result.study.sampling != SAMPLING:
             return ()
-        every = (sobol_indices(self.result, measure.name) for measure in self.measures)
+        names = [measure.name for measure in self.measures if measure.name in (self.by, *DRAWN, *self.limits)]
+        every = (sobol_indices(self.result, name) for name in names)
         return tuple(indices for indices in every if indices.factors)
 
     @cached_property
@@ -147,7 +149,15 @@ class StudySummary:
         Of a study for Sobol's indices they are independent ones: the others repeat them but for one factor.
         """
         table = self.result.independent
-        return [row_of(table, number) for number in worst(table, self.by, count)]
+        every = {
+            name: values_of(table, name).tolist()
+            for name in {one.name for one in self.measures} - {*table.column_names}
+        }
+        rows = table["variant"].to_pylist()
+        return [
+            row_of(table, number) | {name: values[rows.index(number)] for name, values in every.items()}
+            for number in worst(table, self.by, count)
+        ]
 
     @cached_property
     def _factors(self) -> dict[str, list[int]]:

@@ -10,7 +10,7 @@ from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
-from wirerope_mj.studies.results.measure import STRUCK, measure_of, values_of
+from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
 from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
     exceedance_of,
@@ -21,7 +21,7 @@ from wirerope_mj.studies.results.statistics import (
 )
 from wirerope_mj.studies.results.varied import varied_of
 
-SUMMARISED = ("acceleration", "travel", "static_load", "fragility", "clearance")
+SUMMARISED = ("acceleration", ALL, "travel", "combined_travel", "static_load", "fragility", "clearance")
 """Measures in the summary."""
 
 _QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
@@ -62,9 +62,8 @@ def head(result: StudyResult) -> dict[str, Any]:
 
 
 def known(table: pa.Table) -> list[str]:
-    """Return the measures of `SUMMARISED` that have values; older tables know less."""
-    names = [name for name in SUMMARISED if name in table.column_names]
-    return [name for name in names if finite(values_of(table, name)).size]
+    """Return the measures of `SUMMARISED` that have values."""
+    return known_measures(table, SUMMARISED)
 
 
 def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:

@@ -10,8 +10,8 @@ from wirerope_mj.foundation.arguments import finite, integer
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.distributions import Choice, Uniform
 from wirerope_mj.studies.measures import measure_names
+from wirerope_mj.studies.results.measure import kinds_of, unknown_measure
 from wirerope_mj.studies.search.evolution import Design
-from wirerope_mj.studies.unknown_measure import kinds_of, unknown_measure
 
 FEWEST = 4
 """Designs of a generation below which nothing can be crossed."""

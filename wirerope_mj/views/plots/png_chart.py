@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 from matplotlib.colors import to_rgba
+from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
 from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
-from wirerope_mj.views.plots.report_image import round_ticks
 from wirerope_mj.views.thin import envelope, is_dense
 
 _WIDTH, _DPI = 11.0, 110  # of a picture [in], [1/in]
@@ -65,7 +66,7 @@ def draw_panel(axes: Any, panel: Panel) -> None:
             axes.plot([], [], "s", color=colour, label=text)
     low, high = axes.get_ylim()
     for name, level in panel.limits:
-        if 1.5 * low < level < 1.5 * high:  # farther away it would only flatten the curves
+        if min(low, 1.5 * low) < level < max(high, 1.5 * high):  # farther away it would only flatten the curves
             axes.axhline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
     for name, level in panel.xlimits:
         axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
@@ -86,9 +87,9 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     _shade(axes, panel)
     extent = axes.get_window_extent()
     if "x" in panel.log:
-        round_ticks(axes.xaxis, *axes.get_xlim(), most=int(extent.width / (_LABEL * axes.figure.dpi)))
+        _round_ticks(axes.xaxis, *axes.get_xlim(), most=int(extent.width / (_LABEL * axes.figure.dpi)))
     if "y" in panel.log:
-        round_ticks(axes.yaxis, *axes.get_ylim(), most=int(2.0 * extent.height / (_LABEL * axes.figure.dpi)))
+        _round_ticks(axes.yaxis, *axes.get_ylim(), most=int(2.0 * extent.height / (_LABEL * axes.figure.dpi)))
     for ticks, set_ticks in ((panel.xticks, axes.set_xticks), (panel.yticks, axes.set_yticks)):
         if ticks:
             set_ticks([place for place, _ in ticks], [text for _, text in ticks])
@@ -96,22 +97,17 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     axes.set_title(panel.title, loc="left", fontsize=10)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
-    handles, labels = axes.get_legend_handles_labels()
     named: dict[str, Any] = {}
-    for label, handle in zip(labels, handles, strict=True):
+    for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
         named.setdefault(label, handle)  # each name once
     named.pop("", None)
-    aside = bool(panel.notes or panel.yticks or panel.field)  # where texts stand among the curves
-    place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False} if aside else {"loc": "upper right"}
+    # The emptiest place takes long to find among the samples of a run.
+    place: dict[str, Any] = {"loc": "upper right" if panel.xunit == "s" else "best"}
+    place["ncols"] = 2 if axes.get_position().width > _WIDE else 1
+    if panel.notes or panel.yticks or panel.field:  # where texts stand among the curves
+        place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False, "ncols": 6}
     if named:
-        at = (
-            {"fontsize": 8, "ncols": 6}
-            if aside
-            else {"fontsize": 8, "ncols": 2 if axes.get_position().width > _WIDE else 1}
-        )
-        if not aside and panel.xunit != "s":
-            place = {"loc": "best"}  # which takes long among the samples of a run
-        axes.legend(named.values(), named.keys(), **at, **place)
+        axes.legend(named.values(), named.keys(), fontsize=8, **place)
 
 
 def _shade(axes: Any, panel: Panel) -> None:
@@ -154,3 +150,11 @@ def curve_colour(curve: Curve) -> str:
     """Return the colour of a curve on a light ground, as matplotlib takes it."""
     named = {BASE: LIGHT.base, OTHERS: LIGHT.others, LIMIT: LIGHT.limit}
     return hexadecimal(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])
+
+
+def _round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:
+    """Give a logarithmic axis from `low` to `high` at most about `most` ticks at round numbers, written as such."""
+    ticks = log_ticks(low, high, most=most)
+    axis.set_major_locator(FixedLocator(ticks.tolist()))
+    axis.set_major_formatter(FixedFormatter([f"{tick:.6g}" for tick in ticks]))
+    axis.set_minor_locator(NullLocator())

@@ -15,13 +15,11 @@ from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.views.plots.report_image import Image
 from wirerope_mj.views.plots.scene_svg import scene_svgs
 from wirerope_mj.views.plots.svg_chart import chart_svg
 
 _FOLDER = Path(__file__).parent
 _LONG = 30  # letters of a cell that may be broken anywhere, rather than widen its column
-_MEDIA = {"svg": "image/svg+xml", "png": "image/png"}
 
 
 def report_html(content: Content) -> str:
@@ -48,7 +46,6 @@ def _environment() -> Environment:
         loader=FileSystemLoader(_FOLDER), autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=_shown
     )
     environment.filters |= {
-        "data_uri": _data_uri,
         "svg": lambda chart: Markup(chart_svg(chart)),  # whose texts are escaped where they are put in
         "drawings": lambda view: Markup("".join(scene_svgs(view))),  # so, too
         "named": _named,
@@ -77,10 +74,6 @@ def _instant(column: Column, value: object) -> float | None:
 def _named(block: Block) -> Markup:
     """Return the attribute that carries a block's id, the same in every output; nothing without one."""
     return Markup(f' data-id="{escape(plain_lines(block.id))}"') if block.id else Markup("")
-
-
-def _data_uri(image: Image) -> str:
-    return f"data:{_MEDIA[image.kind]};base64,{b64encode(image.data).decode('ascii')}"
 
 
 def _breakable(text: str) -> str:

@@ -1,0 +1,52 @@
+"""A study and a run measure travel and acceleration alike: what the one calls largest is what the other says."""
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.assessment.criteria.criterion import COMBINED
+from wirerope_mj.assessment.criteria.travel import travel_verdicts
+from wirerope_mj.content.study_tables import measures_table
+from wirerope_mj.studies.engines import compute
+from wirerope_mj.studies.engines.together import NONE
+from wirerope_mj.studies.results.measure import ALL, values_of
+from wirerope_mj.studies.results.study_summary import summary_of
+
+PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
+
+
+@pytest.fixture(scope="module")
+def study():
+    return wr.Study(
+        model="floating_floor.xml", motion=PULSE + wr.HalfSine(peak=80.0, duration=0.011, direction="x", start=0.01),
+        duration=0.12, timestep=1e-4, variants=3, vary={"motion/level": wr.Uniform(0.7, 1.3)},
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("side_by_side", [True, False])
+def test_combined_travel_of_a_variant_is_the_largest_verdict_of_its_run(study, tmp_path, monkeypatch, side_by_side):
+    if not side_by_side:
+        monkeypatch.setattr(compute, "together", lambda work, rows: NONE)
+    result = study.run(tmp_path / "study", workers=1)
+    for number in range(3):
+        response = result.response(number)
+        used = [
+            row.utilisation for row in travel_verdicts(response) if row.criterion == COMBINED and row.limit is not None
+        ]
+        # Both engines follow the travel at every step; a millionth is what their orders of summing may differ by.
+        assert result.table["combined_travel"][number].as_py() == pytest.approx(max(used), rel=1e-6)
+        peaks = response.peaks
+        bodies = [peaks.bodies[name].acceleration.value for name in peaks.bodies if name != response.scene.base]
+        points = [one.acceleration.value for one in peaks.points.values()]
+        assert values_of(result.table, "acceleration")[number] == pytest.approx(max(bodies), rel=1e-6)
+        assert values_of(result.table, ALL)[number] == pytest.approx(max(*bodies, *points), rel=1e-6)
+
+
+def test_both_accelerations_and_both_travels_are_named(study, tmp_path):
+    result = study.run(tmp_path / "study", workers=1)
+    table = measures_table(summary_of(result))
+    named = [row[0] for row in table.rows]
+    assert {"travel [%]", "combined_travel [%]", "acceleration [g]", "acceleration/* [g]"} <= set(named)
+    assert "largest acceleration of a body;" in table.note
+    assert "largest acceleration of bodies and points" in table.note
+    assert (np.asarray(values_of(result.table, ALL)) >= values_of(result.table, "acceleration")).all()

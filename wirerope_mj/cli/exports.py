@@ -1,0 +1,104 @@
+"""`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
+
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+
+def share(folder: Path, out: Path, *, force: Annotated[bool, Parameter(negative=())] = False) -> int:
+    """Write report, recording and viewer of a run as one folder that any web server shows.
+
+    Instants of events and verdicts in the report open the timeline where they are. Nothing needs the network at view time.
+
+    Args:
+        folder: folder of a run.
+        out: folder to write.
+        force: replace a shared folder that is there.
+    """
+    from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.runs.share import share_run
+
+    files = share_run(folder, out, force=force)
+    size = sum(path.stat().st_size for path in files) / 1e6
+    print(plain(f"written: {out}, {len(files)} files, {size:.0f} MB, of which the viewer takes most"))
+    print(plain(f"python -m http.server --directory {out} shows it at http://localhost:8000"))
+    return 0
+
+
+def export(
+    folder: Path,
+    out: Path,
+    *,
+    spectrum: str | None = None,
+    q: float = 10.0,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.
+
+    The ending of OUT says which: .csv, .h5 or .hdf5, .mat. Numbers are SI with all their digits; names and units of the columns
+    stand in the header, with every dataset, or in the variables `variables`, `names` and `units`.
+
+    Args:
+        folder: folder of a run or a study.
+        out: file to write.
+        spectrum: name of a body, a point or "base": its shock response spectra along x, y and z in place of the samples. They
+            reach a tenth of the run's sample rate; up to where the samples hold them within 1 % is printed.
+        q: amplification of the spectra's oscillators at resonance.
+        force: replace a file that is there.
+    """
+    from wirerope_mj.engine.response import load_response
+    from wirerope_mj.foundation.errors import RecordError
+    from wirerope_mj.foundation.exports import write_export
+    from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.motions.spectra import shock_response_spectrum
+    from wirerope_mj.motions.spectra.srs import exported_spectra, held
+    from wirerope_mj.studies.inputs_file import STUDY
+    from wirerope_mj.studies.study import load_study
+
+    if spectrum is None:
+        table = (load_study(folder) if (folder / STUDY).is_file() else load_response(folder)).exported
+    else:
+        response = load_response(folder)
+        moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}
+        if spectrum not in moved:
+            raise RecordError(f"`--spectrum`: nothing is called {spectrum!r}; there are {', '.join(moved)}.")
+        acceleration = moved[spectrum].acceleration
+        spectra = shock_response_spectrum(response.time, acceleration, q=q)
+        table, up_to = exported_spectra(spectra), held(response.time, acceleration, spectra)
+        print(f"The samples hold it within 1 % {f'up to {up_to:.3g} Hz' if up_to else 'nowhere'}.")
+    written = write_export(table, out, force=force)
+    print(plain(f"written: {written} ({len(table.names)} columns, {written.stat().st_size / 1e6:.2f} MB)"))
+    return 0
+
+
+def fmu(
+    model: str,
+    out: Path,
+    *,
+    timestep: float | None = None,
+    initial: Literal["settled", "relaxed", "unloaded"] = "settled",
+    every: Annotated[bool, Parameter(negative=())] = False,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.
+
+    Inputs are the base's acceleration and force and moment at every site force/NAME, held from one instant to the next; outputs
+    are positions, accelerations, deflections and forces. The unit runs in a Python that has this package.
+
+    Args:
+        model: path of an MJCF file with mounts, or the name of one that ships with the package.
+        out: file to write, ending in .fmu.
+        timestep: largest step between two instants [s]; without it a tenth of the largest stable one.
+        initial: how it begins.
+        every: give out velocities, orientations and internal states, too.
+        force: replace a file that is there.
+    """
+    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.runs.fmu import write_fmu
+
+    system = load_system(model)
+    written = write_fmu(system, out, timestep=timestep, initial=initial, every=every, force=force)
+    print(plain(f"written: {written}, {written.stat().st_size / 1e6:.2f} MB"))
+    return 0
