@@ -158,7 +158,7 @@ def findings(result: Identification, fits: Sequence[FittedLoop]) -> list[str]:
         texts.append("the data identify every free parameter")
     if unseen := result.not_told_from_zero:
         texts.append(f"not told from zero: {', '.join(unseen)}; a law without them may fit as well")
-    texts.append(result.validity)
+    texts += [result.validity, *filter(None, [result.prediction])]
     if result.falling:
         texts.append(
             f"{result.falling}: a shock that goes there has no answer; test larger amplitudes, or take another law"
