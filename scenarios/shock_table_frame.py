@@ -35,8 +35,11 @@ def scenario(
         duration: simulated time [s].
         callback: what makes the mount force: native or python.
     """
-    if min(frame_hz, frame_mass) <= 0.0 or frame_damping < 0.0:
-        raise ValueError("`frame_hz` and `frame_mass` must be > 0, `frame_damping` >= 0.")
+    for name, value, low, high in (
+        ("frame_hz", frame_hz, 0.1, 20e3), ("frame_damping", frame_damping, 0.0, 10.0), ("frame_mass", frame_mass, 0.01, 1e5)
+    ):  # fmt: skip
+        if not low <= value <= high:
+            raise ValueError(f"`{name}` must be from {low:g} to {high:g}, got {value!r}.")
     if velocity is not None:
         motion: wr.VelocityStep | wr.HalfSine = wr.VelocityStep(velocity=velocity, direction="z", start=0.05)
     else:

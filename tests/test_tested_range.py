@@ -13,6 +13,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.tested import untested_line
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.identification.isolator_file import identified_isolator
+from wirerope_mj.mounts.identification.result import OF_ACCELERATION, OF_DEFLECTION
 from wirerope_mj.mounts.isolator import MeasuredRange, Validity
 
 LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
@@ -139,3 +140,16 @@ def test_three_axes_are_joined_into_one_file(tmp_path):
         assert law.normalised.z_max == pytest.approx(LAW.normalised.z_max, rel=0.05)
         assert whole.validity.stated[axis].amplitude[1] == pytest.approx(largest, rel=1e-3)
         assert f"{axis}.csv" in whole.provenance.source
+
+
+def test_an_identification_says_how_well_peaks_of_shocks_are_known():
+    """The band of a foreign device, that of bristles with seed 113, holds a shock within its tests."""
+    import prediction_errors as foreign
+
+    found, _ = foreign.fitted(foreign.drawn(113), 113)
+    assert f"within {100.0 * OF_DEFLECTION * found.residual:.2g} % of deflection" in found.prediction
+    assert found.prediction in str(found)
+    for residual, reached, deflection, acceleration in foreign.misses(113):
+        assert reached <= 1.0
+        assert abs(deflection) <= OF_DEFLECTION * residual
+        assert abs(acceleration) <= OF_ACCELERATION * residual

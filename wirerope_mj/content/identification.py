@@ -104,7 +104,7 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
         texts.append("the data identify every free parameter")
     if result.insignificant:
         texts.append(f"{_insignificant(result.insignificant)}.")
-    texts.append(result.validity)
+    texts += [result.validity, *filter(None, [result.prediction])]
     if result.falling:
         texts.append(
             f"{result.falling}: a shock that goes there has no answer; test larger amplitudes, or take another law"

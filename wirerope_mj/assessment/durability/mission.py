@@ -167,10 +167,15 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
     for damage, error, frequency, stage, rate in sorted(coarse, key=lambda one: -one[0]):
         if damage >= NEGLIGIBLE * worst or math.isinf(error):
             enough = max(PER_PERIOD * frequency, 2.0 * rate)
+            why = (
+                f"with every other of them the damage changes by {100.0 * error:.2g} %, and it must not by more than "
+                f"{100.0 * DAMAGE_ERROR:g} %"
+                if math.isfinite(error)
+                else f"the mean frequency is {frequency:.4g} Hz"
+            )
             raise RecordError(
-                f"{stage.run}: {rate:.4g} samples a second are too few to count cycles: with every other of them the damage "
-                f"changes by {100.0 * error:.2g} %, and it must not by more than {100.0 * DAMAGE_ERROR:g} %. Run it again with "
-                f"a `sample_rate` of {float(f'{enough:.1e}'):g} Hz."
+                f"{stage.run}: {rate:.4g} samples a second are too few to count cycles: {why}. Run it again with a "
+                f"`sample_rate` of {float(f'{enough:.1e}'):g} Hz."
             )
     return sorted(damages, key=lambda one: -one.total)
 

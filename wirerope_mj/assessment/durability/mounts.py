@@ -21,6 +21,9 @@ Quantity = Literal["deflection", "force"]
 _LEAST = 5
 """Samples from which on every other one has a turning point, too."""
 
+_OF_PERIOD = 4.0
+"""Samples to a period of the mean frequency below which a steady vibration may repeat itself in them, and look alike."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class MountCycles:
@@ -31,7 +34,7 @@ class MountCycles:
         axis: "roll", "shear" or "axial".
         cycles: from the turning points, also between the samples.
         coarser: of what is counted, and of the deflection that it hangs on, the cycles of all samples and of every other one
-            alone, to tell how much hangs on the rate; empty where there are too few.
+            alone, to tell how much hangs on the rate; empty where there are too few, in all or of a period.
         frequency: mean frequency of the deflection, rms of its rate over 2 pi that of itself [Hz].
     """
 
@@ -87,12 +90,14 @@ def _of_mount(response: Response, mount: SceneMount, quantity: Quantity, rows: s
             force = response.column(f"mounts/{mount.name}/force/{axis}")[rows]
             turns.append([parabolas(force[::every]) for every in several])
         counted = [tuple(map(rainflow_cycles, both)) for both in turns]
+        frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
+        told = frequency * spacing * _OF_PERIOD <= 1.0
         yield MountCycles(
             mount=mount.name,
             axis=axis,
             cycles=counted[-1][0],
-            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1),
-            frequency=float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0,
+            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1 and told),
+            frequency=frequency,
         )
 
 
