@@ -87,7 +87,10 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     """Return the worst verdict of every criterion; None without verdicts."""
     # Where nothing is judged the largest value is the worst; an unknown one, NaN, is none.
     by_size = sorted(verdicts, key=lambda row: -math.inf if math.isnan(_known(row).value) else row.value, reverse=True)
-    rows = list({row.criterion: row for row in reversed(ordered(by_size))}.values())[::-1]
+    first: dict[str, Verdict] = {}
+    for row in ordered(by_size):
+        first.setdefault(row.criterion, row)
+    rows = list(first.values())
     if not rows:
         return None
     return Table(

@@ -21,7 +21,8 @@ _TALL = 88.0  # units of a chart's height to an inch
 _LABEL = 0.5  # width of a number at a tick, and twice its height [in]
 _FINE = 1 / 400  # of the largest value: a third of a pixel of a panel
 _WIDE = 0.5  # of a picture, from which on a legend has two columns
-_LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.75, 0.2, 0.5  # room about the panels [in]
+_LEFT, _RIGHT, _TITLE, _LINE, _FOOT = 0.8, 0.15, 0.55, 0.2, 0.05  # room about the panels [in]
+_TICKS, _NAME = 0.35, 0.2  # room below a panel, and for the name of its axis [in]
 _LETTER = 0.075  # width of a letter of a name, on the average [in]
 
 
@@ -34,7 +35,8 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
         title: above all of them.
     """
     rows = [(chart, row) for chart in charts for row in chart.rows]
-    heights = [chart.height / _TALL + 0.35 for chart, _ in rows]
+    below = [_TICKS + _NAME * any(panel.xlabel for panel in row) for _, row in rows]
+    heights = [chart.height / _TALL + under for (chart, _), under in zip(rows, below, strict=True)]
     lines = wrap(title, 105)
     above = _TITLE + _LINE * max(len(lines) - 1, 0)
     height = sum(heights) + above + _FOOT
@@ -42,13 +44,13 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
     figure.suptitle("\n".join(lines), fontsize=12, fontweight="bold", y=1.0 - 0.12 / height, va="top")
     # Places are fixed, because to fit them to the texts takes as long as to draw them.
     top = height - above
-    for (_, row), tall in zip(rows, heights, strict=True):
+    for (_, row), tall, under in zip(rows, heights, below, strict=True):
         names = [text for _, text in row[0].yticks]
         room = max(_LEFT, _LETTER * max(map(len, names), default=0) + 0.35)
         width = (_WIDTH - room - _RIGHT - _LEFT * (len(row) - 1)) / len(row)
         for number, panel in enumerate(row):
             left = room + number * (width + _LEFT)
-            box = (left / _WIDTH, (top - tall + 0.35) / height, width / _WIDTH, (tall - 0.4) / height)
+            box = (left / _WIDTH, (top - tall + under) / height, width / _WIDTH, (tall - under - 0.05) / height)
             draw_panel(figure.add_axes(box), panel)
         top -= tall
     with atomic_file(Path(path)) as beside:
