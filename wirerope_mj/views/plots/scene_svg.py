@@ -114,14 +114,14 @@ def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
     """Yield the frame of a view with its numbers and names."""
     zero, one = place(np.zeros(2)), place(np.ones(2))
     scale = float(one[0] - zero[0])
-    across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=8)
+    across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=min(8, max(2, int(size[0] / 28.0))))
     upward = linear_ticks((zero[1] - size[1]) / scale, zero[1] / scale, most=max(int(size[1] / 30.0), 2))
     columns, rows = zero[0] + scale * across, zero[1] - scale * upward
     lines = "".join(f"M{at:.1f} 0V{size[1]:.1f}" for at in columns) + "".join(
         f"M0 {at:.1f}H{size[0]:.1f}" for at in rows
     )
-    yield f'<path d="{lines}" fill="none" stroke="{_GRID}"/>'
-    yield f'<path d="M0 0V{size[1]:.1f}H{size[0]:.1f}" fill="none" stroke="{_FRAME}"/>'
+    yield f'<path class="grid" d="{lines}" fill="none" stroke="{_GRID}"/>'
+    yield f'<path class="frame" d="M0 0V{size[1]:.1f}H{size[0]:.1f}" fill="none" stroke="{_FRAME}"/>'
     name = f"{view.title}: {'xyz'[view.up]} [m] over {'xyz'[view.right]} [m]"
     yield f'<text x="0" y="-7" font-weight="bold">{name}</text>'
     for at, tick in zip(columns, across, strict=True):
@@ -197,8 +197,9 @@ def _ring(name: str, at: Array, colour: str) -> str:
     x, y = at.tolist()
     side, anchor = (8.0, "start") if x < WIDTH / 4.0 - _LEFT else (-8.0, "end")
     text = f'<text class="name" x="{x + side:.1f}" y="{y - 7:.1f}" text-anchor="{anchor}" fill="{colour}" font-weight="bold">'
+    kind = "over" if colour == _RATED else "ring"
     return (
-        f'<circle cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"/>'
+        f'<circle class="{kind}" cx="{x:.1f}" cy="{y:.1f}" r="6" fill="none" stroke="{colour}" stroke-width="1.6"/>'
         f"{text}{safe_text(short(name))}</text>"
     )
 
