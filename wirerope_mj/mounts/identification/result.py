@@ -21,8 +21,8 @@ BEYOND = 2.0
 """Times the tested deflections up to which a law is looked at: a shock goes there."""
 
 OF_DEFLECTION, OF_ACCELERATION = 8.4, 2.0
-"""Times the error of a fit of the asymmetric law within which peaks of shocks within the tested travel lay for 90 % of 20 foreign
-devices, and then for 18 and 20 of 20 others: `python tests/prediction_errors.py 20`, seeds 1 and 101."""
+"""Times the error of a fit of the asymmetric law within which peaks of shocks within the tested travel were for 90 % of 20
+foreign devices, and then for 18 and 20 of 20 others: `python tests/prediction_errors.py 20`, seeds 1 and 101."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,8 +123,8 @@ class Identification(Summarised):
         deflection, acceleration = (100.0 * factor * self.residual for factor in (OF_DEFLECTION, OF_ACCELERATION))
         return (
             f"peaks of a shock within the tested deflections are expected within {deflection:.2g} % of deflection and "
-            f"{acceleration:.2g} % of acceleration, {OF_DEFLECTION:g} and {OF_ACCELERATION:g} times the error of the fit: so it "
-            "was for 9 of 10 devices that this law does not describe; beyond the tests nothing is known"
+            f"{acceleration:.2g} % of acceleration, {OF_DEFLECTION:g} and {OF_ACCELERATION:g} times the error of the fit: so "
+            "it was for 9 of 10 devices that this law does not describe; beyond the tests nothing is known"
         )
 
     @property
