@@ -14,6 +14,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
 from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mission import DAMAGE_ERROR, NEGLIGIBLE
+from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.spectra.srs import held
 
@@ -94,7 +95,7 @@ def compare(seed, found):
         found.damages += 1
         if abs(damage / true - 1.0) > 0.01:
             found.wrong.append(f"{where}: damage of {key} {damage:.4g}, {true:.4g}")
-    for body in run.bodies:
+    for body in () if aliasing([motion], rate) else run.bodies:  # of those a run says that its samples hold no line
         _lines(
             run.time,
             run.bodies[body].acceleration,

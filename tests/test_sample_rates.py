@@ -12,6 +12,7 @@ from wirerope_mj.assessment.criteria import COMBINED, judge, rattle_verdicts, tr
 from wirerope_mj.assessment.durability.mission import Mission, Stage, mission_damage
 from wirerope_mj.assessment.durability.mounts import deflection_rates
 from wirerope_mj.cli import main
+from wirerope_mj.content.run_spectra import spectra_of
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra.srs import held
 
@@ -221,3 +222,14 @@ def test_samples_that_leave_the_edges_of_a_pulse_open_hold_no_line():
     assert abs(coarse[0][0] / fine.maximax[0] - 1.0) > 0.02
     for missed in (pulse[::40], 0.0 * pulse[::40]):  # and a pulse that falls between two samples
         assert held(time[::40], missed, wr.shock_response_spectrum(time[::40], missed, lines)) == 0.0
+
+
+@pytest.mark.filterwarnings("ignore:the base moves at up to")
+def test_a_sine_as_fast_as_the_samples_does_no_damage_and_has_no_spectrum(tmp_path):
+    """Sampled at 31.17 Hz a sine of 30.8 Hz looks like one of 0.37 Hz, whichever samples are looked at."""
+    table, motion = wr.load_system("shock_table"), wr.Sine(frequency=30.8, acceleration=9.0, direction="z")
+    response = wr.simulate(table, motion, duration=1.0, sample_rate=31.17, timestep=1e-3)
+    assert spectra_of(motion, response, 31.17).held == 0.0
+    response.save(tmp_path / "run")
+    with pytest.raises(wr.RecordError, match=r"too few to count cycles: the mean frequency is \d"):
+        mission_damage(Mission(stages=(Stage(run=tmp_path / "run", repetitions=1.0),), exponent=5.0))

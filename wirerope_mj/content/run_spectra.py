@@ -9,6 +9,7 @@ import numpy as np
 from wirerope_mj.assessment.criteria.steady import steady_interval
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions import BaseMotion, RandomVibration
@@ -56,7 +57,9 @@ def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> Ru
     names = worst_names(response)
     shock = run_spectra(motion, response, names, sample_rate)
     found = math.nan
-    if not isinstance(shock, Absent):
+    if aliasing([motion], sample_rate):  # a sine that is as fast as the samples looks slow in them, and smooth
+        found = 0.0
+    elif not isinstance(shock, Absent):
         found = min(
             held(response.time, acceleration_along(response, name, "xyz".index(axis)), spectrum)
             for axis, lines in shock.items()

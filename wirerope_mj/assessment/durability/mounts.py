@@ -18,8 +18,8 @@ from wirerope_mj.mounts.isolator import AXES
 
 Quantity = Literal["deflection", "force"]
 
-_LEAST = 5
-"""Samples from which on every other one has a turning point, too."""
+_LEAST = 16
+"""Samples from which on every other one alone tells how much hangs on the rate."""
 
 _OF_PERIOD = 4.0
 """Samples to a period of the mean frequency below which a steady vibration may repeat itself in them, and look alike."""
