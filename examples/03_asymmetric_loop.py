@@ -8,6 +8,7 @@ by exp(c x ln b) for that.
 
 import matplotlib.pyplot as plt
 import numpy as np
+from scipy.optimize import brentq
 
 import wirerope_mj as wr
 
@@ -19,12 +20,16 @@ amplitudes = np.array([5e-3, 10e-3, 20e-3])
 loops = wr.cyclic_test(law, amplitudes)
 
 # %%
-# At the tips the friction is :math:`z_{max} \tanh(A / x_y)`, because n = 1 and gamma = 0. So the two tip forces are
-# known in closed form, and their ratio is :math:`e^{2 c A \ln b}` whatever the rest of the law.
+# The law is a sum of two, whose friction yields at two scales. With n = 2 and gamma = 0 the friction of each at the tips
+# is :math:`z_{max} \tanh u` with :math:`\arctan \tanh u + u = 2 A / x_y`. So the two tip forces are known without the
+# simulation, and their ratio is :math:`e^{2 c A \ln b}` whatever the rest of the law, as c is common.
 
-z_max, yields = law.alpha / law.beta, 1.0 / law.beta
-tip = z_max * np.tanh(amplitudes / yields) + law.k1 * amplitudes + law.k3 * amplitudes**3
-shift = law.c * np.log(law.b) * amplitudes
+tip = np.zeros(3)
+for part in law.components:
+    z_max, x_y = np.sqrt(part.alpha / part.beta), 1.0 / np.sqrt(part.alpha * part.beta)
+    u = [brentq(lambda u, s=2.0 * a / x_y: np.arctan(np.tanh(u)) + u - s, 0.0, 2.0 * a / x_y) for a in amplitudes]
+    tip += z_max * np.tanh(u) + part.k1 * amplitudes + part.k3 * amplitudes**3
+shift = law.components[0].c * np.log(law.components[0].b) * amplitudes
 for loop, force, exponent in zip(loops, tip, shift, strict=True):
     assert np.isclose(loop.force.max(), force * np.exp(exponent), rtol=1e-6)
     assert np.isclose(loop.force.min(), -force * np.exp(-exponent), rtol=1e-6)

@@ -208,7 +208,10 @@ def test_hours_are_of_what_goes_on_and_not_of_shocks(tmp_path):
     record = wr.load_record(tmp_path / "road.csv", baseline="velocity")
     found = []
     for duration in (2.6, 5.0):
-        wr.simulate(system, record, duration=duration, timestep=5e-4).save(tmp_path / f"road-{duration}")
+        # After the first loading friction lets go of the sag while the road lasts, which happens once and not every hour: it
+        # adds 4.14e-8 in 2.6 s and 5.06e-8 in 5 s to these 2.52e-9, with steps of 0.5 and of 0.1 ms alike.
+        response = wr.simulate(system, record, duration=duration, timestep=5e-4, initial="relaxed")
+        response.save(tmp_path / f"road-{duration}")
         (tmp_path / "life.toml").write_text(life.format(f"road-{duration}"))
         found.append(mission_damage(read_mission(tmp_path / "life.toml"))[0].total)
     assert found[0] == pytest.approx(found[1], rel=0.01)

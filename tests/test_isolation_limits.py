@@ -121,7 +121,7 @@ def test_the_catalogues_curves_are_those_of_work_and_energy(limits, axis):
             travel, expected = first_swing(
                 isolator.axes[axis], load / wr.STANDARD_GRAVITY, limits.VELOCITIES[place], weight
             )
-            # 600 steps in a period; small steps of 1 mm and less turn within a few of them.
+            # 5000 steps in a period: at 1 m/s the smaller scale of friction yields within one of 600, an error of 4e-3.
             assert used[place] * reach == pytest.approx(travel, rel=1e-3)
             assert ratios[place] == pytest.approx(expected, rel=2e-3)
 
@@ -129,7 +129,7 @@ def test_the_catalogues_curves_are_those_of_work_and_energy(limits, axis):
 def test_the_catalogue_lies_where_the_caption_says(limits):
     n = limits.measure()
     assert (n["axial_count"], n["shear_count"]) == (8.0, 8.0)
-    assert 0.5 < n["axial_low"] < n["axial_last_high"] < 1.0  # softening: better than linear, far from the limit
-    assert n["axial_high"] < 1.0
+    assert 0.95 < n["axial_low"] < 1.0 < n["axial_high"] < 1.02  # about a linear spring, far from the limit of 0.5
+    assert n["axial_high"] == n["axial_last_high"]  # of one part, at its largest step
     assert n["shear_low"] < 1.0 < n["shear_high"]  # hardening: worse than linear near the rated travel
     assert n["linear_0.1"] < n["axial_low"]

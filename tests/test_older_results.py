@@ -67,6 +67,7 @@ def test_an_identification_gives_the_same_law(tmp_path):
         for old_error, new_error in zip(old_row[errors], new_row[errors], strict=True):
             assert 1.0 < float(new_error) / float(old_error) < 10.0
         del old_row[errors], new_row[errors]
+        new_row = [cell if "significant" not in cell else "" for cell in new_row]  # older reports did not say it
         assert new_row == old_row
 
 

@@ -57,8 +57,8 @@ def identification():
 
 
 def durability():
-    for name, pulse in (("shock", "10 g 11 ms z"), ("road", "5 g 20 ms z")):
-        assert main(["shock", "cabinet", "--half-sine", pulse, "--out", f"runs/{name}"]) == 0
+    for name, motion in (("shock", ["--half-sine", "10 g 11 ms z"]), ("road", ["--sine", "0.3 g 8 Hz 3 s z"])):
+        assert main(["shock", "cabinet", *motion, "--out", f"runs/{name}"]) == 0
     (life,) = (text for *_, kind, text in BLOCK.findall(DURABILITY.read_text(encoding="utf-8")) if kind == "toml")
     Path("life.toml").write_text(life, encoding="utf-8")
     assert main(["durability", "life.toml"]) == 0

@@ -39,7 +39,9 @@ def combined(response):
 
 def test_travel_along_all_axes_is_that_of_every_step_at_any_rate(shaken):
     reference = combined(shaken[10_000])
-    assert reference["m03"].value == pytest.approx(1.2021, abs=1e-3)
+    assert reference["m03"].value == pytest.approx(
+        1.24943, abs=1e-3
+    )  # 1.2494347 with steps of 33, 1.2494348 of 20, 10 us
     for response in shaken.values():
         found = combined(response)
         assert {name: row.verdict for name, row in found.items()} == {n: row.verdict for n, row in reference.items()}
@@ -49,8 +51,13 @@ def test_travel_along_all_axes_is_that_of_every_step_at_any_rate(shaken):
 
 
 def test_both_engines_follow_the_same_travel(cabinet):
+    """At a step that the finer scale of friction allows, which yields at 57 um across and 76 um along the mounts.
+
+    Its force decays at the rate 2 v / yield; at 1.6 m/s, the fastest here, one step of 48 us is all that RK4 follows. Beyond
+    it rounding grows: the engines are apart by 3e-3 at 500 us, 1.3e-3 at 250, 3e-5 at 125, 1e-6 at 112, and 3e-14 at 50.
+    """
     one, other = (
-        wr.simulate(cabinet, SHOCK, duration=0.4, timestep=5e-4, sample_rate=50.0, engine=engine).peaks.travels
+        wr.simulate(cabinet, SHOCK, duration=0.4, timestep=5e-5, sample_rate=50.0, engine=engine).peaks.travels
         for engine in ("kernel", "mujoco")
     )
     for name, travel in one.items():

@@ -19,7 +19,9 @@ def summary_of(result):
 def drawn(tmp_path_factory):
     """Return a finished study of 120 variants."""
     vary = {**VARY, "motion/level": wr.Uniform(1.0, 5.0)}
-    return table_study(variants=120, vary=vary).run(tmp_path_factory.mktemp("drawn") / "out", workers=1)
+    return table_study(variants=120, vary=vary, timestep=2.5e-4).run(
+        tmp_path_factory.mktemp("drawn") / "out", workers=1
+    )
 
 
 def test_of_drawn_variants_the_summary_has_what_the_tables_give(drawn):

@@ -331,8 +331,9 @@ def test_a_blow_up_ends_the_run_with_words_and_leaves_no_file(tmp_path):
 
 
 def test_a_blow_up_says_when_and_which_body():
-    with pytest.raises(wr.SimulationError, match="for body 'mass'") as caught:
+    with pytest.raises(wr.SimulationError, match="for body '(mass|deck)'") as caught:
         blow_up()
+    # MuJoCo names the first in its order that is no number; within one step one bad force spoils both.
     time = float(re.search(r"at t = ([0-9.]+) s", str(caught.value)).group(1))
     # A few steps of 1e-3 s into the pulse, which begins at 0.02 s, the numbers end.
     assert 0.02 < time <= 0.031

@@ -154,7 +154,7 @@ def model(rng, run, other):
 
 
 def missing(rng, run, other):
-    name = str(rng.choice([SCENARIO, SUMMARY, RESPONSE, MODEL, ISOLATOR, "report.html"]))
+    name = str(rng.choice([SCENARIO, SUMMARY, RESPONSE, MODEL, ISOLATOR]))
     (run / name).unlink()
     if rng.random() < 0.2:
         (run / name).mkdir()

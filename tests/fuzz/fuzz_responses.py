@@ -5,9 +5,10 @@ from campaign import Case
 from hostile import pick
 
 import wirerope_mj as wr
-from wirerope_mj.cli.frf import direction_of, levels
+from wirerope_mj.cli.frf import _levels
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import order_bands
+from wirerope_mj.foundation.directions import direction_in
 
 _SYSTEMS = {name: wr.load_system(name) for name in ("sdof_shaker", "shock_table")}
 _WILD = (float("nan"), float("inf"), -1.0, 0.0, -0.0, 1e-308, 1e308, 1e-12, 1e12, 10**400, True, None, "2", 3, 0.5, 1e9)
@@ -51,10 +52,10 @@ def use(case: Case) -> str | None:
         for band in order_bands(*case.inputs["orders"]):
             if not (np.isfinite([band.low, band.high]).all() and band.label):
                 return "a band is not finite"
-    options["accelerations"] = levels(options["accelerations"] or None, None)
+    options["accelerations"] = _levels(options["accelerations"] or None, None)
     for name in ("direction", "response_direction"):
         if options[name] is not None:
-            options[name] = direction_of(f"`{name}`", options[name])
+            options[name] = direction_in(options[name], name)
     checked = ResponseOptions(**options).checked(system)
     low, high = checked.range
     if not (0.0 < low < high and np.isfinite([low, high, *checked.accelerations, checked.rate]).all()):

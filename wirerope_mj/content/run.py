@@ -80,9 +80,8 @@ def _section(
 
 
 def _warnings(run: JudgedRun) -> Iterator[Block | None]:
-    if run.model_warnings:
-        text = "Said of the model, perhaps not meant:"
-        yield Statement(id="model-warnings", text=text, items=run.model_warnings, tone="unjudged")
+    for number, warning in enumerate(run.model_warnings, start=1):
+        yield Statement(id=f"model-warning-{number}", text=f"warning: {warning}", tone="unjudged")
     yield warnings_of(run)
 
 

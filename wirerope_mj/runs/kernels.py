@@ -64,7 +64,7 @@ def _use_systems() -> None:
     with system.assembly.scratch.data(system.model) as data:
         Loading(system, "virgin", data).solve()  # as where the kernel finds no rest
     follow_branch(
-        load_system("cabinet"), start=60.0, stop=60.5, acceleration=0.1, direction="z", payload="rack", accuracy=1e-2
+        load_system("cabinet"), start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack"
     )  # of enough unknowns for the variational equation
 
 

@@ -1,5 +1,6 @@
 """Pictures and report of a study, and its worst variants as runs."""
 
+import json
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content, SceneView
@@ -8,13 +9,13 @@ from wirerope_mj.content.search import front_table, search_content
 from wirerope_mj.content.study import study_content
 from wirerope_mj.content.study_tables import measures_table, worst_table
 from wirerope_mj.engine.response import load_response
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.stated_limits import add_to_summary
 from wirerope_mj.studies.results.statistics import worst
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
@@ -51,15 +52,21 @@ def result_content(result: StudyResult, by: str | None = None) -> Content:
     return search_content(result)
 
 
+CONTENT = "content.json"
+"""What a study or a search says, in its folder; the summary is complete before it."""
+
+
 def write_content(content: Content, folder: Path) -> None:
     """Write what a study or a search says into its folder.
 
-    Statements and tables stand in the summary under their ids, each chart is a picture by its id, scenes are placements.png.
+    Statements and tables stand in content.json under their ids, each chart is a picture by its id, scenes are placements.png.
     """
     from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes a while
     from wirerope_mj.views.plots.scene_plan import save_scenes
 
-    add_to_summary(folder, {"content": plain_content(content, "answer", "results", "inputs", "worst")})
+    said = plain_content(content, "answer", "results", "inputs", "worst")
+    with atomic_file(folder / CONTENT) as temporary:
+        temporary.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     blocks = list(content.blocks())
     for chart in blocks:
         if isinstance(chart, Chart):

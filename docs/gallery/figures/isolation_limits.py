@@ -73,7 +73,12 @@ def curve(law: Law, load: float, rated: float, gravity: float) -> Curve:
     rate = math.sqrt(secant / mass)  # [rad/s]
     used, ratio = [], []
     for velocity in VELOCITIES:
-        travel, value = efficiency(system, velocity=velocity, seconds=CYCLES * 2 * math.pi / rate, timestep=0.01 / rate)
+        travel, value = efficiency(
+            system,
+            velocity=velocity,
+            seconds=CYCLES * 2 * math.pi / rate,
+            timestep=0.00125 / rate,  # 5000 in a period
+        )
         if travel > rated:
             break
         used.append(travel / rated)
@@ -123,7 +128,7 @@ def _figure(n: Mapping[str, float]) -> Figure:
         f"of critical, and to {n['linear_0.404']:.4f} at 40.4 %, its best. The {n['axial_count']:.0f} isolators of the "
         f"catalogue with their rated load lie between {n['axial_low']:.2f} and {n['axial_high']:.2f} in compression: at half "
         f"the rated travel {n['axial_half_low']:.2f} to {n['axial_half_high']:.2f}, at the largest steps drawn "
-        f"{n['axial_last_low']:.2f} to {n['axial_last_high']:.2f}, because they soften. In shear and roll they harden: "
+        f"{n['axial_last_low']:.2f} to {n['axial_last_high']:.2f}: about a linear spring. In shear and roll they harden: "
         f"{n['shear_low']:.2f} at the least, {n['shear_half_low']:.2f} to {n['shear_half_high']:.2f} at half the travel, and "
         f"up to {n['shear_high']:.2f}, above a linear spring. That is far from 0.5, and from the {n['linear_0.1']:.2f} that "
         "10 % of viscous damping would give, although some of their loops dissipate as much: dry friction grows with the "
