@@ -14,7 +14,7 @@ import wirerope_mj
 from wirerope_mj.cli import main
 
 PACKAGE = Path(wirerope_mj.__file__).parent
-APART = {"engine.control.python", "foundation.lanes"}
+APART = {"engine.control.install", "foundation.lanes"}
 """The callback in Python, of which nothing ships; and a table of kernels for kernels."""
 
 CALLBACKS = {"_control": "control", "_act_dyn": "act_dyn", "_sensor": "sensor"}
