@@ -16,7 +16,7 @@ CENTRE = 0.35
 """Height of the centre of mass above the genset's origin, as the model says it [m]."""
 
 TRAVEL = 0.035
-SHOCK = wr.HalfSine(peak=14.8 * G, duration=0.011, direction=(0.0, 1.0, 0.3), start=0.01)
+SHOCK = wr.HalfSine(peak=15.2 * G, duration=0.011, direction=(0.0, 1.0, 0.3), start=0.01)
 PLACES = {f"m{n}": (x, y) for n, (x, y) in enumerate([(x, y) for y in (-0.3, 0.3) for x in (-0.8, 0.0, 0.8)], start=1)}
 
 
@@ -43,5 +43,5 @@ def genset_study(centre, *, variants=500, **others):
     }
     travel = Travel(compression=TRAVEL, tension=TRAVEL, shear=TRAVEL, roll=TRAVEL)
     rope = replace(wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml"), limits=Limits(travel=travel))
-    given = {"model": genset_text(), "isolators": {"rope": rope}, "motion": SHOCK, "duration": 1.0, "timestep": 1e-3}
+    given = {"model": genset_text(), "isolators": {"rope": rope}, "motion": SHOCK, "duration": 1.0, "timestep": 2.5e-4}
     return wr.Study(vary=vary, variants=variants, **{**given, **others})
