@@ -130,7 +130,7 @@ def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timest
 
 
 def option_message(error: CycloptsError, arguments: Sequence[str]) -> str:
-    """Return what is wrong with the arguments of a command, and where it is said what it takes.
+    """Word an error of the parser: what is wrong with the arguments, and the help that says what the command takes.
 
     Args:
         error: of the parser.

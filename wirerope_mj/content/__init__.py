@@ -1,1 +1,1 @@
-"""What a result says, whoever shows it: statements, tables, panels and scenes with stable ids, in SI."""
+"""Contents of results: statements, tables, charts and scenes in SI, with stable ids, which every renderer shows."""

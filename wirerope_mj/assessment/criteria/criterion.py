@@ -1,4 +1,4 @@
-"""What is judged, as a value with parts: its kind, the axis and the sense; its text is what outputs and files write."""
+"""Criteria of verdicts: a kind, an axis and a sense, and the text that outputs and files write."""
 
 from typing import Any, Final
 
@@ -12,7 +12,7 @@ STATIC_LOAD: Final = "static load in compression"
 
 
 class Criterion(str):
-    """What is judged, for instance "acceleration along z" or "travel in compression"; equal to its text.
+    """Kind, axis and sense of a limit, as the text "acceleration along z" or "travel in compression", which it equals.
 
     Attributes:
         kind: ACCELERATION, RATTLE_SPACE, TRAVEL, STATIC_LOAD, or the name of any other criterion.

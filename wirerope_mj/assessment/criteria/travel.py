@@ -110,7 +110,7 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
 
 
 def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
-    """Return what many mounts use of all rated travels at once, (...), as a run's verdict says it; NaN where not judged.
+    """Return the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
 
     Args:
         farthest: largest utilisation of every step, (...).
