@@ -14,7 +14,7 @@ from rerun.chunk import RrdReader
 
 from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.numbers import ABSENT, MINUS
-from wirerope_mj.content.run import SUMMARY_SECTIONS, run_content
+from wirerope_mj.content.run import run_content
 from wirerope_mj.runs.scenario import shipped_scenarios
 from wirerope_mj.views.json_content import plain_content
 from wirerope_mj.views.markdown import markdown_statement, markdown_table
@@ -39,8 +39,7 @@ def run(request, tmp_path_factory):
 
 def in_summary(content):
     """Return the ids of what terminal and summary show."""
-    blocks = [block for section in content.sections if section.id in SUMMARY_SECTIONS for block in section.blocks]
-    return [block.id for block in blocks]
+    return [block.id for block in content.blocks("headline", "summary")]
 
 
 def cells_of(page, name):
@@ -65,7 +64,7 @@ def test_the_page_holds_every_table_to_the_last_cell(run):
 def test_the_summary_holds_the_values_of_the_tables_in_si(run):
     folder, _, content = run
     written = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["content"]
-    assert written == json.loads(json.dumps(plain_content(content, *SUMMARY_SECTIONS)))
+    assert written == json.loads(json.dumps(plain_content(content, *content.sections_of("headline", "summary"))))
     assert written["headline"]["text"] == content.verdict.text
     assert set(in_summary(content)) <= written.keys()
 

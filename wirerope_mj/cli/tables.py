@@ -6,7 +6,7 @@ from pathlib import Path
 from rich.markup import escape
 
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.run import SUMMARY_SECTIONS, numerics_statement, run_content
+from wirerope_mj.content.run import numerics_statement, run_content
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.views.terminal import console, print_headline, print_table, show
@@ -22,7 +22,7 @@ def print_verdict(scenario: Scenario, judged: JudgedRun, *, seconds: float) -> N
     """Print peaks against limits, the answer, how it was computed, and how long that took [s]."""
     out, content = console(), run_content(judged)
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
-    show(content, *(name for name in SUMMARY_SECTIONS if name != "answer"))
+    show(content, "warnings", *content.sections_of("summary"))
     print_headline(content.verdict)
     show(content, "answer")
     out.print(f"\n  {escape(numerics_statement(judged.response.numerics).text)}; verdict after {seconds:.1f} s")

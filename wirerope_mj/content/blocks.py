@@ -1,4 +1,4 @@
-"""What a result says, whoever shows it: sections of statements, tables, charts and scenes, each with a stable id."""
+"""The types of a content: sections of statements, tables, charts and scenes, each with a stable id."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
@@ -108,6 +108,10 @@ class Content:
         for section in self.sections:
             if not depths or section.depth in depths:
                 yield from section.blocks
+
+    def sections_of(self, *depths: Depth) -> tuple[str, ...]:
+        """Return the ids of the sections of these depths."""
+        return tuple(section.id for section in self.sections if section.depth in depths)
 
     def table(self, name: str) -> Table | None:
         """Return the table with an id; None if this result has none."""

@@ -1,7 +1,7 @@
-"""What a run says, whoever shows it."""
+"""The content of a run."""
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 from wirerope_mj.assessment.criteria.sampled import samples_hold
@@ -28,10 +28,6 @@ _START = {
     "relaxed": "at rest in the relaxed equilibrium, as after long vibration",
     "unloaded": "in the modelled geometry, with unloaded mounts",
 }
-
-
-SUMMARY_SECTIONS = ("warnings", "answer", "accelerations", "mounts", "contacts")
-"""Sections that a terminal and a summary show."""
 
 
 def run_content(run: JudgedRun) -> Content:
@@ -117,13 +113,8 @@ def _numerics(run: JudgedRun) -> Iterator[Block]:
     rows += [(f"option {name}", str(value)) for name, value in run.inputs.get("options", {}).items()]
     if versions:
         rows.append(("versions", ", ".join(f"{name} {version}" for name, version in versions.items())))
-    yield settings_table(rows)
-
-
-def settings_table(rows: Sequence[tuple[str, str]]) -> Table:
-    """Tabulate names and values of what a result was computed with."""
     columns = (Column("what", align="left"), Column("value", align="text"))
-    return Table(id="settings", title="How it was computed", columns=columns, rows=rows)
+    yield Table(id="settings", title="How it was computed", columns=columns, rows=rows)
 
 
 def _error(numerics: Numerics) -> str:

@@ -16,6 +16,7 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
+from wirerope_mj.assessment.criteria.headline import PASS
 from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Statement
@@ -41,7 +42,7 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
     worst, present = most_used(verdicts), {row.verdict for row in verdicts}
     text = verdicts_headline(verdicts)
     tone = next((TONE[verdict] for verdict in (EXCEEDED, STRUCK, WITHIN) if verdict in present), "unjudged")
-    tone = "unjudged" if tone == "within" and not text.startswith("PASS") else tone
+    tone = "unjudged" if tone == "within" and not text.startswith(PASS) else tone
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
     if worst is not None:
         values |= {"most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation}

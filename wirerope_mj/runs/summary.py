@@ -7,7 +7,7 @@ from typing import Any
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.run import SUMMARY_SECTIONS, run_content
+from wirerope_mj.content.run import run_content
 from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.summary import json_values
@@ -19,7 +19,7 @@ _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
 def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
     """Return the content of summary.json; `seconds` is how long the simulation took."""
-    response = judged.response
+    response, content = judged.response, run_content(judged)
     numerics = response.numerics
     return {
         "format": FORMAT,
@@ -30,7 +30,7 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
         **summary(response, judged.verdicts),
         **_random_content(judged),
         **({"untested": judged.untested} if judged.untested else {}),
-        "content": plain_content(run_content(judged), *SUMMARY_SECTIONS),
+        "content": plain_content(content, *content.sections_of("headline", "summary")),
         "numerics": {
             "timestep_s": numerics.timestep,
             "steps": numerics.steps,

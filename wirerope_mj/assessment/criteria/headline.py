@@ -61,7 +61,7 @@ def _used(verdicts: Sequence[Verdict]) -> str:
 
 
 def limit_of(criterion: Criterion) -> str:
-    """Return what a utilisation is a percentage of: "combined travel", "its limit of acceleration along z"."""
+    """Name the limit of a criterion: "combined travel", "rated travel in roll", "the limit of acceleration along z"."""
     if criterion == COMBINED:
         return "combined travel"
     return f"rated {criterion}" if criterion.kind in _RATED else f"the limit of {criterion}"

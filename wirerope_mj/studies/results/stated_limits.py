@@ -100,13 +100,8 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     Raises:
         RecordError: the summary is damaged.
     """
-    add_to_summary(result.folder, {KEY: [_exceeded(result, one) for one in limits]})
-
-
-def add_to_summary(folder: Path, content: dict[str, Any]) -> None:
-    """Write more into the summary of a study; RecordError if it is damaged."""
-    whole = _content(folder) | content
-    with atomic_file(folder / SUMMARY) as temporary_path:
+    whole = _content(result.folder) | {KEY: [_exceeded(result, one) for one in limits]}
+    with atomic_file(result.folder / SUMMARY) as temporary_path:
         temporary_path.write_text(json.dumps(whole, indent=2, allow_nan=False) + "\n", encoding="utf-8")
 
 
