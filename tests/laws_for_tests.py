@@ -218,3 +218,20 @@ def smooth_path(points, *, per_segment, duration=1.0):
         v.append(0.5 * (b - a) * np.sin(phase) * np.pi / duration)
     x, v = np.concatenate(x), np.concatenate(v)
     return x, np.arange(x.size) * duration / per_segment, v
+
+
+# Steady loops of amplitude A for alpha = 1: beta, gamma, n, A, peak z, work per cycle. The digits are those of an
+# event-split integration (relative tolerance 1e-12) of the differential equation.
+LOOPS = [
+    (0.8, 0.2, 1, 1, 0.7488105660, 0.8309464386),
+    (0.5, 0.5, 1, 1, 0.7215354572, 0.5932447550),
+    (0.8, 0.2, 1, 2, 0.9608865002, 3.8868885201),
+    (0.5, 0.5, 1, 2, 0.9525215090, 3.2826167390),
+    (1.0, 0.0, 1, 1, 0.7615941560, 0.9536233762),
+    (1.0, 0.0, 1, 2, 0.9640275801, 4.1438896797),
+    (0.8, 0.2, 2, 1, 0.8481664027, 0.6727513048),
+    (0.5, 0.5, 2, 1, 0.8256588617, 0.4630878365),
+    (0.5, -0.4, 1, 1, 1.1431451805, 0.6222631732),
+    (0.5, -0.5, 1, 2, 2.6934413590, 4.4808609183),
+    (0.8, -1.0, 2, 2, 7.9446241187, 10.4247588475),
+]

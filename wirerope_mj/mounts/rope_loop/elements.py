@@ -9,7 +9,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
 
 DEGREE = 3
-"""Of the polynomials. Energy and force then err by h^6, as tests/test_rope_loop.py measures by halving the elements."""
+"""Of the polynomials. Energy and force then err by h^6, as tests/mounts/test_rope_loop.py measures by halving the elements."""
 
 
 @dataclass(frozen=True, kw_only=True)

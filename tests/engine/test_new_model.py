@@ -1,0 +1,416 @@
+"""Models from tables: their masses against hand sums, their statics, what stands in the folder, and bad tables."""
+
+import csv
+import os
+import re
+from pathlib import Path
+from xml.etree import ElementTree
+
+import mujoco
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.engine.statics import static_table
+from wirerope_mj.foundation.resources import catalogue_folder, models_folder
+
+G = wr.STANDARD_GRAVITY
+TABLES = models_folder() / "templates" / "genset"
+ROOT = Path(__file__).parents[2]
+
+MOUNTS = "name, x [mm], y [mm], z [mm], isolator, inclination [deg], azimuth [deg]"
+MASSES = "name, mass [kg], x [mm], y [mm], z [mm], ixx [kg m^2], iyy [kg m^2], izz [kg m^2], ixy [kg m^2]"
+STOPS = "name, x [mm], y [mm], z [mm], gap [mm], stiffness [MN/m], damping [kN s/m]"
+FEET = [f"m{n}, {x}, {y}, 100, enidine_wr16_400, 30, {-90 if y > 0 else 90}"
+        for n, (x, y) in enumerate([(x, y) for y in (-300, 300) for x in (-800, 0, 800)], start=1)]  # fmt: skip
+PARTS = ["engine, 700, -400, 20, 500, 50, 90, 80, 3", "alternator, 500, 600, -10, 450, 25, 40, 35, -1"]
+SOFT = [(1, -300, -300), (2, 300, -300), (3, 0, 300)]
+STOP_ROWS = ["s1, -800, 0, 100, 40, 10, 15", "s2, 800, 0, 100, 40, 10, 15"]
+
+
+def write(path, header, rows):
+    Path(path).write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")
+
+
+def good_tables():
+    write("mounts.csv", MOUNTS, FEET)
+    write("masses.csv", MASSES, PARTS)
+    write("stops.csv", STOPS, STOP_ROWS)
+
+
+def make(*options, name="genset"):
+    return main(["new", name, "--mounts", "mounts.csv", "--masses", "masses.csv", *options])
+
+
+def test_a_model_that_nothing_holds_up_is_written_and_exits_with_1_as_the_help_says(here, capsys):
+    good_tables()
+    write("mounts.csv", MOUNTS, [f"m{n}, {x}, {y}, 100, enidine_wr12_400, 0, 0" for n, x, y in SOFT])
+    write("masses.csv", MASSES, ["engine, 90000, 0, 0, 600, 6000, 6000, 6000, 0"])
+    assert main(["new", "genset", "--mounts", "mounts.csv", "--masses", "masses.csv"]) == 1
+    assert "no equilibrium was found" in capsys.readouterr().err
+    assert Path("genset/genset.xml").is_file()
+
+
+def compiled(path="genset/genset.xml"):
+    """Return what MuJoCo alone compiles, and the inertia of the payload about its centre along the world's axes."""
+    model = mujoco.MjModel.from_xml_path(str(path))
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    mujoco.mj_comPos(model, data)
+    body = model.body("genset").id
+    turn = data.ximat[body].reshape(3, 3)
+    return model.body_mass[body], data.xipos[body], turn @ np.diag(model.body_inertia[body]) @ turn.T
+
+
+def by_hand(rows):
+    """Return mass, centre and inertia of rows (mass, centre [m], tensor) as sums of m r r over all, taken about the origin."""
+    mass = sum(m for m, _, _ in rows)
+    centre = sum(m * np.array(c) for m, c, _ in rows) / mass
+    about_origin = sum(np.array(i) - m * skew(c) @ skew(c) for m, c, i in rows)
+    return mass, centre, about_origin + mass * skew(centre) @ skew(centre)
+
+
+def skew(v):
+    x, y, z = v
+    return np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
+
+
+@pytest.mark.parametrize(("products", "sign"), [("tensor", 1.0), ("positive", -1.0)])
+def test_the_masses_of_the_tables_are_those_that_mujoco_compiles(here, products, sign):
+    good_tables()
+    assert make("--products", products) == 0
+    parts = [
+        (700.0, (-0.4, 0.02, 0.5), [[50, 3 * sign, 0], [3 * sign, 90, 0], [0, 0, 80]]),
+        (500.0, (0.6, -0.01, 0.45), [[25, -sign, 0], [-sign, 40, 0], [0, 0, 35]]),
+    ]
+    for found, wanted in zip(compiled(), by_hand(parts), strict=True):
+        # twelve digits are written; MuJoCo's own eigenvalue iteration ends at 1e-12 or so of the largest moment
+        np.testing.assert_allclose(found, wanted, rtol=1e-9, atol=1e-9)
+
+
+def test_a_box_has_the_inertia_of_its_sizes(here):
+    write("mounts.csv", MOUNTS, FEET)
+    write("masses.csv", "name, mass [kg], x [mm], y [mm], z [mm], size_x [mm], size_y [mm], size_z [m]",
+          ["rack, 320, 0, 0, 850, 600, 800, 1.8"])  # fmt: skip
+    assert make() == 0
+    mass, centre, inertia = compiled()
+    assert mass == pytest.approx(320.0)
+    np.testing.assert_allclose(centre, [0.0, 0.0, 0.85], atol=1e-12)
+    a, b, c = 0.6**2, 0.8**2, 1.8**2
+    np.testing.assert_allclose(inertia, 320 / 12 * np.diag([b + c, a + c, a + b]), rtol=1e-9, atol=1e-9)
+
+
+def test_six_mounts_of_a_symmetric_genset_carry_a_sixth_each(here, capsys):
+    write("mounts.csv", MOUNTS, FEET)
+    write("masses.csv", MASSES, ["engine, 1200, 0, 0, 450, 100, 450, 440, 0"])
+    assert make() == 0
+    table = static_table(wr.load_system("genset/genset.xml"))
+    vertical = [load.force for load in wr.equilibrium(wr.load_system("genset/genset.xml")).mounts.values()]
+    assert len(table.sags["virgin"].mounts) == len(vertical) == 6
+    model = mujoco.MjModel.from_xml_path("genset/genset.xml")
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    for n, force in enumerate(vertical, start=1):
+        axes = data.site(f"deck/m{n}").xmat.reshape(3, 3)
+        lift = -(axes @ force)[2]  # the spring's force on the payload is against its restoring sense
+        # the middle ones are alike with the outer ones, because nothing turns; the equilibrium ends at 1e-9 of the weight
+        assert lift == pytest.approx(1200 * G / 6, rel=1e-6)
+    rows = [line.split() for line in capsys.readouterr().out.splitlines() if line.startswith("m") and "within" in line]
+    assert [row[6] for row in rows] == ["16.7"] * 12  # per cent of the weight, on the first loading and relaxed
+
+
+def test_axes_of_a_mount_lead_from_the_base_to_the_payload(here):
+    """A direction, or inclination and azimuth, mean the same; bars stand square to it."""
+    direction = "direction_x, direction_y, direction_z, bars_x, bars_y, bars_z"
+    header = f"name, x [m], y [m], z [m], isolator, {direction}"
+    write("mounts.csv", MOUNTS, FEET)
+    write("masses.csv", MASSES, PARTS)
+    assert make() == 0
+    vectors = [f"m{n}, {x}, {y}, 0.1, enidine_wr16_400, 0, {0.5 if y < 0 else -0.5}, 0.8660254037844386, 1, 0, 0.3"
+               for n, (x, y) in enumerate([(x, y) for y in (-0.3, 0.3) for x in (-0.8, 0, 0.8)], start=1)]  # fmt: skip
+    write("mounts.csv", header, vectors)
+    assert make(name="other") == 0
+    for name in ("m1", "m6"):
+        axes = [axes_of(f"{model}/{model}.xml", f"deck/{name}") for model in ("genset", "other")]
+        np.testing.assert_allclose(axes[0][:, 2], axes[1][:, 2], atol=1e-11)  # twelve digits are written
+        assert axes[0][2, 1] == pytest.approx(0.0, abs=1e-11)  # without bars they lie horizontally
+        np.testing.assert_allclose(np.linalg.det(axes[1]), 1.0, atol=1e-12)
+        assert axes[1][:, 1] @ np.cross(axes[1][:, 2], [1, 0, 0.3]) == pytest.approx(0.0, abs=1e-11)
+
+
+def axes_of(path, site):
+    model = mujoco.MjModel.from_xml_path(path)
+    data = mujoco.MjData(model)
+    mujoco.mj_kinematics(model, data)
+    return data.site(site).xmat.reshape(3, 3)
+
+
+def test_stops_close_after_their_gap_and_stand_in_files_of_their_own(here):
+    good_tables()
+    assert make("--stops", "stops.csv") == 0
+    stop = wr.load_system("genset/genset.xml").mounts["s1"].isolator.axial
+    assert (stop.gap_below, stop.k, stop.c) == (0.040, 10e6, 15e3)
+    assert [path.name for path in sorted(Path("genset/isolators").iterdir())] == [
+        "enidine_wr16_400.toml", "stop_of_table_1.toml",
+    ]  # fmt: skip
+
+
+def test_the_folder_is_complete_and_its_tables_make_it_again(here):
+    assert main(["new", "genset", "--template", "genset", "--pdf"]) == 0
+    first = Path("genset/genset.xml").read_bytes()
+    assert ElementTree.fromstring(first).get("model") == "genset"  # stricter than MuJoCo about comments
+    assert Path("genset/genset_plan.png").read_bytes()[:4] == b"\x89PNG"
+    assert Path("genset/genset_plan.pdf").read_bytes()[:4] == b"%PDF"
+    assert {path.name for path in Path("genset/tables").iterdir()} == {path.name for path in TABLES.iterdir()}
+    assert b"<!--" in first
+    tables = [word for kind in ("mounts", "masses", "stops", "points", "forces")
+              for word in (f"--{kind}", f"genset/tables/{kind}.csv")]  # fmt: skip
+    assert main(["new", "genset", *tables]) == 2  # there is one
+    assert main(["new", "genset", *tables, "--force"]) == 0
+    assert Path("genset/genset.xml").read_bytes() == first
+
+
+@pytest.mark.parametrize("template", ["cabinet", "floor", "two-stage"])
+def test_a_template_is_a_model_that_one_edits(here, template, capsys):
+    assert main(["new", "mine", "--template", template]) == 0
+    assert "written: mine/mine.xml" in capsys.readouterr().out
+    system = wr.load_system("mine/mine.xml")
+    assert len(system.payloads) == (2 if template == "two-stage" else 1)
+    assert (Path("mine") / "isolators").is_dir()
+
+
+def test_a_two_stage_mount_carries_its_quarter_of_what_stands_above(here):
+    assert main(["new", "mine", "--template", "two-stage"]) == 0
+    mounts = wr.equilibrium(wr.load_system("mine/mine.xml")).mounts
+    for n in range(1, 5):
+        assert mounts[f"upper{n}"].force[2] == pytest.approx(-300 * G / 4, rel=1e-6)
+        assert mounts[f"lower{n}"].force[2] == pytest.approx(-450 * G / 4, rel=1e-6)
+
+
+def workbook(path, header, rows):
+    import openpyxl
+
+    book = openpyxl.Workbook()
+    sheet = book.active
+    for line in (header, *rows):
+        sheet.append([number_or_text(cell.strip()) for cell in line.split(",")] if line else [])
+    book.save(path)
+    book.close()
+
+
+def number_or_text(cell):
+    try:
+        return float(cell)
+    except ValueError:
+        return cell
+
+
+def test_a_workbook_makes_the_same_model_as_csv(here):
+    good_tables()
+    assert make(name="genset") == 0
+    workbook("mounts.xlsx", MOUNTS, FEET)
+    workbook("masses.xlsx", MASSES, PARTS)
+    Path("genset").rename("from_csv")
+    assert main(["new", "genset", "--mounts", "mounts.xlsx", "--masses", "masses.xlsx"]) == 0
+    assert Path("genset/genset.xml").read_text() == Path("from_csv/genset.xml").read_text()
+
+
+def test_without_the_extra_a_workbook_is_refused_with_what_to_install(here, monkeypatch, capsys):
+    monkeypatch.setitem(__import__("sys").modules, "openpyxl", None)
+    good_tables()
+    Path("mounts.xlsx").write_bytes(b"PK")
+    assert main(["new", "genset", "--mounts", "mounts.xlsx", "--masses", "masses.csv"]) == 2
+    assert "pip install 'wirerope-mj[xlsx]'" in capsys.readouterr().err
+
+
+def changed(row, **cells):
+    """Return a row of mounts or masses with cells replaced by number."""
+    values = [cell.strip() for cell in row.split(",")]
+    for place, value in cells.items():
+        values[int(place[1:])] = value
+    return ", ".join(values)
+
+
+BAD = {
+    "a unit missing": ("mounts", MOUNTS.replace("x [mm]", "x"), FEET, r'line 1: column "x" has no unit'),
+    "an unknown unit": ("masses", MASSES.replace("mass [kg]", "mass [stone]"), PARTS,
+                        r'line 1: column "mass" has the unknown unit "stone"'),
+    "a unit of another quantity": ("mounts", MOUNTS.replace("x [mm]", "x [kg]"), FEET,
+                                   r'line 1: column "x" has the unknown unit "kg"'),
+    "comma decimals": ("masses", MASSES.replace(",", ";"), [row.replace(",", ";").replace("700", "700,5") for row in PARTS],
+                       r'line 2: "700,5" in column "mass" is not a number\. Decimals are written with a point'),
+    "comma decimals between commas": ("masses", MASSES, [PARTS[0].replace("700", "700,5"), PARTS[1]],
+                                      r"line 2: 10 cells where the header has 9 columns\. Decimals are written with a point"),
+    "a mount twice": ("mounts", MOUNTS, [*FEET, FEET[0]], r'line 8: the name "m1" is given twice, first in .*line 2'),
+    "two mounts at one position": ("mounts", MOUNTS, [*FEET, changed(FEET[0], c0="m7")],
+                                   r'line 8: columns "x", "y", "z": mount "m7" stands where "m1" stands'),
+    "a mass twice": ("masses", MASSES, [*PARTS, PARTS[0]], r'line 4: the name "engine" is given twice'),
+    "a negative mass": ("masses", MASSES, [changed(PARTS[0], c1="-700"), PARTS[1]],
+                        r'line 2: column "mass" of "engine" must be > 0, got -700'),
+    "no mass": ("masses", MASSES, [changed(PARTS[0], c1="0"), PARTS[1]], r'line 2: column "mass" of "engine" must be > 0'),
+    "an inertia against the triangle inequality": ("masses", MASSES, [changed(PARTS[0], c5="500"), PARTS[1]],
+                                                   r'line 2: .*"ixx" to "iyz" of "engine".*larger than the sum of the other'),
+    "a negative moment": ("masses", MASSES, [changed(PARTS[0], c5="-50"), PARTS[1]], r"line 2: .*none can be negative"),
+    "a product beyond the moments": ("masses", MASSES, [changed(PARTS[0], c8="300"), PARTS[1]],
+                                     r"line 2: .*none can be negative"),
+    "a part of the inertia": ("masses", MASSES, [changed(PARTS[0], c6=""), PARTS[1]],
+                              r'line 2: column "iyy" of "engine" is empty though "ixx" is given'),
+    "an inertia said twice": ("masses", f"{MASSES}, size_x [m]", [f"{PARTS[0]}, 1", f"{PARTS[1]}, "],
+                              r'line 2: columns "ixx" and "size_x" of "engine" both say the inertia'),
+    "a negative size": ("masses", "name, mass [kg], x [m], y [m], z [m], size_x [m], size_y [m], size_z [m]",
+                        ["block, 1200, 0, 0, 1, 1, -1, 1"], r'line 2: column "size_y" of "block" must be >= 0, got -1'),
+    "nothing but a point mass": ("masses", MASSES, ["block, 1200, 0, 0, 450, , , , "],
+                                 r'masses\.csv: the masses together have no moment of inertia'),
+    "an unknown isolator": ("mounts", MOUNTS, [changed(FEET[0], c4="wr99"), *FEET[1:]],
+                            r'line 2: column "isolator": there is no isolator \'wr99\'.*enidine_wr16_400'),
+    "an empty file": ("mounts", "", [], r"mounts\.csv: the file is empty"),
+    "a header alone": ("mounts", MOUNTS, [], r"mounts\.csv: the table of mounts has a header and no rows"),
+    "an unknown column": ("mounts", f"{MOUNTS}, colour", [f"{row}, red" for row in FEET],
+                          r'line 1: unknown column "colour"\. Known columns: name, x \[mm\]'),
+    "a column twice": ("mounts", MOUNTS.replace("y [mm]", "x [mm]"), FEET, r'line 1: column "x" stands there twice'),
+    "a column missing": ("mounts", MOUNTS.replace(", isolator", ""), [changed(row, c4="0") for row in FEET],
+                         r'line 1: column "isolator" is missing'),
+    "NaN": ("mounts", MOUNTS, [changed(FEET[0], c1="nan"), *FEET[1:]], r'line 2: nan in column "x"'),
+    "infinity": ("masses", MASSES, [changed(PARTS[0], c1="inf"), PARTS[1]], r'line 2: inf in column "mass"'),
+    "an empty cell": ("mounts", MOUNTS, [changed(FEET[0], c2=""), *FEET[1:]],
+                      r'line 2: column "y" is empty; a number is needed'),
+    "no name": ("mounts", MOUNTS, [changed(FEET[0], c0=""), *FEET[1:]], r'line 2: column "name" is empty'),
+    "a unit in a cell": ("mounts", MOUNTS, [changed(FEET[0], c3="100mm"), *FEET[1:]],
+                         r'line 2: "100mm" in column "z" is not a number\. Units stand in the header only'),
+    "a mount with its sites swapped": ("mounts", MOUNTS, [changed(FEET[0], c5="150"), *FEET[1:]],
+                                       r'line 2: mount "m1" has its sites swapped'),
+    "an inclination beyond all": ("mounts", MOUNTS, [changed(FEET[0], c5="200"), *FEET[1:]],
+                                  r'line 2: column "inclination" must lie between 0 and 180'),
+    "a mount far outside": ("mounts", MOUNTS, [changed(FEET[0], c1="-800000"), *FEET[1:]],
+                            r'line 2: "m1" stands outside, 800 m from the centre of mass'),
+    "a stop without stiffness": ("stops", STOPS, [changed(STOP_ROWS[0], c5="0")],
+                                 r'line 2: column "stiffness" must be > 0'),
+    "a stop with a negative gap": ("stops", STOPS, [changed(STOP_ROWS[0], c4="-1")], r'line 2: column "gap" must be >= 0'),
+    "a stop called like a mount": ("stops", STOPS, [changed(STOP_ROWS[0], c0="m1")], r'line 2: a mount is called "m1" too'),
+    "a name with a slash": ("mounts", MOUNTS, [changed(FEET[0], c0="a/b"), *FEET[1:]], r'line 2: column "name": "a/b" holds'),
+    "a name with a space": ("mounts", MOUNTS, [changed(FEET[0], c0="fore port"), *FEET[1:]],
+                            r'line 2: column "name": "fore port" holds a space'),
+    "an isolator in markup": ("mounts", MOUNTS, [changed(FEET[0], c4="<x>"), *FEET[1:]],
+                                                     r"line 2: column \"isolator\": there is no isolator '<x>'"),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", BAD)
+def test_a_bad_table_is_answered_in_one_message_and_nothing_is_written(here, kind, capsys):
+    table, header, rows, message = BAD[kind]
+    good_tables()
+    write(f"{table}.csv", header, rows)
+    before = sorted(os.listdir())
+    assert make("--stops", "stops.csv") == 2
+    lines = capsys.readouterr().err.splitlines()
+    assert len(lines) == 1
+    assert f"{table}.csv" in lines[0]
+    assert re.search(message, lines[0]), lines[0]
+    assert sorted(os.listdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [
+        ([], "mounts.xlsx: the first sheet is empty"),
+        ([MOUNTS, changed(FEET[0], c1="left")], 'mounts.xlsx, row 2: "left" in column "x" is not a number'),
+        ([MOUNTS, "", f"{FEET[0]}, 7"], "mounts.xlsx, row 3: 8 cells where the header has 7 columns"),
+    ],
+)
+def test_a_bad_workbook_names_its_row(here, rows, message, capsys):
+    good_tables()
+    workbook("mounts.xlsx", rows[0] if rows else "", rows[1:])
+    assert main(["new", "genset", "--mounts", "mounts.xlsx", "--masses", "masses.csv"]) == 2
+    assert message in capsys.readouterr().err
+    assert not Path("genset").exists()
+
+
+def test_what_is_no_workbook_says_so(here, capsys):
+    good_tables()
+    Path("mounts.xlsx").write_text("name, x [mm]")
+    assert main(["new", "genset", "--mounts", "mounts.xlsx", "--masses", "masses.csv"]) == 2
+    assert "mounts.xlsx: this is no XLSX file" in capsys.readouterr().err
+
+
+CAD = """Mass properties of genset
+     Configuration: Default
+     Coordinate system: -- default --
+
+Mass = 1200000.00 grams
+
+Volume = 200000000.00 cubic millimeters
+
+Center of mass: ( millimeters )
+\tX = 10.00
+\tY = -20.00
+\tZ = 450.00
+
+Principal axes of inertia and principal moments of inertia: ( grams *  square millimeters )
+Taken at the center of mass.
+\t Ix = (1.00, 0.00, 0.00)   \tPx = 100000000000.00
+
+Moments of inertia: ( grams *  square millimeters )
+Taken at the center of mass and aligned with the output coordinate system. (Using positive tensor notation.)
+\tLxx = 100000000000.00\tLxy = 5000000000.00\tLxz = 0.00
+\tLyx = 5000000000.00\tLyy = 450000000000.00\tLyz = -2000000000.00
+\tLzx = 0.00\tLzy = -2000000000.00\tLzz = 440000000000.00
+
+Moments of inertia: ( grams *  square millimeters )
+Taken at the output coordinate system. (Using positive tensor notation.)
+\tIxx = 343000000000.00\tIxy = 5000000000.00\tIxz = 0.00
+"""
+
+
+def test_mass_properties_of_a_cad_program_are_read_with_their_sign(here):
+    write("mounts.csv", MOUNTS, FEET)
+    Path("genset.txt").write_text(CAD)
+    for products, sign in (("tensor", 1.0), ("positive", -1.0)):
+        options = ["--mounts", "mounts.csv", "--masses", "genset.txt", "--products", products, "--force"]
+        assert main(["new", "genset", *options]) == 0
+        mass, centre, inertia = compiled()
+        wanted = [[100, 5 * sign, 0], [5 * sign, 450, -2 * sign], [0, -2 * sign, 440]]
+        assert mass == pytest.approx(1200.0, rel=1e-12)
+        np.testing.assert_allclose(centre, [0.01, -0.02, 0.45], rtol=1e-12)
+        np.testing.assert_allclose(inertia, wanted, rtol=1e-9, atol=1e-9)  # as for tables
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "message"),
+    [
+        ("grams\n", "stones\n", 'the unit "stones" is unknown'),
+        ("Center of mass", "Schwerpunkt", "the centre of mass is not found"),
+        ("Lyx = 5", "Lyx = 6", "are not symmetric"),
+        ("Lxx = 1", "Lxx = 9", "no body has these moments of inertia"),
+        ("Mass = 12", "Mass = -12", "the mass must be > 0"),
+    ],
+)
+def test_a_bad_text_of_a_cad_program_is_answered_in_one_message(here, old, new, message, capsys):
+    write("mounts.csv", MOUNTS, FEET)
+    Path("genset.txt").write_text(CAD.replace(old, new))
+    code = main(["new", "genset", "--mounts", "mounts.csv", "--masses", "genset.txt"])
+    assert code == 2
+    assert message in capsys.readouterr().err
+    assert not Path("genset").exists()
+
+
+def test_names_of_users_are_text_in_the_model(here):
+    write("mounts.csv", MOUNTS, [changed(row, c0=f'<m{n}>&"\u00e9') for n, row in enumerate(FEET)])
+    write("masses.csv", MASSES, PARTS)
+    assert make() == 0
+    assert '<m3>&"\u00e9' in wr.load_system("genset/genset.xml").mounts
+
+
+def test_an_isolator_beside_the_table_goes_into_the_folder(here):
+    good_tables()
+    device = wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml")
+    device.save("mine.toml")
+    write("mounts.csv", MOUNTS, [changed(row, c4="mine") for row in FEET])
+    assert make() == 0
+    assert wr.load_isolator("genset/isolators/mine.toml").axial == device.axial
+
+
+def test_the_template_of_a_genset_weighs_what_its_tables_say():
+    with (TABLES / "masses.csv").open() as file:
+        rows = list(csv.reader(line for line in file if not line.startswith("#")))[1:]
+    assert sum(float(row[1]) for row in rows) == 1200.0

@@ -1,0 +1,53 @@
+"""docs/toml_files.md names every key that the readers of TOML files know."""
+
+import inspect
+import re
+from dataclasses import fields
+from pathlib import Path
+
+import pytest
+
+from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
+from wirerope_mj.mounts.isolator import AXES, tables
+from wirerope_mj.mounts.isolator.parts import Travel
+from wirerope_mj.mounts.laws import LAWS
+from wirerope_mj.mounts.vendor_parts import sheet_file
+from wirerope_mj.runs import judging, scenario_file
+
+PAGE = (Path(__file__).parents[2] / "docs" / "toml_files.md").read_text(encoding="utf-8")
+NAMED = set(re.findall(r"`\[*([\w-]+)\]*`", PAGE))
+
+
+@pytest.mark.quick
+def test_every_key_of_an_isolator_file_is_there():
+    keys = {*tables._KEYS, *AXES, *tables._PARTS, "law", "laws"}
+    keys |= {field.name for part in tables._PARTS.values() for field in fields(part)} | {
+        field.name for field in fields(Travel)
+    }
+    assert keys <= NAMED
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("name", LAWS)
+def test_a_law_stands_there_with_all_its_parameters(name):
+    (row,) = [line for line in PAGE.splitlines() if line.startswith(f"| `{name}` ")]
+    assert set(inspect.signature(LAWS[name]).parameters) <= set(re.findall(r"`(\w+)`", row))
+
+
+@pytest.mark.quick
+def test_every_key_of_a_data_sheet_is_there():
+    source = inspect.getsource(sheet_file)
+    keys = set(re.findall(r'(?:quantity|number|text|texts|integer|pairs)\("(\w+)"', source))
+    keys |= {f"{name}_{kind}" for kind in ("stiffness", "load") for name in ("vibration", "static", "shock")} - {
+        "vibration_load", "static_stiffness",
+    }  # fmt: skip
+    assert keys | {"roll", "damping_range", "diagonal"} <= NAMED
+
+
+@pytest.mark.quick
+def test_every_key_of_levels_and_of_a_run_is_there():
+    keys = {*SPOKEN_MOTIONS, "standard", "motion", "factor"}
+    keys |= {key for table, known in scenario_file._TABLES.items() for key in (table, *known)}
+    keys |= {*scenario_file._NEEDED, "format", "name", "question", "judge"}
+    assert keys <= NAMED
+    assert judging.read_judge_table({}).keys() <= NAMED
