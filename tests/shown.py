@@ -1,0 +1,26 @@
+"""Reads tables back from where they are shown: the cells of a page, the rows that a terminal printed."""
+
+import html
+import re
+
+from wirerope_mj.content.numbers import ABSENT, MINUS
+
+
+def cells_of(page, name):
+    """Return the texts of the cells of a table on a page, row by row, those that are folded away too."""
+    (table,) = re.findall(rf'<div class="table[^"]*" data-id="{re.escape(name)}">(.*?)</div>\s*(?=<|$)', page, re.S)[:1]
+    rows = [row for row in re.split(r"<tr[^>]*>", table) if "<td" in row]
+    return [
+        [html.unescape(re.sub("<[^>]*>", "", c)) for c in re.findall(r"<td[^>]*>(.*?)</td>", r, re.S)] for r in rows
+    ]
+
+
+def cells_to_show(table):
+    """Return the texts of the cells that a page should hold, row by row."""
+    return [[text for text, _ in row] for row in table.marks(absent=ABSENT, minus=MINUS)]
+
+
+def missing_rows(printed, table):
+    """Return the rows of a table that a terminal did not print, of those that it shows."""
+    lines = [line.split() for line in printed.splitlines()]
+    return [row for row in table.marks()[: table.shown] if " ".join(text for text, _ in row).split() not in lines]
