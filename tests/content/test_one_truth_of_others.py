@@ -27,7 +27,7 @@ SHORT = {
     "floor_failed_mount": ["--direction", "z"],
     "floor_levels": ["--levels", "4"],
     "floor_placement": ["--population", "8", "--generations", "2"],
-    "floor_sensitivity": ["--rows", "4"],
+    "floor_sensitivity": ["--rows", "8"],
     "floor_specimens": ["--variants", "8"],
     "floor_tolerances": ["--variants", "8"],
 }
