@@ -63,7 +63,7 @@ html_show_sourcelink = False
 suppress_warnings = ["config.cache"]
 
 write_commands(HERE / "commands.md")
-write_api(HERE / "api.rst")
+write_api(HERE / "api")
 write_recording(HERE / "_shared" / "recordings" / "floor", "floating_floor_shock")
 
 _OUTSIDE = {"../models/README.md": "models.md", "../benchmarks/README.md": "benchmarks.md"}

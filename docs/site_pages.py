@@ -1,4 +1,4 @@
-"""What the program itself writes for the documentation site: its commands, the names of its front door, a shared run."""
+"""What the program itself writes for the documentation site: its commands, the public API, a shared run."""
 
 import ast
 import contextlib
@@ -43,22 +43,19 @@ def _help(name: str) -> str:
     return "\n".join(line.rstrip() for line in out.getvalue().strip().splitlines())
 
 
-def write_api(path: Path) -> None:
-    """Write the public names by wing, each with its signature and its docstring."""
-    parts = [
-        "API",
-        "===",
-        "",
-        "``import wirerope_mj as wr``: the names of the front door. Units are SI throughout.",
-        "",
-    ]
+def write_api(folder: Path) -> None:
+    """Write the public names, a page for each wing, each name with its signature and its docstring."""
+    folder.mkdir(exist_ok=True)
     names = list(public_names())
     for wing, title in _ROOMS.items():
-        parts += [title, "-" * len(title), ""]
+        parts = [title, "=" * len(title), ""]
         for module, name in names:
             if module.split(".")[1] == wing:
                 parts += _entry(name)
-    _write(path, "\n".join(parts))
+        _write(folder / f"{wing}.rst", "\n".join(parts))
+    parts = ["API", "===", "", "``import wirerope_mj as wr``: the public names, by wing. Units are SI throughout.", ""]
+    parts += [".. toctree::", "   :maxdepth: 1", "", *(f"   {wing}" for wing in _ROOMS), ""]
+    _write(folder / "index.rst", "\n".join(parts))
 
 
 def plain_figures(_gallery: Any, _file: Any) -> None:
@@ -86,7 +83,7 @@ def write_recording(folder: Path, scenario: str) -> None:
 
 
 def public_names() -> Iterator[tuple[str, str]]:
-    """Yield module and name of everything at the front door."""
+    """Yield module and name of everything in the public API."""
     stub = Path(wirerope_mj.__file__).with_suffix(".pyi")
     for node in ast.parse(stub.read_text(encoding="utf-8")).body:
         if isinstance(node, ast.ImportFrom) and node.module:

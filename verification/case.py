@@ -10,7 +10,7 @@ LAST_DIGIT = "the printed digits are met: the error is in half units of the last
 """Reason of the bound 1 of what `printed` compares."""
 
 
-class NotRun(Exception):
+class NotRunError(Exception):
     """A program that a case needs cannot be used here; the text says which and why."""
 
 

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import wirerope_mj as wr
-from verification.case import Case, Comparison, NotRun, series
+from verification.case import Case, Comparison, NotRunError, series
 from verification.models import chain, path_through
 
 SOURCE = (
@@ -55,7 +55,7 @@ def _opensees() -> Any:
     try:
         return importlib.import_module("openseespy.opensees")
     except (ImportError, RuntimeError) as error:
-        raise NotRun(f"openseespy cannot be loaded: {error}") from error
+        raise NotRunError(f"openseespy cannot be loaded: {error}") from error
 
 
 def _law(beta: float, gamma: float, n: float, stiffness: float = STIFFNESS) -> wr.BoucWen:

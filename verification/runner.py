@@ -6,7 +6,7 @@ import time
 import warnings
 from dataclasses import dataclass
 
-from verification.case import Case, Comparison, NotRun
+from verification.case import Case, Comparison, NotRunError
 
 WITHIN, OUTSIDE, NOT_RUN, FAILED = "within", "outside", "not run", "failed"
 
@@ -45,7 +45,7 @@ def run_case(case: Case) -> Result:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
             comparison = case.run()
-    except NotRun as reason:
+    except NotRunError as reason:
         return Result(case=case, status=NOT_RUN, note=str(reason))
     except Exception as error:  # whatever it is, the other cases are still worth running
         return Result(case=case, status=FAILED, note=f"{type(error).__name__}: {error}")

@@ -5,7 +5,7 @@ from itertools import product
 
 import pytest
 
-from verification.case import Case, Comparison, NotRun, series, single_values
+from verification.case import Case, Comparison, NotRunError, series, single_values
 from verification.cases import CASES
 from verification.page import KINDS, write_page
 from verification.runner import FAILED, NOT_RUN, OUTSIDE, WITHIN, Result, run_case
@@ -74,7 +74,7 @@ def test_a_missing_package_is_named_and_is_no_pass():
     assert result.note == "needs a_package_that_nobody_has"
 
     def refuse():
-        raise NotRun("it cannot be loaded")
+        raise NotRunError("it cannot be loaded")
 
     assert run_case(case(run=refuse)).status == NOT_RUN
 

@@ -95,7 +95,7 @@ class Minimum:
         return float(self.residual @ self.residual)
 
 
-class _Stalled(Exception):
+class _StalledError(Exception):
     """Raised where ten steps have changed nothing that the noise can tell."""
 
 
@@ -122,7 +122,7 @@ class _Residuals:
         return self._latest[1]
 
     def jacobian(self, numbers: Array) -> Array:
-        """Return the Jacobian by differences; raises _Stalled where ten steps have changed nothing that counts."""
+        """Return the Jacobian by differences; raises _StalledError where ten steps have changed nothing that counts."""
         before = self._latest[1] if np.array_equal(self._latest[0], numbers) else self._value(numbers)
         # SciPy's own step is relative to the number: for one near zero it is so small that the differences are rounding.
         high, columns = self._unknowns.bounds[1], []
@@ -143,7 +143,7 @@ class _Residuals:
         return np.where(np.isfinite(value), value, REFUSED)
 
     def _note(self, numbers: Array, residual: Array, jacobian: Array) -> None:
-        """Note a step; raise _Stalled if it and the ones before it lead nowhere."""
+        """Note a step; raise _StalledError if it and the ones before it lead nowhere."""
         self.steps.append(
             Minimum(
                 numbers=numbers.copy(), residual=residual, jacobian=jacobian, iterations=len(self.steps) + 1,
@@ -153,7 +153,7 @@ class _Residuals:
         cost = self.steps[-1].cost
         earlier = self.steps[-1 - STEPS_RUNNING].cost if len(self.steps) > STEPS_RUNNING else np.inf
         if earlier - cost < STALLED / self.freedom * cost:
-            raise _Stalled
+            raise _StalledError
 
 
 def run_search(
@@ -171,7 +171,7 @@ def run_search(
             residuals.residual, begin, jac=residuals.jacobian, bounds=unknowns.bounds, x_scale="jac", max_nfev=most,
             ftol=GAIN / residuals.freedom, xtol=TOLERANCE, gtol=TOLERANCE,
         )  # fmt: skip
-    except _Stalled:
+    except _StalledError:
         return residuals.steps[-1]
     message = {0: f"it still moved after {most} evaluations", 2: CALM, 4: CALM}.get(result.status, str(result.message))
     return Minimum(

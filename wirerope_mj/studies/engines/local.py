@@ -19,7 +19,7 @@ TRIES = 2
 """Tries of a chunk whose process dies: the first death may have been an accident."""
 
 
-class Died(Exception):
+class WorkerDiedError(Exception):
     """A process ended in the middle of a chunk."""
 
 
@@ -119,7 +119,7 @@ class _Pool:
             try:
                 process = self._processes[number] = self._processes[number] or _Process(self._pickled)
                 return process.compute(chunk)
-            except Died as death:
+            except WorkerDiedError as death:
                 reason, self._processes[number] = str(death), None
                 if self._stop.is_set():
                     break
@@ -145,14 +145,14 @@ class _Process:
         )  # fmt: skip
         try:
             self._asked(pickled_work)
-        except Died as death:
+        except WorkerDiedError as death:
             raise SimulationError(
                 f"a worker process could not start: it {death}. Its own message stands on standard error; with one of "
                 "`workers` the study runs in this process."
             ) from None
 
     def compute(self, chunk: Chunk) -> Part:
-        """Return the part of a chunk; Died if the process is gone."""
+        """Return the part of a chunk; WorkerDiedError if the process is gone."""
         return self._asked(pickle.dumps(chunk, protocol=pickle.HIGHEST_PROTOCOL))
 
     def _asked(self, question: bytes) -> Any:
@@ -167,7 +167,7 @@ class _Process:
                 self._process.wait(timeout=5.0)
             code = self._process.poll()
             self.kill()
-            raise Died("died" if code is None else f"died ({_ending(code)})") from None
+            raise WorkerDiedError("died" if code is None else f"died ({_ending(code)})") from None
 
     def end(self) -> None:
         """End the process; whoever waits for it finds it dead."""

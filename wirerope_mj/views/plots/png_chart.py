@@ -66,20 +66,7 @@ def draw_panel(axes: Any, panel: Panel) -> None:
         axes.pcolormesh(panel.field.x, panel.field.y, np.array(cells))
         for colour, text in field_key(panel.field):
             axes.plot([], [], "s", color=colour, label=text)
-    low, high = axes.get_ylim()
-    for name, level in panel.limits:
-        if min(low, 1.5 * low) < level < max(high, 1.5 * high):  # farther away it would only flatten the curves
-            axes.axhline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
-    for name, level in panel.xlimits:
-        axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
-    for x, y, text, on_left in panel.notes:
-        side = {"xytext": (-5 if on_left else 5, 0), "ha": "right" if on_left else "left"}
-        axes.annotate(
-            text, (x, y), textcoords="offset points", va="center", fontsize=8, annotation_clip=True, zorder=4.0,
-            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4}, **side,
-        )  # fmt: skip
-    for x, y in panel.dots:
-        axes.plot(x, y, "o", color="0.2", ms=5)
+    _mark(axes, panel)
     for limits, set_limits in ((panel.xlim, axes.set_xlim), (panel.ylim, axes.set_ylim)):
         if limits is not None and limits[0] < limits[1]:
             set_limits(*limits)
@@ -99,6 +86,29 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     axes.set_title(panel.title, loc="left", fontsize=10)
     axes.grid(color="0.92")
     axes.set_axisbelow(True)
+    _name(axes, panel)
+
+
+def _mark(axes: Any, panel: Panel) -> None:
+    """Draw limits, notes and points over the curves."""
+    low, high = axes.get_ylim()
+    for name, level in panel.limits:
+        if min(low, 1.5 * low) < level < max(high, 1.5 * high):  # farther away it would only flatten the curves
+            axes.axhline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for name, level in panel.xlimits:
+        axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
+    for x, y, text, on_left in panel.notes:
+        side = {"xytext": (-5 if on_left else 5, 0), "ha": "right" if on_left else "left"}
+        axes.annotate(
+            text, (x, y), textcoords="offset points", va="center", fontsize=8, annotation_clip=True, zorder=4.0,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4}, **side,
+        )  # fmt: skip
+    for x, y in panel.dots:
+        axes.plot(x, y, "o", color="0.2", ms=5)
+
+
+def _name(axes: Any, panel: Panel) -> None:
+    """Write the legend, each name once, where it covers least."""
     named: dict[str, Any] = {}
     for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
         named.setdefault(label, handle)  # each name once
