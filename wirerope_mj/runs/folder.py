@@ -7,9 +7,7 @@ from pathlib import Path
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 
 SCENARIO, SUMMARY = "scenario.toml", "summary.json"
-
-FORMAT = 1
-"""Of these two files."""
+FORMAT = 1  # Of these two files
 
 
 def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:

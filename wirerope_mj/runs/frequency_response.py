@@ -21,14 +21,12 @@ from wirerope_mj.runs.page import REPORT
 
 FORMAT = 1
 SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
+# Name of such a folder in messages, and the files by which one is known.
 KIND, MARKS = "frequency response", (SETTINGS, SUMMARY)
-"""Name of such a folder in messages, and the files by which one is known."""
-
+# Files of the charts, by their ids.
 PICTURES = {
     "amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png",
 }  # fmt: skip
-"""Files of the charts, by their ids."""
-
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk", "matplotlib")
 
 

@@ -17,14 +17,10 @@ from wirerope_mj.studies.inputs.vary_option import EXAMPLE, signatures
 from wirerope_mj.studies.measures import payload_points
 from wirerope_mj.studies.study import Study
 
-VARIANTS = 256
-"""Variants unless it is said how many: a power of two, of which Sobol points are balanced."""
-
-_COUNTED = ("sobol", "latin-hypercube", "random")
-"""Samplings of which any number of variants is a study."""
-
+VARIANTS = 256  # Variants unless it is said how many: a power of two, of which Sobol points are balanced
+_COUNTED = ("sobol", "latin-hypercube", "random")  # Samplings of which any number of variants is a study
+# Arguments of a scenario's simulation that a study takes over.
 _CARRIED = ("duration", "timestep", "accuracy", "sample_rate", "initial")
-"""Arguments of a scenario's simulation that a study takes over."""
 
 
 def study_of(

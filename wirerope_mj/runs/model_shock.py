@@ -11,11 +11,9 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 
+# Periods of the slowest mode that are simulated after the pulse: at a damping ratio of a tenth a five-hundredth is left.
 RING_DOWN = 10.0
-"""Periods of the slowest mode that are simulated after the pulse: at a damping ratio of a tenth a five-hundredth is left."""
-
-_START = 0.05
-"""Instant at which the pulse begins [s]: the curves show the rest before it."""
+_START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest before it
 
 
 def scenario_or_model(name_or_path: str | Path) -> ScenarioFile:

@@ -15,9 +15,8 @@ from wirerope_mj.runs.folder import atomic_run
 
 FORMAT = 1
 SETTINGS, FIGURES = "settings.toml", "modes.json"
+# Name of such a folder in messages, and the files by which one is known.
 KIND, MARKS = "folder of modes", (SETTINGS, FIGURES)
-"""Name of such a folder in messages, and the files by which one is known."""
-
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 

@@ -29,8 +29,8 @@ from wirerope_mj.runs.sources import check_one_run, system_and_motion
 from wirerope_mj.runs.summary import read_summary, summary_content
 from wirerope_mj.runs.write import is_streamed
 
+# Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above.
 AGREES = 1e-9
-"""Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -11,12 +11,11 @@ from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.runs.folder import FORMAT, SCENARIO
 from wirerope_mj.runs.judging import read_judge_table
 
+# Tables of which every key counts, and their keys.
 _TABLES = {
     "model": ("file", "changes"),
     "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners", "engine"),
 }
-"""Tables of which every key counts, and their keys."""
-
 _NEEDED = {
     "model": ("file",),
     "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),

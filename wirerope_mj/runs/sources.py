@@ -155,8 +155,7 @@ def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:
     return read_changes(folder / model["changes"]) if "changes" in model else ()
 
 
-_RESOLVED = ("engine",)
-"""What a run's folder says of its simulation that nobody asked for: the engine that was chosen."""
+_RESOLVED = ("engine",)  # What a run's folder says of its simulation that nobody asked for: the engine that was chosen
 
 
 def is_run(path: str | Path) -> bool:

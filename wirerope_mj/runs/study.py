@@ -22,9 +22,7 @@ from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views.json_content import plain_content
 
-MOST = 6
-"""Variants in one comparison: more cannot be distinguished."""
-
+MOST = 6  # Variants in one comparison: more cannot be distinguished
 _ROWS = 12  # of a table in the viewer
 
 
@@ -52,8 +50,7 @@ def result_content(result: StudyResult, by: str | None = None) -> Content:
     return search_content(result)
 
 
-CONTENT = "content.json"
-"""What a study or a search says, in its folder; the summary is complete before it."""
+CONTENT = "content.json"  # What a study or a search says, in its folder; the summary is complete before it
 
 
 def write_content(content: Content, folder: Path) -> None:

@@ -56,12 +56,8 @@ def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
         yield lambda name: progress.update(task, description=name, refresh=True)
 
 
-STREAM_SAMPLES = 10_000
-"""Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
-
-SAMPLE_RATE = 1000.0
-"""Sampling rate of `simulate` where the scenario gives none [Hz]."""
-
+STREAM_SAMPLES = 10_000  # Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns
+SAMPLE_RATE = 1000.0  # Sampling rate of `simulate` where the scenario gives none [Hz]
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
 _ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback", "engine")
 

@@ -52,9 +52,7 @@ class Component:
 
 
 BASE = Component(kind="base", name="base")
-
-Subject = Component | str
-"""A component, or a mount by its name."""
+Subject = Component | str  # A component, or a mount by its name
 
 
 def subjects_of(response: Response) -> list[Subject]:

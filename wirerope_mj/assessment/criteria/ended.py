@@ -17,24 +17,13 @@ from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_inte
 from wirerope_mj.assessment.criteria.verdict import CLEAR, NOT_JUDGED, WITHIN, Verdict
 from wirerope_mj.engine.response import Response
 
-TOO_EARLY = "the run ends at"
-"""Beginning of the notes on values that are not judged because the run ends too early."""
-
-GROWS = "it still grows when the run ends"
-"""Beginning of the notes on values that grow until the end of the run."""
-
+TOO_EARLY = "the run ends at"  # Beginning of the notes on values that are not judged because the run ends too early
+GROWS = "it still grows when the run ends"  # Beginning of the notes on values that grow until the end of the run
+# Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long.
 PERIODS = 2.0
-"""Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long."""
-
-SWINGS = 3.0
-"""Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least."""
-
-QUIET = 0.5
-"""Slowest periods at the end of a run in which nothing may reach more than before."""
-
-GROWTH = 0.01
-"""Utilisation by which something may grow in that time and still be over."""
-
+SWINGS = 3.0  # Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least
+QUIET = 0.5  # Slowest periods at the end of a run in which nothing may reach more than before
+GROWTH = 0.01  # Utilisation by which something may grow in that time and still be over
 _NEAR = 1e-9  # [s]
 
 

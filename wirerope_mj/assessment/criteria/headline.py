@@ -7,9 +7,7 @@ from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict, most_used
 
-FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"
-"""Answers with which a headline begins."""
-
+FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"  # Answers with which a headline begins
 _SHOWN = 5
 
 

@@ -15,8 +15,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
 
+# Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
 AT_REST = 1e-3 * STANDARD_GRAVITY
-"""Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g."""
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:

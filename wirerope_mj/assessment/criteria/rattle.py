@@ -67,8 +67,8 @@ def _rate_between(response: Response, name: str) -> Array:
     return response.points[one].velocity - response.points[other].velocity
 
 
+# Displacement one way [m], its instant [s], and by how much it may be larger between the samples [m].
 Side = tuple[float, float, float]
-"""Displacement one way [m], its instant [s], and by how much it may be larger between the samples [m]."""
 
 
 def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
@@ -132,8 +132,8 @@ def _farthest(sides: Sequence[Side]) -> Side:
     return value, when, max(reached + above for reached, _, above in sides) - value
 
 
+# Fraction of a clearance by which something may have gone farther between the samples and still be judged.
 MISSED = 0.01
-"""Fraction of a clearance by which something may have gone farther between the samples and still be judged."""
 
 
 def _judge(

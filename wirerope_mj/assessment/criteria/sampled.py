@@ -7,8 +7,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
-SAMPLED = "sampled at"
-"""How the notes begin on what is not judged because samples are too few."""
+SAMPLED = "sampled at"  # How the notes begin on what is not judged because samples are too few
 
 
 def read_columns(response: Response, first: str, count: int) -> Array:
@@ -46,9 +45,7 @@ def samples_hold(response: Response) -> str:
     )
 
 
-AT_REST = 1e-3 * STANDARD_GRAVITY
-"""Acceleration below which something rests [m/s^2]."""
-
+AT_REST = 1e-3 * STANDARD_GRAVITY  # Acceleration below which something rests [m/s^2]
 _MISSED = 0.01
 
 

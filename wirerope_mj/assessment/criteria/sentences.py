@@ -11,12 +11,11 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
+# Said wherever the rule is why a limit is exceeded.
 OWN_RULE = (
     "Combined travel, the ellipsoid through the rated travels, is this program's own rule; `wirerope run "
     "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
 )
-"""Said wherever the rule is why a limit is exceeded."""
-
 _NAMED = 4  # contact pairs that a sentence names
 
 

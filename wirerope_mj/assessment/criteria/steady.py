@@ -6,8 +6,8 @@ from typing import Any
 
 from wirerope_mj.motions import RandomVibration, motion_from_dict
 
+# Kinds of motions that go on steadily.
 STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbalance"})
-"""Kinds of motions that go on steadily."""
 
 
 def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:

@@ -9,8 +9,8 @@ from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.foundation.summary import json_values
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
+# Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself.
 STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
-"""Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself."""
 
 
 @dataclass(frozen=True, kw_only=True)

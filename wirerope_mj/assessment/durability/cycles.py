@@ -9,8 +9,8 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
 
+# Exponent at the most: with a larger one amplitudes of micrometres do a damage that is no number any more.
 STEEPEST = 50.0
-"""Exponent at the most: with a larger one amplitudes of micrometres do a damage that is no number any more."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)

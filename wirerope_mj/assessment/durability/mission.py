@@ -16,21 +16,13 @@ from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 
+# By how much damage may change with every other sample alone: that of all samples is known better than that.
 DAMAGE_ERROR = 0.01
-"""By how much damage may change with every other sample alone: that of all samples is known better than that."""
-
-NEGLIGIBLE = 0.01
-"""Damage over that of the worst mount and axis below which it does not matter how well it is known."""
-
-PER_PERIOD = 100
-"""Samples to a period of the mean frequency of a deflection that are asked for where there are too few."""
-
+NEGLIGIBLE = 0.01  # Damage over that of the worst mount and axis below which it does not matter how well it is known
+PER_PERIOD = 100  # Samples to a period of the mean frequency of a deflection that are asked for where there are too few
+# Kinds of motions that go on for hours, or of which a part that was measured stands for them.
 _LASTING = STEADY | {"random-vibration", "record", "force-table"}
-"""Kinds of motions that go on for hours, or of which a part that was measured stands for them."""
-
-_SHORTEST = 0.05
-"""Fraction of a stationary vibration that a run must hold for hours of it to be counted."""
-
+_SHORTEST = 0.05  # Fraction of a stationary vibration that a run must hold for hours of it to be counted
 _KEYS = ("exponent", "quantity", "constant", "stage")
 _STAGE_KEYS = ("run", "repetitions", "hours")
 

@@ -21,9 +21,7 @@ from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, VendorPart, vendor_parts
 
 UNSTATED, NOT_GIVEN = "the vendor states none", "no limit given"
-
-BY_VELOCITY = ("rated travel", "room", "acceleration")
-"""Criteria whose values come from the velocity change."""
+BY_VELOCITY = ("rated travel", "room", "acceleration")  # Criteria whose values come from the velocity change
 
 
 @dataclass(frozen=True, kw_only=True)

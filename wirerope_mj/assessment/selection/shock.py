@@ -7,9 +7,7 @@ from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY, Shock
 from wirerope_mj.foundation.arguments import between, positive
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep, ranges
 
-_RISE = 0.1
-"""Rise and fall of a trapezoid over its length, as the shock standards draw it."""
-
+_RISE = 0.1  # Rise and fall of a trapezoid over its length, as the shock standards draw it
 _PULSE = re.compile(r"([-+.\deE]+)\s*g[\s,]+([-+.\deE]+)\s*ms[\s,]+([a-z][a-z -]*)", re.IGNORECASE)
 _STEP = re.compile(r"([-+.\deE]+)\s*m/s", re.IGNORECASE)
 _EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoid" or "2 m/s"'

@@ -8,19 +8,14 @@ from wirerope_mj.motions import VelocityStep, ranges
 from wirerope_mj.motions.pulses import Pulse
 from wirerope_mj.mounts.vendor_parts.parts import MODES
 
+# Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one.
 WORKSHEET_GRAVITY = 9.81
-"""Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one."""
-
-ISOLATION_RATIO = 3.0
-"""Disturbing over natural frequency that the vendors ask for: it keeps out 80 % and more."""
-
+ISOLATION_RATIO = 3.0  # Disturbing over natural frequency that the vendors ask for: it keeps out 80 % and more
+# Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition).
 IMPULSE = 0.25
-"""Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition)."""
-
+# The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
+# the rule says 4 times.
 LONG = 1.0
-"""The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
-the rule says 4 times."""
-
 Shock = Pulse | VelocityStep
 
 

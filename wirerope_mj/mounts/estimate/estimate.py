@@ -19,11 +19,8 @@ from wirerope_mj.mounts.estimate.trends import (
 )
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, rotational_stiffness
 
-COVERED = 0.8
-"""Fraction of the known parts within the band that is stated."""
-
-MOST_LOOPS = 1000
-"""Loops of an isolator at the most."""
+COVERED = 0.8  # Fraction of the known parts within the band that is stated
+MOST_LOOPS = 1000  # Loops of an isolator at the most
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,9 +12,8 @@ from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, VendorPart
 from wirerope_mj.mounts.vendor_parts.secants import NiLaw
 
+# Parameters of the fitted laws that grow with the force; those of their shape (beta with n = 1, b, c) do not.
 _FORCES = ("alpha", "k1", "k2", "k3")
-"""Parameters of the fitted laws that grow with the force; those of their shape (beta with n = 1, b, c) do not."""
-
 _AXIS_VALUE = {"roll": "shear shock", "shear": "shear shock", "axial": "compression shock"}
 
 

@@ -14,12 +14,9 @@ from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 
 LeftOut = Literal["part", "rope size"]
-
+# Rope diameters of the table [m]; outside them nothing was compared and nothing is estimated.
 SMALLEST_ROPE, LARGEST_ROPE = 0.0016, 0.0222
-"""Rope diameters of the table [m]; outside them nothing was compared and nothing is estimated."""
-
-SAME_ROPE = 0.02
-"""Relative difference of two rope diameters that are one size in two units."""
+SAME_ROPE = 0.02  # Relative difference of two rope diameters that are one size in two units
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,14 +16,10 @@ from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, re
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, EnhancedDryFriction, Law, Loop, Masing, SymmetricBoucWen
 
-DECIDED = 10.0
-"""Difference of the criterion from which on it is very strong evidence (Kass and Raftery 1995)."""
-
-FAR = 2.0
-"""Ratio of two laws' largest errors from which on one follows loops that the other does not."""
-
+DECIDED = 10.0  # Difference of the criterion from which on it is very strong evidence (Kass and Raftery 1995)
+FAR = 2.0  # Ratio of two laws' largest errors from which on one follows loops that the other does not
+# The laws that are compared if none are named: from three parameters up.
 USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, AsymmetricBoucWen, Masing)
-"""The laws that are compared if none are named: from three parameters up."""
 
 
 @dataclass(frozen=True, kw_only=True)

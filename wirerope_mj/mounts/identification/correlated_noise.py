@@ -15,8 +15,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 from wirerope_mj.mounts.identification.uncertainty import Uncertainty
 
+# Harmonics of the cycle at which bands of the noise's spectrum begin, so wide that loops of a few amplitudes show each.
 BANDS = (1, 4, 9, 19, 41)
-"""Harmonics of the cycle at which bands of the noise's spectrum begin, so wide that loops of a few amplitudes show each."""
 
 
 def with_noise_of_each(

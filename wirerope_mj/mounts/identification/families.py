@@ -126,6 +126,7 @@ def masing_family(elements: int) -> Family:
     return Family(coordinates=coordinates, make=make, read=read, usual={"k2": 0.0, "k3": 0.0})
 
 
+# The laws that cyclic tests can fix: rate-independent, without wear.
 FAMILIES: dict[type[Law], Family] = {
     BoucWen: Family(
         coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k")],
@@ -162,7 +163,6 @@ FAMILIES: dict[type[Law], Family] = {
         read=lambda law: {key: getattr(law, key) for key in ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")},
     ),
 }
-"""The laws that cyclic tests can fix: rate-independent, without wear."""
 
 
 def family_of(law: type[Law], elements: int = 5) -> Family:

@@ -11,8 +11,8 @@ from wirerope_mj.mounts.identification.result import Identification, ScaleRow
 from wirerope_mj.mounts.identification.scales import SCALES
 from wirerope_mj.mounts.laws import Loop
 
+# Fit of a number of scales to loops, from the grid, or from a fit to more of them.
 Fit = Callable[[Sequence[Loop], int, Identification | None], Identification]
-"""Fit of a number of scales to loops, from the grid, or from a fit to more of them."""
 
 
 def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[int, tuple[ScaleRow, ...]]:

@@ -31,14 +31,10 @@ from wirerope_mj.mounts.identification.sufficient import (
 from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
 
-STARTS = 2
-"""Best points of the grid from which a search begins, beside the best one for each pattern of signs."""
-
-DEEPER = 2
-"""Times that a fit begins again where moving a value has shown a better one."""
-
+STARTS = 2  # Best points of the grid from which a search begins, beside the best one for each pattern of signs
+DEEPER = 2  # Times that a fit begins again where moving a value has shown a better one
+# Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts.
 SAME = 0.01
-"""Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts."""
 
 
 @dataclass(frozen=True, kw_only=True)

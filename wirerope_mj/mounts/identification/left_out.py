@@ -9,8 +9,7 @@ from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.result import Identification
 from wirerope_mj.mounts.laws import Law
 
-SAME = 0.05
-"""Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer."""
+SAME = 0.05  # Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer
 
 
 def error_of(law: Law, loop: MeasuredLoop) -> float:

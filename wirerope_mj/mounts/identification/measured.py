@@ -18,14 +18,11 @@ from wirerope_mj.mounts.test_rig.reading import require_likely
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
-STEADY = 1e-12
-"""Change of the hysteretic force over a cycle, relative to the force range, at which it is steady."""
-
+STEADY = 1e-12  # Change of the hysteretic force over a cycle, relative to the force range, at which it is steady
+# Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference.
 ENDS_NOISE = 6.0
-"""Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference."""
-
+# Fraction of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise.
 OPEN_ENDED = 0.2
-"""Fraction of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -17,18 +17,12 @@ from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 
 Tests = Mapping[Path, Sequence[Loop]]
 _Loops = Sequence[tuple[Path, Loop]]
-
+# Fraction of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it.
 _STEADY = 0.01
-"""Fraction of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it."""
-
-_ONE_CYCLE = 0.05
-"""The same of a single cycle, whose ends have the noise of samples."""
-
-_SOFT = 1e3
-"""Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre."""
-
+_ONE_CYCLE = 0.05  # The same of a single cycle, whose ends have the noise of samples
+_SOFT = 1e3  # Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre
+# Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold.
 _OTHER_UNITS = 100.0
-"""Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold."""
 
 
 def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[Loop]]:

@@ -16,12 +16,10 @@ from wirerope_mj.mounts.isolator import MeasuredRange
 from wirerope_mj.mounts.isolator.falling import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law
 
-BEYOND = 2.0
-"""Times the tested deflections up to which a law is looked at: a shock goes there."""
-
+BEYOND = 2.0  # Times the tested deflections up to which a law is looked at: a shock goes there
+# Times the error of a fit of the asymmetric law within which peaks of shocks within the tested travel were for 90 % of 20
+# foreign devices, and then for 18 and 20 of 20 others: `python tests/prediction_errors.py 20`, seeds 1 and 101.
 OF_DEFLECTION, OF_ACCELERATION = 8.4, 2.0
-"""Times the error of a fit of the asymmetric law within which peaks of shocks within the tested travel were for 90 % of 20
-foreign devices, and then for 18 and 20 of 20 others: `python tests/prediction_errors.py 20`, seeds 1 and 101."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,8 +10,7 @@ from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, SymmetricBoucWen
 from wirerope_mj.mounts.test_rig.recorded import mean_of_cycles
 
-_KEPT = 48
-"""Shapes that a loop recalls: those of one Jacobian and of the steps about it."""
+_KEPT = 48  # Shapes that a loop recalls: those of one Jacobian and of the steps about it
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -15,9 +15,7 @@ from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns
 from wirerope_mj.mounts.identification.start import SAMPLES
 
-_YIELD = 12
-"""Yield deflections of the grid, from twice what the least amplitude shows to the largest amplitude."""
-
+_YIELD = 12  # Yield deflections of the grid, from twice what the least amplitude shows to the largest amplitude
 _EXPONENTS = (1.0, 2.0)  # the two with closed forms
 _SIGMAS = (0.5, 1.0)
 _ASYMMETRIES = (-1.0, -0.3, 0.0, 0.3, 1.0)  # times one over the largest amplitude

@@ -11,27 +11,18 @@ from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
 from wirerope_mj.mounts.identification.residuals import Residual
 from wirerope_mj.mounts.laws import Law
 
+# Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error.
 STEP = 1e-6
-"""Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error."""
-
-TOLERANCE = 1e-10
-"""Relative change of the numbers below which a search has ended."""
-
+TOLERANCE = 1e-10  # Relative change of the numbers below which a search has ended
+# Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter.
 GAIN = 1e-3
-"""Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter."""
-
+# So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
+# What moves on and takes less creeps along a valley that the noise does not tell apart from its end.
 STEPS_RUNNING, STALLED = 10, 0.25
-"""So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
-What moves on and takes less creeps along a valley that the noise does not tell apart from its end."""
-
-EVALUATIONS = 100
-"""Steps of one search; what needs more has lost its way."""
-
+EVALUATIONS = 100  # Steps of one search; what needs more has lost its way
 CREPT = f"{STEPS_RUNNING} steps together changed the residual by less than half a standard error does"
 CALM = "the last step changed the residual by less than the noise can tell"
-
-REFUSED = 1e3
-"""Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit."""
+REFUSED = 1e3  # Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit
 
 
 @dataclass(frozen=True, kw_only=True)

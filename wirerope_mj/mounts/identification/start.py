@@ -15,8 +15,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 
-SAMPLES = 60
-"""Samples of each loop that the grid looks at: its shape, not its noise."""
+SAMPLES = 60  # Samples of each loop that the grid looks at: its shape, not its noise
 
 
 def grid_starts(

@@ -11,17 +11,11 @@ from wirerope_mj.mounts.identification.coordinates import Coordinate, Family, Sc
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.laws import Law, Parallel, Stop
 
-HINGES = 12
-"""Gaps of the springs that make up any stop, evenly over the reach of a side."""
-
-SURE = 30.0
-"""Variances by which a side has to lessen the sum of squares: in noise its springs find some ten."""
-
+HINGES = 12  # Gaps of the springs that make up any stop, evenly over the reach of a side
+SURE = 30.0  # Variances by which a side has to lessen the sum of squares: in noise its springs find some ten
+# Fraction of a loop's force range that a closed side carries at least: a law beside it is seldom known better.
 LEAST = 0.02
-"""Fraction of a loop's force range that a closed side carries at least: a law beside it is seldom known better."""
-
-ELASTIC = 1e-6
-"""Loss below which a stop is elastic: no test shows it, and the state of a lossy one costs time."""
+ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the state of a lossy one costs time
 
 
 def _coordinates(s: Scales) -> list[Coordinate]:
@@ -56,8 +50,8 @@ def _read(law: Law) -> dict[str, float]:
     return {key: value for key, value in values.items() if value is not None}
 
 
+# Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
 STOP = Family(coordinates=_coordinates, make=_make, read=_read, usual={"exponent": 1.0, "rounding": 0.0})
-"""Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests."""
 
 
 def beside_known(family: Family, known: Law | None) -> Family:

@@ -10,11 +10,8 @@ from wirerope_mj.mounts.identification.residuals import THIN, Data, Residual
 from wirerope_mj.mounts.identification.search import Unknowns
 from wirerope_mj.mounts.laws import Law
 
-PER_LOOP = 3
-"""Quantities that one loop fixes well: its secant stiffness, its area, and how its branches bend."""
-
-DEAD = 1e-9
-"""Change of the residual, for a change of 100 % of a parameter, that is rounding."""
+PER_LOOP = 3  # Quantities that one loop fixes well: its secant stiffness, its area, and how its branches bend
+DEAD = 1e-9  # Change of the residual, for a change of 100 % of a parameter, that is rounding
 
 
 def require_amplitudes(loops: Sequence[MeasuredLoop], unknowns: Unknowns, data: Data) -> None:

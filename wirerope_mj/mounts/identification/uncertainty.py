@@ -8,17 +8,11 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 
+# Standard error, in logarithms or in the size that a coordinate can have, from which on the data do not identify it.
 OPEN = 0.25
-"""Standard error, in logarithms or in the size that a coordinate can have, from which on the data do not identify it."""
-
-NAMED = 0.3
-"""Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it."""
-
-ROUNDING = 1e-12
-"""Component of a combination (a unit vector) that is none."""
-
-AT_BOUND = 1e-6
-"""Fraction of a coordinate's range within which it stands at its bound."""
+NAMED = 0.3  # Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it
+ROUNDING = 1e-12  # Component of a combination (a unit vector) that is none
+AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at its bound
 
 
 @dataclass(frozen=True, kw_only=True)

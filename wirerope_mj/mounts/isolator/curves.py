@@ -10,12 +10,11 @@ from wirerope_mj.foundation.csv_units import Header, number_in, read_header, row
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
+# Quantities of a table and the units in which they may be given.
 _UNITS: Mapping[str, Mapping[str, float]] = {
     "deflection": LENGTH_UNITS, "force": FORCE_UNITS, "upper": FORCE_UNITS, "lower": FORCE_UNITS,
     "amplitudes": LENGTH_UNITS, "areas": {"J": 1.0}, "yield_deflection": LENGTH_UNITS,
 }  # fmt: skip
-"""Quantities of a table and the units in which they may be given."""
-
 _COLUMNS = ("deflection", "force", "upper", "lower")
 
 

@@ -17,8 +17,7 @@ from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop
 
-COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
-"""The axes that a coupling couples, by its name."""
+COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axes that a coupling couples, by its name
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

@@ -6,11 +6,9 @@ import numpy as np
 
 from wirerope_mj.mounts.laws import Law
 
-STEPS = 400
-"""Steps of a stroke, and of the step in which its force begins to fall."""
-
+STEPS = 400  # Steps of a stroke, and of the step in which its force begins to fall
+# Of the stiffness of the unloaded device: a slope below zero by less is that of a force which has saturated.
 _ROUNDING = 1e-9
-"""Of the stiffness of the unloaded device: a slope below zero by less is that of a force which has saturated."""
 
 
 def falling_from(law: Law, lowest: float, highest: float) -> dict[float, float]:

@@ -6,21 +6,20 @@ from typing import Any, Self
 from wirerope_mj.foundation.arguments import finite, not_negative, one_of, positive
 from wirerope_mj.mounts.laws import Law
 
+# Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
+# example.
 KINDS = ("catalogue", "identified", "published", "estimated", "illustrative")
-"""Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
-example."""
 
 
+# Largest travel, height or width [m]: the vendors' tables reach 0.24 m, and 2 mm taken for metres are as much.
 LARGEST = 2.0
-"""Largest travel, height or width [m]: the vendors' tables reach 0.24 m, and 2 mm taken for metres are as much."""
-
+# Largest rated travel in heights of the isolator: it cannot become shorter than nothing; in the other directions the 72 parts
+# of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres.
 HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
-"""Largest rated travel in heights of the isolator: it cannot become shorter than nothing; in the other directions the 72 parts
-of the vendors' tables reach 0.7, and 10 keeps clear of inches (26), centimetres and millimetres taken for metres."""
 
 
+# Lengths of laws that a file states as they are measured.
 _LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
-"""Lengths of laws that a file states as they are measured."""
 
 
 def _require_positive(part: Any, *names: str) -> None:

@@ -17,9 +17,7 @@ from wirerope_mj.mounts.isolator.stiffening import Stiffening
 from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
 from wirerope_mj.mounts.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 
-AXES = ("roll", "shear", "axial")
-"""Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)."""
-
+AXES = ("roll", "shear", "axial")  # Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)
 _KEYS = ("name", "coupling", "free")
 _PARTS = {
     "loop": LoopCoupling,

@@ -8,11 +8,10 @@ import numpy.typing as npt
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 
+# Rated travels in the order of the tables: the mount's axis, and its sign along it; 0 = both.
 RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
-"""Rated travels in the order of the tables: the mount's axis, and its sign along it; 0 = both."""
-
+# Rated travels of each axis below and above zero.
 SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compression", "tension")}
-"""Rated travels of each axis below and above zero."""
 
 
 def travel_in(rating: str, deflection: Array) -> Array:

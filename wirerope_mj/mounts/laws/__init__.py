@@ -25,6 +25,7 @@ from wirerope_mj.mounts.laws.vaiana_rosati import VaianaRosati as VaianaRosati
 from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt as KelvinVoigt
 from wirerope_mj.mounts.laws.viscoelastic import Zener as Zener
 
+# The laws by the name that an isolator file calls them.
 LAWS: dict[str, type[Law]] = {
     law.name: law
     for law in (
@@ -32,6 +33,4 @@ LAWS: dict[str, type[Law]] = {
         TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Stop, Tabulated,
     )
 }  # fmt: skip
-"""The laws by the name that an isolator file calls them."""
-
 Law._trace = trace  # follows the kernels of all laws, which their common base cannot import

@@ -13,8 +13,8 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.loop import Loop
 
+# Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
 ROUNDING = 1e-9
-"""Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,8 +11,7 @@ from numpy.polynomial.polynomial import polyder, polyval2d
 from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 
-LARGEST = 100.0
-"""Largest end of a box [m]: no loop of rope is larger, and powers of the ends stay numbers."""
+LARGEST = 100.0  # Largest end of a box [m]: no loop of rope is larger, and powers of the ends stay numbers
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -25,9 +25,7 @@ from wirerope_mj.mounts.laws.plane import (
 from wirerope_mj.mounts.laws.plane_kernels import LOOP
 
 NODES, WEIGHTS = leggauss(32)  # of exp(lambda x) F1(x) to rounding up to lambda x = 20
-
-SMALL = 1e-2
-"""Exponent below which a power series is more exact than the closed form."""
+SMALL = 1e-2  # Exponent below which a power series is more exact than the closed form
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,11 +16,8 @@ from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.path import follow_plane
 from wirerope_mj.mounts.laws.stop import STOP
 
-SAME = 1e-9
-"""Relative difference of two axes' n, sigma or energy that is rounding and not another law."""
-
-ODD = (BOUC_WEN, SYMMETRIC_BOUC_WEN)
-"""Kernels of the Bouc-Wen laws that are odd in the deflection."""
+SAME = 1e-9  # Relative difference of two axes' n, sigma or energy that is rounding and not another law
+ODD = (BOUC_WEN, SYMMETRIC_BOUC_WEN)  # Kernels of the Bouc-Wen laws that are odd in the deflection
 
 
 @dataclass(frozen=True, kw_only=True)

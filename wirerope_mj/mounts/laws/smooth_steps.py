@@ -6,15 +6,12 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import position, speed
 from wirerope_mj.mounts.laws.kernels import evaluate_one
 
+# Error of a step as a fraction of the state, or of what it would gain over the interval; hundreds of steps stay below 1e-8.
 TOLERANCE = 1e-11
-"""Error of a step as a fraction of the state, or of what it would gain over the interval; hundreds of steps stay below 1e-8."""
-
+# Fraction of an interval below which a failing step can only be a kink, whose contribution is below rounding.
 _SMALLEST = 1e-9
-"""Fraction of an interval below which a failing step can only be a kink, whose contribution is below rounding."""
-
+# Fraction of an interval that a step takes at most: the work, which is not controlled, is then as good as the state.
 _WIDEST = 0.5
-"""Fraction of an interval that a step takes at most: the work, which is not controlled, is then as good as the state."""
-
 _ABSCISSAE = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
 _STAGES = np.array(
     [

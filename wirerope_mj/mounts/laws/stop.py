@@ -15,8 +15,7 @@ from wirerope_mj.mounts.laws.table_cubics import level_cubics, monotone, packed
 STOP = 13
 
 
-NEVER = 1e300
-"""Gap of a side without a stop [m]."""
+NEVER = 1e300  # Gap of a side without a stop [m]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,11 +10,9 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count, picked, ranked
 from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 
-ROW = 8
-"""Coefficients from one knot to the next: four of M, four of g."""
-
+ROW = 8  # Coefficients from one knot to the next: four of M, four of g
+# Lengths of 1 / beta up to which the quadrature of eight points has a cubic times an exponential to rounding.
 _SHORT = 2.0
-"""Lengths of 1 / beta up to which the quadrature of eight points has a cubic times an exponential to rounding."""
 
 
 @njit

@@ -18,11 +18,9 @@ from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, zener_state
 
+# Ratio of the rates at the ends of an interval up to which |v|^n and tanh(v / s) are smooth on it to 1e-9.
 _GROWTH = 3.0
-"""Ratio of the rates at the ends of an interval up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
-
-_NARROWEST = 1e-6
-"""Fraction of a sample's interval below which an interval is not cut any further."""
+_NARROWEST = 1e-6  # Fraction of a sample's interval below which an interval is not cut any further
 
 
 @njit

@@ -13,18 +13,15 @@ from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
 
+# Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
+# coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where
+# the rope is slack so far.
 ROLL_TERMS, AXIAL_TERMS = 3, 6
-"""Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
-coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where the
-rope is slack so far."""
-
+# Distance of a half loop's ends over its rope up to which the polynomial is fitted: nearer to the taut rope the force grows
+# without bound, which no polynomial follows and no inextensible model should be believed in.
 SLACK_REACH = 0.85
-"""Distance of a half loop's ends over its rope up to which the polynomial is fitted: nearer to the taut rope the force grows
-without bound, which no polynomial follows and no inextensible model should be believed in."""
-
+# Of a half loop: their forces are within 1e-6 of those of four times as many, far below what the polynomial misses.
 ELEMENTS = 9
-"""Of a half loop: their forces are within 1e-6 of those of four times as many, far below what the polynomial misses."""
-
 _POINTS = 9
 
 

@@ -10,8 +10,8 @@ from wirerope_mj.mounts.rope_loop.coupling_energy import ELEMENTS
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
 from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
 
+# Tension up to which the curves are followed, as a fraction of the rated compression: beyond, some loops come near to taut.
 TENSION = 0.5
-"""Tension up to which the curves are followed, as a fraction of the rated compression: beyond, some loops come near to taut."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,8 +8,8 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
 
+# Of the polynomials. Energy and force then err by h^6, as tests/test_rope_loop.py measures by halving the elements.
 DEGREE = 3
-"""Of the polynomials. Energy and force then err by h^6, as tests/test_rope_loop.py measures by halving the elements."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,14 +10,13 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.rope_loop.elements import Mesh, default_elements, mesh
 from wirerope_mj.mounts.rope_loop.shape import LoopShape
 
+# Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only.
 _CONVERGED = 1e-10
-"""Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only."""
 _ITERATIONS = 12
+# Of the path that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
+# thousandth of that end it.
 _FIRST_STEP, _SMALLEST_STEP = 0.1, 1e-3
-"""Of the path that is gone at once: the ends first move by a tenth of the rope's length; steps that had to become less than a
-thousandth of that end it."""
-_TURN = 0.5
-"""Largest change of a direction in one step [rad]: more may jump to another equilibrium."""
+_TURN = 0.5  # Largest change of a direction in one step [rad]: more may jump to another equilibrium
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,8 +7,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, not_negative, positive
 
+# Size of an isolator over the diameter of its rope, at most: those that are sold have 5 to 15, and ten times that is slack.
 LARGEST_LOOP = 1000.0
-"""Size of an isolator over the diameter of its rope, at most: those that are sold have 5 to 15, and ten times that is slack."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -11,5 +11,4 @@ from wirerope_mj.mounts.test_rig.reading import load_cyclic_test as load_cyclic_
 from wirerope_mj.mounts.test_rig.rig import CLOSURE as CLOSURE
 from wirerope_mj.mounts.test_rig.rig import cyclic_test as cyclic_test
 
-read_cyclic_test = load_cyclic_test
-"""Earlier name of it."""
+read_cyclic_test = load_cyclic_test  # Earlier name of it

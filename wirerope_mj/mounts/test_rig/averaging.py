@@ -11,9 +11,8 @@ from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.tips import reach_of, tip_of
 from wirerope_mj.mounts.test_rig.turning import Trace
 
+# Samples of a loop: chords then lose 2e-4 of its area, and a fit does not slow down with the rate of the acquisition.
 POINTS = 200
-"""Samples of a loop: chords then lose 2e-4 of its area, and a fit does not slow down with the rate of the acquisition."""
-
 _FEWEST_AT_TIP = 3  # samples that a parabola at a turning point takes
 _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a chord to the next loses 1e-4 of a stroke
 

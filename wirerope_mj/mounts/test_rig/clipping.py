@@ -12,9 +12,9 @@ _OFTEN = 4  # times that the extreme comes back where others come back once: mor
 _SURE = 8.0  # standard deviations of the deflection's noise, of which it moved on for sure
 _END = 0.05  # of the stroke beside a turning point
 _LEVEL = 0.03  # of the secant stiffness: less than noise and any spring beside rope leave, 1/60 of how rope turns back
+# Slope over the secant stiffness that whatever is elastic exceeds, and standard errors by which a level branch stays below
+# it: what has a slope that its noise hides is not known to be level.
 _ELASTIC, _ERRORS = 0.5, 3.0
-"""Slope over the secant stiffness that whatever is elastic exceeds, and standard errors by which a level branch stays below it:
-what has a slope that its noise hides is not known to be level."""
 
 
 def require_unclipped(deflection: Array, force: Array, location: str, *, stop: bool = False) -> None:

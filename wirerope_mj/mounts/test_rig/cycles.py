@@ -19,12 +19,9 @@ from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_like
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
-Locate = Callable[[int, int], str]
-"""Text of where the samples from one index to another stand."""
-
+Locate = Callable[[int, int], str]  # Text of where the samples from one index to another stand
+# Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most.
 KEPT = 3
-"""Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most."""
-
 _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
 _ALIKE = 0.05  # ratio by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round

@@ -13,18 +13,14 @@ from wirerope_mj.mounts.laws import Law, Loop
 from wirerope_mj.mounts.laws.loop import closure_of
 from wirerope_mj.mounts.laws.steady import settle
 
-CLOSURE = 1e-10
-"""A loop is closed when its last force equals its first within this fraction of its force range."""
-
+CLOSURE = 1e-10  # A loop is closed when its last force equals its first within this fraction of its force range
+# Bytes of a point of a loop: instant, deflection, rate, force, hysteretic force and states, and the path they are made of.
 OF_A_POINT = 100.0
-"""Bytes of a point of a loop: instant, deflection, rate, force, hysteretic force and states, and the path they are made of."""
-
+# 1.6 million points at the default 400 per cycle: a few seconds, and 16 times what catalogue fits take.
 _MOST_CYCLES = 4096
-"""1.6 million points at the default 400 per cycle: a few seconds, and 16 times what catalogue fits take."""
-
+# Cycles after which states of slow memory are led on: a cycle of A forgets about (A / x_y)^n of the start, x_y the deflection
+# at which the law yields, so that a scale that yields at 6 mm takes a million cycles of 0.02 mm.
 _FOLLOWED = 512
-"""Cycles after which states of slow memory are led on: a cycle of A forgets about (A / x_y)^n of the start, x_y the deflection
-at which the law yields, so that a scale that yields at 6 mm takes a million cycles of 0.02 mm."""
 
 
 def cyclic_test(

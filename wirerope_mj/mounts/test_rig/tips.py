@@ -9,11 +9,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
-REACH = 0.03
-"""Fraction of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude."""
-
-BINS = 3.0
-"""Bins on either side at least, so that three samples of it give a parabola."""
+REACH = 0.03  # Fraction of a cycle on either side: a sine is a parabola there to 1e-4 of its amplitude
+BINS = 3.0  # Bins on either side at least, so that three samples of it give a parabola
 
 
 def reach_of(bins: int) -> float:

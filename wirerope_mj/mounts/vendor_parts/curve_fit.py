@@ -14,11 +14,9 @@ from wirerope_mj.mounts.vendor_parts import law_values
 from wirerope_mj.mounts.vendor_parts.curve_sheet import KINDS, CurveSheet, Side, read_curve_sheet
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
 
+# Of the deflections of a table along its axis.
 _SIGNS = {"compression": -1.0, "tension": 1.0, "shear": 1.0, "roll": 1.0}
-"""Of the deflections of a table along its axis."""
-
-_CLOSE = 1e-10
-"""Relative error of a damping ratio at which the search for its area ends."""
+_CLOSE = 1e-10  # Relative error of a damping ratio at which the search for its area ends
 
 
 def fit_curves(content: Mapping[str, Any], path: Path) -> Isolator:

@@ -24,8 +24,7 @@ from wirerope_mj.mounts.isolator.curves import read_curve
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, LENGTH, Pairs, TomlTable
 
 KINDS = ("static", "shock")
-_SIDES = ("compression", "tension", "shear", "roll")
-"""Kinds of curves, and the tables of a sheet."""
+_SIDES = ("compression", "tension", "shear", "roll")  # Kinds of curves, and the tables of a sheet
 
 
 @dataclass(frozen=True, kw_only=True)

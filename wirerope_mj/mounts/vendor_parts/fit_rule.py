@@ -26,14 +26,10 @@ from numpy.polynomial.legendre import leggauss
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Parallel, SymmetricBoucWen
 
 NiLaw = AsymmetricBoucWen | SymmetricBoucWen
-
+# Of one panel of `PANELS`, in yield deflections from where the state is zero: the integral is right to rounding.
 NODES, WEIGHTS = leggauss(16)
-"""Of one panel of `PANELS`, in yield deflections from where the state is zero: the integral is right to rounding."""
-
 PANELS = np.array([-1.0, 0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 40.0])
-
-_CLOSE = 1e-15
-"""Relative change of the steady state's search at which it ends."""
+_CLOSE = 1e-15  # Relative change of the steady state's search at which it ends
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -111,11 +107,11 @@ class FitRule:
         return laws[0] if len(laws) == 1 else Parallel(laws=tuple(laws))
 
 
+# The rules by their number of scales.
 RULES = {
     1: FitRule(n=1, scales=((1.0, 1.0),), asymmetry=1.0, shear_yield=1.0),
     2: FitRule(n=2, scales=((1.0, 1.0), (1.0 / 8.0, 1.0 / 20.0)), asymmetry=1.0 / 3.0, shear_yield=0.75),
 }
-"""The rules by their number of scales."""
 
 
 def first_state(law: NiLaw | Parallel) -> NiLaw:

@@ -7,9 +7,9 @@ from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, VIBRATION
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, two_stiffnesses
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_sheet
 
+# Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
+# 1.54 to 1.80.
 BAR = 1.7
-"""Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
-1.54 to 1.80."""
 
 
 def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:

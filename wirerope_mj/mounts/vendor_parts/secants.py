@@ -20,16 +20,14 @@ from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, FitRule, NiLaw
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
 
+# Amplitude of a vibration stiffness where the vendor states none, as a fraction of the rated travel. It is where VMC's values
+# of the CB1400-15 stand: with the sag and the shock response of a rack on ten of them its vibration stiffness in compression
+# and that in shear are both the secant at 2.5 mm of 35.6 mm.
 VIBRATION_AMPLITUDE = 0.07
-"""Amplitude of a vibration stiffness where the vendor states none, as a fraction of the rated travel. It is where VMC's values
-of the CB1400-15 stand: with the sag and the shock response of a rack on ten of them its vibration stiffness in compression and
-that in shear are both the secant at 2.5 mm of 35.6 mm."""
-
+# Amplitude of the damping ratio where the data sheet states none [m]: the small vibration for which vendors state damping.
 DAMPING_AMPLITUDE = 1e-3
-"""Amplitude of the damping ratio where the data sheet states none [m]: the small vibration for which vendors state damping."""
-
+# Yield deflections that are tried, in amplitudes of the damping: below, the loop is a parallelogram, above, a thread.
 _REACH = (0.02, 20.0)
-"""Yield deflections that are tried, in amplitudes of the damping: below, the loop is a parallelogram, above, a thread."""
 
 
 def fit_secants(

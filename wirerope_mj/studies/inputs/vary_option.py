@@ -8,10 +8,7 @@ from typing import Any, get_args
 from wirerope_mj.studies.inputs.distributions import Distribution
 
 EXAMPLE = "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"
-
-_GROUP = "group"
-"""The argument of every distribution that is a string."""
-
+_GROUP = "group"  # The argument of every distribution that is a string
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
 
 

@@ -7,9 +7,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
 
 AZIMUTH, ELEVATION = "motion/azimuth", "motion/elevation"
-
-_GAP = 1.5
-"""Ratio to all other gaps between azimuths above which nobody looked into a gap."""
+_GAP = 1.5  # Ratio to all other gaps between azimuths above which nobody looked into a gap
 
 
 def sphere_areas(azimuth: Array, elevation: Array) -> Array:

@@ -13,13 +13,10 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.engines.compute import DONE
 
-SIGNIFICANCE = 0.01
-"""Probability that any of the inputs is called certain by accident, if none has an effect."""
-
+SIGNIFICANCE = 0.01  # Probability that any of the inputs is called certain by accident, if none has an effect
+# Fraction of the variance below which no effect is called certain: the test takes the scatter in all classes for equal, which
+# is not quite so where inputs act together, and so little matters to nobody.
 SMALLEST = 0.005
-"""Fraction of the variance below which no effect is called certain: the test takes the scatter in all classes for equal, which
-is not quite so where inputs act together, and so little matters to nobody."""
-
 _LEAST = 12  # variants below which nothing is said: three bins of four
 
 

@@ -14,19 +14,13 @@ from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.studies.engines.compute import DONE
 
 COMBINED = "combined_travel"
-
+# Largest of the columns that it matches: of bodies and points, as a run says it; `acceleration` is that of bodies alone.
 ALL = "acceleration/*"
-"""Largest of the columns that it matches: of bodies and points, as a run says it; `acceleration` is that of bodies alone."""
-
+# Measures that are looked at first, in this order.
 HEADLINES = ("travel", COMBINED, "acceleration", ALL, "fragility", "clearance")
-"""Measures that are looked at first, in this order."""
-
+# Those of them that are drawn, and whose variance is explained.
 DRAWN = ("travel", "acceleration", "fragility", "clearance")
-"""Those of them that are drawn, and whose variance is explained."""
-
-STRUCK = "struck"
-"""Column of the number of stops that were struck."""
-
+STRUCK = "struck"  # Column of the number of stops that were struck
 _OTHER = ("variant", "status", "message", "generation")
 _QUANTITIES = {
     "travel": ("largest utilisation of a rated travel along one axis", "%", 100.0, 1.0),
@@ -41,9 +35,7 @@ _QUANTITIES = {
     "displacement": ("largest displacement relative to the base", *shown_in("m"), None),
     "force": ("largest force", *shown_in("N"), None),
 }
-
-_ALIKE = 12
-"""Measures that are named because they begin alike: those of all mounts of a floor would fill the screen."""
+_ALIKE = 12  # Measures that are named because they begin alike: those of all mounts of a floor would fill the screen
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,11 +27,8 @@ _UNITS = {
     "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
     "clearance": {"%": 0.01},
 }  # fmt: skip
-KEY = "stated_limits"
-"""Of the list in `summary.json`; it is not there unless somebody has stated a limit."""
-
+KEY = "stated_limits"  # Of the list in `summary.json`; it is not there unless somebody has stated a limit
 _REMEDY = "Remove the file, and go on with --resume (`resume=True`): it is written anew."
-
 _EXAMPLE = '"deflection/*/roll = 35 mm"'
 _TEXT = re.compile(r"\s*(\S+)\s*=\s*([-+.\deE]+)\s*([^\d\s.+-]\S*)\s*")
 

@@ -15,9 +15,7 @@ from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of
 
 CONFIDENCE = 0.95
-
-_BEYOND = 5
-"""Variants that lie beyond a percentile that is given."""
+_BEYOND = 5  # Variants that lie beyond a percentile that is given
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,9 +21,8 @@ from wirerope_mj.studies.results.statistics import (
 )
 from wirerope_mj.studies.results.varied import varied_of
 
+# Measures in the summary.
 SUMMARISED = ("acceleration", ALL, "travel", "combined_travel", "static_load", "fragility", "clearance")
-"""Measures in the summary."""
-
 _QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
 
 

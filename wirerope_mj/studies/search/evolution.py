@@ -10,9 +10,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs import distributions
 
 Design = dict[str, Any]
-
+# Value of a design that failed, for the optimiser: a number, because it adds them up, and worse than any that did not.
 UNKNOWN = 1e12
-"""Value of a design that failed, for the optimiser: a number, because it adds them up, and worse than any that did not."""
 
 
 def check_installed() -> str:

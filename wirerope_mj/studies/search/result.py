@@ -15,11 +15,8 @@ from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
 from wirerope_mj.studies.search.front import Mask, feasible, front, nearest, nearest_first
 
-GENERATION = "generation"
-"""Column of the table: in which generation a design was first made."""
-
-_LINE = 1e-9
-"""Distance from the line between the front's ends that is rounding."""
+GENERATION = "generation"  # Column of the table: in which generation a design was first made
+_LINE = 1e-9  # Distance from the line between the front's ends that is rounding
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
