@@ -8,7 +8,7 @@ from typing import Literal
 import numpy as np
 
 from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
-from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.families import beside_known, family_of
 from wirerope_mj.mounts.identification.how_many_scales import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
@@ -21,8 +21,8 @@ from wirerope_mj.mounts.identification.scales import SCALES, require_scales, sca
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 from wirerope_mj.mounts.identification.stages import Method, Stage, run_stages
 from wirerope_mj.mounts.identification.start import grid_starts
-from wirerope_mj.mounts.identification.stops import beside_known, closing
 from wirerope_mj.mounts.identification.sufficient import (
+    closing,
     require_amplitudes,
     require_dissipation,
     require_finite,

@@ -8,7 +8,7 @@ import numpy as np
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.result import Identification
-from wirerope_mj.mounts.identification.stops import closes
+from wirerope_mj.mounts.identification.sufficient import closes
 from wirerope_mj.mounts.laws import Loop, Stop
 from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.clipping import is_level
