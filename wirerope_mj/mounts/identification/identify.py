@@ -10,12 +10,11 @@ import numpy as np
 from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
 from wirerope_mj.mounts.identification.families import beside_known, family_of
 from wirerope_mj.mounts.identification.how_many_scales import supported_scales
-from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops, scales_of
+from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
 from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
-from wirerope_mj.mounts.identification.scale_loops import ScaleLoop
 from wirerope_mj.mounts.identification.scale_starts import scale_starts
 from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns

@@ -9,8 +9,7 @@ import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import SEEN
-from wirerope_mj.mounts.identification.measured import MeasuredLoop
-from wirerope_mj.mounts.identification.scale_loops import ScaleLoop
+from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop
 from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns
 from wirerope_mj.mounts.identification.start import SAMPLES
