@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
 from wirerope_mj.mounts.identification.families import beside_known, family_of
-from wirerope_mj.mounts.identification.how_many_scales import supported_scales
+from wirerope_mj.mounts.identification.left_out import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
