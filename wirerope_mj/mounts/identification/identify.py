@@ -17,8 +17,7 @@ from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, 
 from wirerope_mj.mounts.identification.result import Identification as Identification
 from wirerope_mj.mounts.identification.scale_starts import scale_starts
 from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
-from wirerope_mj.mounts.identification.search import Minimum, Unknowns
-from wirerope_mj.mounts.identification.stages import Method, Stage, run_stages
+from wirerope_mj.mounts.identification.search import Method, Minimum, Stage, Unknowns, run_stages
 from wirerope_mj.mounts.identification.start import grid_starts
 from wirerope_mj.mounts.identification.sufficient import (
     closing,

@@ -6,7 +6,7 @@ from typing import get_args
 
 from wirerope_mj.mounts.identification.identify import identify
 from wirerope_mj.mounts.identification.measured import require_loops
-from wirerope_mj.mounts.identification.stages import Method
+from wirerope_mj.mounts.identification.search import Method
 from wirerope_mj.mounts.laws import Law, Loop
 
 

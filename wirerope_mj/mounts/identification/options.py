@@ -7,8 +7,7 @@ from typing import Any, Literal, get_args
 from wirerope_mj.foundation.arguments import finite, one_of, positive
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
 from wirerope_mj.mounts.identification.residuals import Data
-from wirerope_mj.mounts.identification.search import Unknowns
-from wirerope_mj.mounts.identification.stages import Method
+from wirerope_mj.mounts.identification.search import Method, Unknowns
 from wirerope_mj.mounts.laws import Law
 
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]

@@ -9,7 +9,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
-from wirerope_mj.mounts.identification.stages import Stage
+from wirerope_mj.mounts.identification.search import Stage
 from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.identification.validity import measured_range, validity_of
 from wirerope_mj.mounts.isolator import MeasuredRange
