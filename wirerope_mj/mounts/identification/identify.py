@@ -7,7 +7,6 @@ from typing import Literal
 
 import numpy as np
 
-from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
 from wirerope_mj.mounts.identification.families import beside_known, family_of
 from wirerope_mj.mounts.identification.left_out import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
@@ -26,7 +25,7 @@ from wirerope_mj.mounts.identification.sufficient import (
     require_finite,
     require_movement,
 )
-from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
+from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
 
 STARTS = 2  # Best points of the grid from which a search begins, beside the best one for each pattern of signs
