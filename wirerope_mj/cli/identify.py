@@ -16,8 +16,14 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.isolator_file import assumptions, falling_in_rating, identified_isolator
-from wirerope_mj.mounts.identification.records import contents, loop_warnings, read_tests
+from wirerope_mj.mounts.identification.records import (
+    assumptions,
+    contents,
+    falling_in_rating,
+    identified_isolator,
+    loop_warnings,
+    read_tests,
+)
 from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop

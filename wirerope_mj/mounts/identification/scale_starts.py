@@ -64,7 +64,7 @@ def _with_bend(
         least = np.array([0.0] * len(names) + [c.lower for c in springs])
         for pick in choices:
             matrix = np.stack([*(scale_columns[index] for index in pick[::-1]), *spring_columns], axis=1)
-            linear, cost = _stretched(matrix, measured, least)
+            linear, cost = _best_linear(matrix, measured, least)
             x_y = yields[list(pick[::-1])]
             values = {f"z_max_{name}": float(linear[index]) for index, name in enumerate(names)}
             values |= {f"x_y_{names[0]}": float(x_y[0]), "sigma": sigma, "c_ln_b": asymmetry}
@@ -104,7 +104,7 @@ def _column(loops: Sequence[ScaleLoop], forces: Sequence[Array], asymmetry: floa
     return np.concatenate(parts)
 
 
-def _stretched(matrix: Array, measured: Array, least: Array) -> tuple[Array, float]:
+def _best_linear(matrix: Array, measured: Array, least: Array) -> tuple[Array, float]:
     """Return the best linear values not below `least`, and the sum of squares that is left."""
     norms = np.linalg.norm(matrix, axis=0)
     best = np.linalg.lstsq(matrix / norms, measured, rcond=None)[0]

@@ -1,4 +1,4 @@
-"""Conditions for a search: loops the right way round, enough amplitudes, sides of a stop that close, parameters that are felt."""
+"""Conditions for a search: loops the right way round, enough amplitudes, a stop that closes, parameters that are felt."""
 
 import math
 from collections.abc import Mapping, Sequence
