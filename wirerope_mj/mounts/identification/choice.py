@@ -264,7 +264,9 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
         raise ValueError(f"`starts` must hold at least one law by a name, such as {{'guess': law}}, got {starts!r}.")
     return MethodComparison(
         rows=tuple(
-            _method_row(loops, name, start, method, weights) for name, start in starts.items() for method in get_args(Method)
+            _method_row(loops, name, start, method, weights)
+            for name, start in starts.items()
+            for method in get_args(Method)
         )
     )
 

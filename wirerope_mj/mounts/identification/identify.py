@@ -14,10 +14,9 @@ from wirerope_mj.mounts.identification.options import Constraint, require_option
 from wirerope_mj.mounts.identification.profiles import Survey, survey
 from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
-from wirerope_mj.mounts.identification.scale_starts import scale_starts
 from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
 from wirerope_mj.mounts.identification.search import Method, Minimum, Stage, Unknowns, run_stages
-from wirerope_mj.mounts.identification.start import grid_starts
+from wirerope_mj.mounts.identification.start import grid_starts, scale_starts
 from wirerope_mj.mounts.identification.sufficient import (
     closing,
     require_amplitudes,
