@@ -10,7 +10,6 @@ import numpy as np
 from wirerope_mj.mounts.identification.families import beside_known, family_of
 from wirerope_mj.mounts.identification.left_out import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
-from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
 from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
@@ -18,11 +17,14 @@ from wirerope_mj.mounts.identification.scales import SCALES, require_scales, sca
 from wirerope_mj.mounts.identification.search import Method, Minimum, Stage, Unknowns, run_stages
 from wirerope_mj.mounts.identification.start import grid_starts, scale_starts
 from wirerope_mj.mounts.identification.sufficient import (
+    Constraint,
     closing,
     require_amplitudes,
     require_dissipation,
     require_finite,
     require_movement,
+    require_options,
+    unknowns_of,
 )
 from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
