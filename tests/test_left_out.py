@@ -11,7 +11,7 @@ from wirerope_mj.mounts.vendor_parts import vendor_parts
 from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, first_state
 from wirerope_mj.mounts.vendor_parts.left_out import left_out
 from wirerope_mj.mounts.vendor_parts.secants import fit_secants
-from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet import read_datasheet
 
 
 def band(name):

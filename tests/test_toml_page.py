@@ -11,7 +11,7 @@ from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import AXES, tables
 from wirerope_mj.mounts.isolator.parts import Travel
 from wirerope_mj.mounts.laws import LAWS
-from wirerope_mj.mounts.vendor_parts import sheet_file
+from wirerope_mj.mounts.vendor_parts import sheet as sheet_file
 from wirerope_mj.runs import judging, scenario_file
 
 PAGE = (Path(__file__).parents[1] / "docs" / "toml_files.md").read_text(encoding="utf-8")

@@ -26,8 +26,7 @@ from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
 from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, FitRule, NiLaw, first_state
 from wirerope_mj.mounts.vendor_parts.secants import fit_damped, fit_secants
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue
-from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, read_datasheet
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
