@@ -17,7 +17,7 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
 
     Args:
         part: the row.
-        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.fit_rule`).
+        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
 
     Raises:
         ModelError: the row lacks travel or stiffnesses in compression, or the envelope.

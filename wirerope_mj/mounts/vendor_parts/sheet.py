@@ -12,7 +12,7 @@ the vendor states values at 45 degrees: they are compared, never fitted. An axis
     cycles_mm_N_per_mm     [[amplitude, secant stiffness], ...] of steady loops
     resonance              of the mass of the static load, cycles of the static deflection about the sag; compared only
 
-`scales = 2` fits friction on two scales by the rule of `wirerope_mj.mounts.vendor_parts.fit_rule`; the damping ratio is then
+`scales = 2` fits friction on two scales by the rule of `wirerope_mj.mounts.vendor_parts.secants`; the damping ratio is then
 that of the vibration stiffness' amplitude where `damping_amplitude` does not say otherwise.
 
 `compared` lists values of an axis that are printed beside the fit and not fitted. `roll = "rope loop"` says that the table
@@ -27,9 +27,8 @@ from typing import Any
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.vendor_parts.fit_rule import RULES
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
-from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, VIBRATION_AMPLITUDE
+from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, RULES, VIBRATION_AMPLITUDE
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH, STIFFNESS, TomlTable
 
 
@@ -116,7 +115,7 @@ class DataSheet:
         static_load: rated load in compression [N]; None where it is not stated.
         damping_amplitude: amplitude of the damping ratios [m].
         roll_of_loop: whether roll follows from the rope loop; else it is the same as shear.
-        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.fit_rule`).
+        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
         yielding: yield deflection of friction [m]; None where a damping ratio gives it.
         damping_range: lowest and highest damping ratio that the vendor states [-]; None where it states none.
         assumed: what no source gives, one text each.

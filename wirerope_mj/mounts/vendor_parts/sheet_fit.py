@@ -24,8 +24,15 @@ from wirerope_mj.mounts.rope_loop import (
 )
 from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
-from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, FitRule, NiLaw, first_state
-from wirerope_mj.mounts.vendor_parts.secants import fit_damped, fit_secants
+from wirerope_mj.mounts.vendor_parts.secants import (
+    RULES,
+    ElasticShape,
+    FitRule,
+    NiLaw,
+    first_state,
+    fit_damped,
+    fit_secants,
+)
 from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, read_datasheet
 
 
