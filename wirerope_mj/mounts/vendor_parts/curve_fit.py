@@ -1,4 +1,4 @@
-"""Data sheets of vendors that state force-deflection curves, a static one, a shock one, or both, and isolators that follow them.
+"""Data sheets of vendors that state force-deflection curves, static ones or shock ones or both, and isolators that follow them.
 
 A sheet that has the key `curve` is one of these: `curve = "shock"` says which of its curves the laws follow, the other is
 compared. It has the tables [compression], [tension], [shear] and [roll] that the vendor states, all numbers > 0:
