@@ -8,9 +8,9 @@ from wirerope_mj.mounts.estimate.estimate import LoopEstimate
 from wirerope_mj.mounts.estimate.trends import left_out_errors
 from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Rotation, Spread
-from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, VendorPart
 from wirerope_mj.mounts.vendor_parts.secants import NiLaw
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_part
 
 # Parameters of the fitted laws that grow with the force; those of their shape (beta with n = 1, b, c) do not.
 _FORCES = ("alpha", "k1", "k2", "k3")
