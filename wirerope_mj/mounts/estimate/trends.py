@@ -8,8 +8,7 @@ from typing import Literal
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.estimate.vendor_check import check_vendor_loops
-from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
+from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE, check_vendor_loops
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 
