@@ -13,7 +13,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Scales
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Loop, SymmetricBoucWen
 from wirerope_mj.mounts.laws.steady import follow_force, settle
-from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
+from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import require_likely
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.mounts.test_rig.turning import rms_noise

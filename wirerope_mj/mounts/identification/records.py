@@ -15,8 +15,8 @@ from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
 from wirerope_mj.mounts.isolator.falling import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Loop, Stop
 from wirerope_mj.mounts.test_rig import load_cycles
-from wirerope_mj.mounts.test_rig.clipping import is_level
 from wirerope_mj.mounts.test_rig.faults import file_faults
+from wirerope_mj.mounts.test_rig.passive import is_level
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 
 Tests = Mapping[Path, Sequence[Loop]]

@@ -12,9 +12,8 @@ from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
-from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
-from wirerope_mj.mounts.test_rig.noise import is_noise, no_cycle_text
+from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points

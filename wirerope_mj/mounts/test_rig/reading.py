@@ -11,8 +11,7 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS
 from wirerope_mj.mounts.laws import Loop
-from wirerope_mj.mounts.test_rig.noise import is_noise, no_cycle_text
-from wirerope_mj.mounts.test_rig.passive import require_passive
+from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_passive
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 _EXAMPLE = '"loop, time [s], deflection [mm], force [kN]"'
