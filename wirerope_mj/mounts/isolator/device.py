@@ -10,8 +10,15 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.summary import Brief
-from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, require_law_in_metres
-from wirerope_mj.mounts.isolator.stiffening import Stiffening
+from wirerope_mj.mounts.isolator.parts import (
+    Geometry,
+    Limits,
+    Provenance,
+    Rotation,
+    Spread,
+    Stiffening,
+    require_law_in_metres,
+)
 from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity

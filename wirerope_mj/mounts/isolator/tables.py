@@ -12,8 +12,7 @@ import tomli_w
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator.curves import curve_in_si
-from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Travel
-from wirerope_mj.mounts.isolator.stiffening import Stiffening
+from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel
 from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
 from wirerope_mj.mounts.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 
