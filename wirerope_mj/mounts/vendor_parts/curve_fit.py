@@ -23,7 +23,7 @@ import numpy as np
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
-from wirerope_mj.mounts.isolator.curves import read_curve
+from wirerope_mj.mounts.isolator.tables import read_curve
 from wirerope_mj.mounts.laws import Tabulated
 from wirerope_mj.mounts.vendor_parts import law_values
 from wirerope_mj.mounts.vendor_parts.sheet import ComparedValue
