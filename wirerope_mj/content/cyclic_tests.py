@@ -13,7 +13,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.choice import LawComparison
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes, largest_amplitude
+from wirerope_mj.mounts.isolator.device import amplitudes_of, distinct_axes, largest_amplitude
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
