@@ -13,7 +13,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
+from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
 # Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
 AT_REST = 1e-3 * STANDARD_GRAVITY

@@ -12,7 +12,7 @@ from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.result import Identification, fitted_loops
 from wirerope_mj.mounts.identification.sufficient import closes
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
-from wirerope_mj.mounts.isolator.falling import falling_text
+from wirerope_mj.mounts.isolator.travel import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Loop, Stop
 from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.faults import file_faults

@@ -14,7 +14,7 @@ from wirerope_mj.mounts.identification.scales import yield_deflection
 from wirerope_mj.mounts.identification.search import Stage
 from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.isolator import MeasuredRange
-from wirerope_mj.mounts.isolator.falling import falling_text
+from wirerope_mj.mounts.isolator.travel import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
