@@ -6,4 +6,3 @@ from wirerope_mj.mounts.estimate.estimate import estimate_loop as estimate_loop
 from wirerope_mj.mounts.estimate.estimate import estimated_isolator as estimated_isolator
 from wirerope_mj.mounts.estimate.trends import LoopValues as LoopValues
 from wirerope_mj.mounts.estimate.vendor_loops import check_vendor_loops as check_vendor_loops
-from wirerope_mj.mounts.estimate.vendor_loops import coupled_diagonal_errors as coupled_diagonal_errors

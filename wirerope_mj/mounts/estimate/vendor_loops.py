@@ -115,32 +115,6 @@ def check_vendor_loops() -> tuple[LoopCheck, ...]:
     return tuple(_check(part) for part in vendor_loops())
 
 
-@cache
-def coupled_diagonal_errors() -> tuple[tuple[float, float, float], ...]:
-    """Return the errors at 45 degrees of axes that are those of the catalogue, coupled by the elastica, for each row.
-
-    The force along 45 degrees is that of the catalogue's shock stiffness in compression and in roll, each over its component of
-    the travel, and that of U(u, w) - U(u, 0) - U(0, w). Three errors: without it; with it scaled by the EI of compression; and
-    by the geometric mean of the EI of compression and of roll.
-    """
-    return tuple(_coupled(check) for check in check_vendor_loops())
-
-
-def _coupled(check: LoopCheck) -> tuple[float, float, float]:
-    """Return the errors of one row."""
-    part = check.part
-    x = part.travel["45"] / np.sqrt(2.0)
-    state = RopeLoop(part.shape).state([x, x, 0.0], [-x, 0.0, -x])
-    across = state.roll_force[0] - state.roll_force[1]
-    down = state.axial_force[2] - state.axial_force[0]
-    coupling = float(part.loops * (across + down) / np.sqrt(2.0) / part.travel["45"])
-    uncoupled = 0.5 * (part.shock["compression"] + part.shock["shear"])
-    from_roll = check.bending_stiffness / (1.0 + check.roll_error)
-    scales = (0.0, check.bending_stiffness, np.sqrt(check.bending_stiffness * from_roll))
-    errors = [float((uncoupled + scale * coupling) / part.shock["45"] - 1.0) for scale in scales]
-    return errors[0], errors[1], errors[2]
-
-
 def _check(part: VendorLoop) -> LoopCheck:
     """Return one row beside the elastica."""
     travel = part.travel

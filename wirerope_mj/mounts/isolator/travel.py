@@ -7,7 +7,6 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 
 

@@ -8,7 +8,5 @@ from wirerope_mj.mounts.rope_loop.fitted import AxisCurves as AxisCurves
 from wirerope_mj.mounts.rope_loop.fitted import CouplingFit as CouplingFit
 from wirerope_mj.mounts.rope_loop.fitted import axis_curves as axis_curves
 from wirerope_mj.mounts.rope_loop.fitted import fit_coupling as fit_coupling
-from wirerope_mj.mounts.rope_loop.ring import RingStiffness as RingStiffness
-from wirerope_mj.mounts.rope_loop.ring import ring_stiffness as ring_stiffness
 from wirerope_mj.mounts.rope_loop.shape import LoopShape as LoopShape
 from wirerope_mj.mounts.rope_loop.shape import loop_shape as loop_shape

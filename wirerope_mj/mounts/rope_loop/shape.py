@@ -45,11 +45,6 @@ class LoopShape:
         return sum(length for length, _ in self.segments)
 
     @property
-    def end_direction(self) -> float:
-        """Direction of the unloaded rope where it enters the payload's bar [rad]."""
-        return self.start + sum(length * curvature for length, curvature in self.segments)
-
-    @property
     def span(self) -> tuple[float, float]:
         """Distance of the two clamped ends in roll and axial direction, unloaded [m]."""
         direction, total = self.start, np.zeros(2)

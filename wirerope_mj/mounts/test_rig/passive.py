@@ -81,7 +81,7 @@ def area_in_noise(loop: Loop) -> bool:
 _WIDE = 0.05  # of the stroke over which a force that still moves cannot stand at one value, even at 8 bits
 _NARROW = 0.005  # the same where no other value comes back as often: no converter's step, for it would be one of many
 _OFTEN = 4  # times that the extreme comes back where others come back once: more than cycles of a mean, and neighbours
-_SURE = 8.0  # standard deviations of the deflection's noise, of which it moved on for sure
+_MOVED_ON = 8.0  # standard deviations of the deflection's noise, of which it moved on for sure
 _END = 0.05  # of the stroke beside a turning point
 _LEVEL = 0.03  # of the secant stiffness: less than noise and any spring beside rope leave, 1/60 of how rope turns back
 # Slope over the secant stiffness that whatever is elastic exceeds, and standard errors by which a level branch stays below
@@ -108,7 +108,7 @@ def require_unclipped(deflection: Array, force: Array, location: str, *, stop: b
         moved, stroke = float(np.ptp(deflection[at])), float(np.ptp(deflection))
         if stop and _is_open(deflection, force, extreme):
             continue
-        alone = at.sum() >= _OFTEN * max(usual, 1) and moved > _SURE * rms_noise(deflection)
+        alone = at.sum() >= _OFTEN * max(usual, 1) and moved > _MOVED_ON * rms_noise(deflection)
         if 3 < at.sum() < force.size and moved > (_NARROW if alone else _WIDE) * stroke:
             raise ValueError(
                 f"{location}: {at.sum()} samples stand at exactly the {name} force, {extreme:.6g} N, over "
