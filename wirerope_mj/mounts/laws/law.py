@@ -47,7 +47,7 @@ class Law(ABC):
     """The parameter that another one is equal to unless it is stated itself, by the name of that one."""
 
     _trace: ClassVar[Callable[..., Loop]]
-    """`wirerope_mj.mounts.laws.trace`, which knows the kernels of all laws and so stands above them."""
+    """`wirerope_mj.mounts.laws.timed`, which knows the kernels of all laws and so stands above them."""
 
     def __post_init__(self) -> None:
         optional = {field.name for field in fields(self) if field.default is None}

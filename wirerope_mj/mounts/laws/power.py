@@ -17,8 +17,8 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, bouc_wen_force
-from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 
 ORDER = 16  # Terms of a Taylor series: a step takes a tenth of the distance to where the series ends
 NEAR = 0.1  # |q| up to which the power series of the length from zero is summed: 16 terms reach rounding

@@ -6,8 +6,7 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count, raised, some, where
-from wirerope_mj.mounts.laws.cubic import position, speed, zero_between
-from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS, position, speed, zero_between
 from wirerope_mj.mounts.laws.table_kernels import ROW, cubics, row_at
 
 # Offsets of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1.

@@ -8,7 +8,7 @@ import math
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count, picked, ranked
-from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS
 
 ROW = 8  # Coefficients from one knot to the next: four of M, four of g
 # Lengths of 1 / beta up to which the quadrature of eight points has a cubic times an exponential to rounding.
