@@ -15,6 +15,8 @@ from wirerope_mj.assessment.criteria.peaks import BodyPeak as BodyPeak
 from wirerope_mj.assessment.criteria.peaks import MountPeak as MountPeak
 from wirerope_mj.assessment.criteria.peaks import body_peaks as body_peaks
 from wirerope_mj.assessment.criteria.peaks import mount_peaks as mount_peaks
+from wirerope_mj.assessment.criteria.points import spectrum_verdict as spectrum_verdict
+from wirerope_mj.assessment.criteria.points import transmissibility_verdict as transmissibility_verdict
 from wirerope_mj.assessment.criteria.random import judge_random as judge_random
 from wirerope_mj.assessment.criteria.random import random_verdicts as random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts as rattle_verdicts
@@ -24,9 +26,7 @@ from wirerope_mj.assessment.criteria.ship import iso_6954_1984 as iso_6954_1984
 from wirerope_mj.assessment.criteria.ship import iso_6954_2000 as iso_6954_2000
 from wirerope_mj.assessment.criteria.ship import iso_6954_2000_of_history as iso_6954_2000_of_history
 from wirerope_mj.assessment.criteria.ship import velocity_lines as velocity_lines
-from wirerope_mj.assessment.criteria.srs import spectrum_verdict as spectrum_verdict
 from wirerope_mj.assessment.criteria.summary import summary as summary
-from wirerope_mj.assessment.criteria.transmissibility import transmissibility_verdict as transmissibility_verdict
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts as bottoming_verdicts
 from wirerope_mj.assessment.criteria.travel import travel_verdicts as travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import CLEAR as CLEAR
