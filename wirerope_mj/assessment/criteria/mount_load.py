@@ -6,9 +6,8 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD, Criterion
-from wirerope_mj.assessment.criteria.limits import payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_start
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Verdict, payload_bodies
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array

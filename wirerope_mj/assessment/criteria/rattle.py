@@ -7,9 +7,8 @@ import numpy as np
 
 from wirerope_mj.assessment.between_samples import peak_between
 from wirerope_mj.assessment.criteria.criterion import RATTLE_SPACE, Criterion
-from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
+from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, one_each, payload_bodies
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
