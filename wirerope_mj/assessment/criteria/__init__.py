@@ -1,16 +1,16 @@
 """Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
-from wirerope_mj.assessment.criteria.contact import closing_text as closing_text
-from wirerope_mj.assessment.criteria.contact import contact_verdicts as contact_verdicts
 from wirerope_mj.assessment.criteria.criterion import COMBINED as COMBINED
 from wirerope_mj.assessment.criteria.criterion import STOP as STOP
 from wirerope_mj.assessment.criteria.criterion import Criterion as Criterion
 from wirerope_mj.assessment.criteria.headline import headline as headline
 from wirerope_mj.assessment.criteria.judge import judge as judge
-from wirerope_mj.assessment.criteria.mount_load import peak_force_verdicts as peak_force_verdicts
-from wirerope_mj.assessment.criteria.mount_load import starting_load_verdicts as starting_load_verdicts
-from wirerope_mj.assessment.criteria.mount_load import static_load_verdicts as static_load_verdicts
+from wirerope_mj.assessment.criteria.loads import closing_text as closing_text
+from wirerope_mj.assessment.criteria.loads import contact_verdicts as contact_verdicts
+from wirerope_mj.assessment.criteria.loads import peak_force_verdicts as peak_force_verdicts
+from wirerope_mj.assessment.criteria.loads import starting_load_verdicts as starting_load_verdicts
+from wirerope_mj.assessment.criteria.loads import static_load_verdicts as static_load_verdicts
 from wirerope_mj.assessment.criteria.peaks import BodyPeak as BodyPeak
 from wirerope_mj.assessment.criteria.peaks import MountPeak as MountPeak
 from wirerope_mj.assessment.criteria.peaks import body_peaks as body_peaks

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
-from wirerope_mj.assessment.criteria.contact import contact_verdicts
 from wirerope_mj.assessment.criteria.ended import require_over
 from wirerope_mj.assessment.criteria.headline import Verdicts
-from wirerope_mj.assessment.criteria.mount_load import (
+from wirerope_mj.assessment.criteria.loads import (
+    contact_verdicts,
     missing_load_verdicts,
     starting_load_verdicts,
     static_load_verdicts,

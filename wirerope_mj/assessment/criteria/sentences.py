@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.assessment.criteria.contact import closing_text
 from wirerope_mj.assessment.criteria.criterion import ACCELERATION, BOTTOMING, COMBINED, RATTLE_SPACE, STATIC_LOAD
 from wirerope_mj.assessment.criteria.ended import too_short
+from wirerope_mj.assessment.criteria.loads import closing_text
 from wirerope_mj.assessment.criteria.peaks import mount_peaks
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, Verdict, most_used
 from wirerope_mj.engine.response import Response
