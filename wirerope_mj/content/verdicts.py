@@ -16,7 +16,7 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
-from wirerope_mj.assessment.criteria.headline import PASS
+from wirerope_mj.assessment.criteria.judge import PASS
 from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Statement

@@ -4,7 +4,7 @@ from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts a
 from wirerope_mj.assessment.criteria.criterion import COMBINED as COMBINED
 from wirerope_mj.assessment.criteria.criterion import STOP as STOP
 from wirerope_mj.assessment.criteria.criterion import Criterion as Criterion
-from wirerope_mj.assessment.criteria.headline import headline as headline
+from wirerope_mj.assessment.criteria.judge import headline as headline
 from wirerope_mj.assessment.criteria.judge import judge as judge
 from wirerope_mj.assessment.criteria.loads import closing_text as closing_text
 from wirerope_mj.assessment.criteria.loads import contact_verdicts as contact_verdicts

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from wirerope_mj.assessment.criteria.criterion import CONTACT, STOP
-from wirerope_mj.assessment.criteria.headline import headline
+from wirerope_mj.assessment.criteria.judge import headline
 from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.sentences import verdict_lines
 from wirerope_mj.assessment.criteria.verdict import NOT_JUDGED, WITHIN, Verdict
