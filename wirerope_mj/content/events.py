@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, closing_text
-from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
+from wirerope_mj.assessment.criteria.ended import utilisation_over_time
 from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.content.selection import NAMED, Selection
 from wirerope_mj.engine.response import Peak, Response

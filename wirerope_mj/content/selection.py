@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks, judge, mount_peaks
-from wirerope_mj.assessment.criteria.over_time import Used, used_limits
+from wirerope_mj.assessment.criteria.ended import Used, used_limits
 from wirerope_mj.content.panels import OTHERS
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
