@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.assessment.criteria.sampled import steady_interval
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation.run import aliasing

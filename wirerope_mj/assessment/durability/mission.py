@@ -8,7 +8,7 @@ from typing import Any, get_args
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.ended import too_short
-from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
+from wirerope_mj.assessment.criteria.sampled import STEADY, elements, steady_interval
 from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mounts import Quantity
 from wirerope_mj.engine.response import Response, load_response
