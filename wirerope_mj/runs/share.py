@@ -4,8 +4,7 @@ import shutil
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.checksums import alterations
-from wirerope_mj.runs.folder import atomic_run
+from wirerope_mj.runs.folder import alterations, atomic_run
 from wirerope_mj.runs.page import REPORT
 from wirerope_mj.views.recording.paths import FILE
 from wirerope_mj.views.recording.viewer import find_recording

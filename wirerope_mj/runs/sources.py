@@ -19,8 +19,7 @@ from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict
-from wirerope_mj.runs.checksums import digest_of
-from wirerope_mj.runs.folder import SCENARIO
+from wirerope_mj.runs.folder import SCENARIO, digest_of
 from wirerope_mj.runs.judging import judged_by, read_judge_table
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile
 from wirerope_mj.runs.scenario_file import scenario_content

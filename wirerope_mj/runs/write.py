@@ -27,8 +27,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.restore import copy_records
-from wirerope_mj.runs.checksums import write_checksums
-from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
+from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target, write_checksums
 from wirerope_mj.runs.judging import judge_table, judged_by
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.summary import summary_content
