@@ -13,8 +13,8 @@ from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.judging import judged_by
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer

@@ -20,9 +20,8 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict
 from wirerope_mj.runs.folder import SCENARIO, digest_of
-from wirerope_mj.runs.judging import judged_by, read_judge_table
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile
-from wirerope_mj.runs.scenario_file import scenario_content
+from wirerope_mj.runs.scenario_file import judged_by, read_judge_table, scenario_content
 
 _TABLES = ("options", "simulate", "versions")
 _CHARACTERS = 8  # of a file's digest: enough to see that two files differ

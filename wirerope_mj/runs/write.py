@@ -28,8 +28,8 @@ from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target, write_checksums
-from wirerope_mj.runs.judging import judge_table, judged_by
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.scenario_file import judge_table, judged_by
 from wirerope_mj.runs.summary import summary_content
 
 _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured
