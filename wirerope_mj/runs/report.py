@@ -6,8 +6,8 @@ from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.analyses import KIND, MARKS
 from wirerope_mj.runs.folder import update_checksums, warn_of_alterations
-from wirerope_mj.runs.frequency_response import KIND, MARKS
 from wirerope_mj.runs.page import REPORT, page_files, write_page
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
