@@ -13,7 +13,7 @@ from wirerope_mj.studies.ended import why_early
 from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
-from wirerope_mj.studies.search.front import Mask, feasible, front, nearest, nearest_first
+from wirerope_mj.studies.search.evolution import Mask, feasible, front, nearest, nearest_first
 
 GENERATION = "generation"  # Column of the table: in which generation a design was first made
 _LINE = 1e-9  # Distance from the line between the front's ends that is rounding

@@ -19,8 +19,7 @@ from wirerope_mj.studies.folder import part_path, read_part, write_part
 from wirerope_mj.studies.responses import RESPONSES
 from wirerope_mj.studies.run import chunk_size
 from wirerope_mj.studies.search.definition import SearchDefinition
-from wirerope_mj.studies.search.evolution import Design, Evolution
-from wirerope_mj.studies.search.front import objectives, violations
+from wirerope_mj.studies.search.evolution import Design, Evolution, objectives, violations
 from wirerope_mj.studies.search.result import GENERATION
 
 
