@@ -15,7 +15,7 @@ from wirerope_mj.studies.ended import ended_early, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
+from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
 from wirerope_mj.studies.results.stated_limits import StatedLimit
