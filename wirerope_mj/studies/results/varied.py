@@ -18,8 +18,7 @@ from wirerope_mj.studies.inputs.distributions import (
     Specimens,
     Uniform,
 )
-from wirerope_mj.studies.inputs.sampling import LISTED
-from wirerope_mj.studies.inputs.sobol import SAMPLING
+from wirerope_mj.studies.inputs.sampling import LISTED, SAMPLING
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
 from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
