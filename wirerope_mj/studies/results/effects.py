@@ -1,4 +1,4 @@
-"""What the scatter of a measure comes from: effects of what varies, and directions that matter."""
+"""Effects of the inputs of a study on its measures, and its directions as points on the sphere, each with its area."""
 
 import math
 from collections.abc import Sequence

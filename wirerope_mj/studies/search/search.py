@@ -18,13 +18,12 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
-from wirerope_mj.studies.loading import read_result
 from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.results.varied import head
 from wirerope_mj.studies.run import checked_engine, chunk_size
 from wirerope_mj.studies.search.definition import SearchDefinition
 from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed, objectives, violations
-from wirerope_mj.studies.search.result import GENERATION, SearchResult
+from wirerope_mj.studies.search.result import GENERATION, SearchResult, read_result
 
 
 class Evolving:
