@@ -1,10 +1,9 @@
-"""Python files with one function whose keyword arguments are the options of a command, and the studies that ship so."""
+"""Python files with one function whose keyword arguments are the options of a command."""
 
 import ast
 import inspect
 import traceback
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from importlib.util import module_from_spec, spec_from_file_location
 from numbers import Integral, Real
 from pathlib import Path, PurePath
@@ -13,9 +12,6 @@ from typing import Any
 from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.resources import scenarios_folder
-from wirerope_mj.studies.search.search import Search
-from wirerope_mj.studies.study import Study
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 # Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well.
@@ -136,48 +132,3 @@ def guarded(path: Path, action: Callable[[], Any]) -> Any:
             raise ModelError(f"{path}{line}: {error}") from error  # the message says what is wrong, and is meant to
         quoted = f"`{short(own[-1].line or '')}` ends with " if own else ""
         raise ModelError(f"{path}{line}: {quoted}{type(error).__name__}: {error}") from error
-
-
-@dataclass(frozen=True, kw_only=True)
-class StudyFile:
-    """A file with one function `study(*, ...) -> Study`, or `-> Search`, whose keyword arguments are the options."""
-
-    name: str
-    path: Path
-    function: Callable[..., Study | Search]
-
-    @property
-    def question(self) -> str:
-        """First line of the file's docstring."""
-        return question_of(self.function)
-
-    def make(self, **options: Any) -> Study | Search:
-        """Return the study of some options; the others have their defaults.
-
-        Raises:
-            ModelError: an option is unknown, or the function does not return a Study, or fails; says in which line.
-        """
-        values = all_options(self.path, self.function, options)
-        made = guarded(self.path, lambda: self.function(**values))
-        if not isinstance(made, Study | Search):
-            raise ModelError(
-                f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}."
-            )
-        made.name = self.name if made.name == "study" else made.name
-        made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
-        return made
-
-
-def shipped_studies() -> dict[str, Path]:
-    """Return the studies that ship with the package, by name."""
-    return {path.stem: path for path in sorted((scenarios_folder() / "studies").glob("*.py"))}
-
-
-def load_study_file(name_or_path: str | Path) -> StudyFile:
-    """Return the study file at a path, or the shipped one of that name.
-
-    Raises:
-        ModelError: there is no such study, or the file has no function `study` with keyword options only.
-    """
-    path = file_called(name_or_path, shipped_studies(), kind="study")
-    return StudyFile(name=path.stem, path=path.resolve(), function=load_function(path, "study"))
