@@ -11,9 +11,8 @@ from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.sources import is_run, stored_scenario
-from wirerope_mj.studies.inputs.available import available_lines
 from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.vary_option import EXAMPLE, signatures
+from wirerope_mj.studies.inputs.vary_option import EXAMPLE, available_lines, signatures
 from wirerope_mj.studies.measures import payload_points
 from wirerope_mj.studies.study import Study
 
