@@ -21,13 +21,17 @@ from wirerope_mj.studies.inputs.distributions import (
 from wirerope_mj.studies.inputs.sampling import LISTED, SAMPLING
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
-from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
-from wirerope_mj.studies.results.statistics import (
+from wirerope_mj.studies.results.measure import (
+    ALL,
     CONFIDENCE,
+    STRUCK,
     exceedance_of,
     finite,
+    known_measures,
+    measure_of,
     quantiles,
     struck_variants,
+    values_of,
     worst,
 )
 
