@@ -10,7 +10,7 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
-from wirerope_mj.mounts.laws.table_cubics import level_cubics, monotone, packed
+from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
 
 STOP = 13
 
