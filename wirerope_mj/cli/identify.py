@@ -33,13 +33,11 @@ from wirerope_mj.runs.page import REPORT, write_page
 from wirerope_mj.views.report import check_pdf, report_html
 from wirerope_mj.views.terminal import console, print_headline, show
 
-NOT_CONVERGED = 1
-"""Exit code of a fit that did not converge."""
-
+NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 _PDF = "report.pdf"
 _OLD_REPORT = "report.md"  # of older versions, which may be replaced
+# Files of a report, and those of older versions: of another fit they would be wrong.
 _OURS = (REPORT, _PDF, _OLD_REPORT, "loops.png", "residuals.png", "measures.png")
-"""Files of a report, and those of older versions: of another fit they would be wrong."""
 _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identification of four amplitudes can fix
 
 

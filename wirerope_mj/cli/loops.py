@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator
     from wirerope_mj.mounts.laws import Law
 
+# Default amplitudes as fractions of the rated travel: enough to see where softening ends.
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
-"""Default amplitudes as fractions of the rated travel: enough to see where softening ends."""
 
 
 def loops(

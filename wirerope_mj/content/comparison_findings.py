@@ -23,9 +23,8 @@ from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
+# Inputs of each run, by the run's name: names of inputs and their values as text.
 Inputs = Mapping[str, Mapping[str, str]]
-"""Inputs of each run, by the run's name: names of inputs and their values as text."""
-
 _LATE = 10.0  # instant from which seconds are read more easily than milliseconds [s]
 
 

@@ -18,9 +18,7 @@ from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
 
-FREQUENCY = 5.0
-"""Of the tests of an isolator [Hz], table and picture alike; without effect on a rate-independent law."""
-
+FREQUENCY = 5.0  # Of the tests of an isolator [Hz], table and picture alike; without effect on a rate-independent law
 _FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel
 _UNRATED = 0.002  # [m], at which an axis without rated travel is measured: small for every mount
 _MOST_NAMES = 8  # in a legend: more would hide the loops

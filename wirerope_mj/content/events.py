@@ -14,9 +14,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 
-NEAR = 0.8
-"""Utilisation from which a limit is reported."""
-
+NEAR = 0.8  # Utilisation from which a limit is reported
 _UNITS = {"deflection": "mm", "force": "kN"}
 
 

@@ -17,12 +17,11 @@ from wirerope_mj.engine.statics import Sag, StaticTable
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 
+# What the two equilibria are.
 HISTORIES = {
     "virgin": "on the first loading, as after installation",
     "relaxed": "after long vibration (friction relaxed)",
 }
-"""What the two equilibria are."""
-
 _TONES = {"stable": "within", "slender": "near"}
 _BALANCED = 1e-4  # of the weight, below which nobody asks what carries the rest
 _MORE_THAN_ALL = 1.000001  # times what the lowest mounts carry, rounding included

@@ -31,9 +31,8 @@ from wirerope_mj.studies.results.measure import (
 )
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary
 
+# Inputs in one chart: those below explain next to nothing; inputs that are drawn with all their variants.
 MOST_BARS, MOST_SCATTERS = 12, 3
-"""Inputs in one chart: those below explain next to nothing; inputs that are drawn with all their variants."""
-
 _MOST_CHOICES = 60  # bars in one chart
 _NAME = 34  # letters of an input's name beside its bar
 _ROW = 19.0  # height of a bar with its gap

@@ -38,9 +38,7 @@ _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers
 _CHOICES = 8  # choices that are named
 _INPUTS = 2  # inputs that are said of the largest value
-
-SLIGHT = 0.01
-"""Total index below which a factor is only named."""
+SLIGHT = 0.01  # Total index below which a factor is only named
 
 
 def statements(result: StudyResult) -> list[str]:
