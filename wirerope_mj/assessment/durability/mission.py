@@ -14,7 +14,7 @@ from wirerope_mj.assessment.durability.mounts import Quantity
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.toml_file import toml_content
 
 # By how much damage may change with every other sample alone: that of all samples is known better than that.
 DAMAGE_ERROR = 0.01
@@ -77,13 +77,11 @@ def read_mission(path: str | Path) -> Mission:
     """
     file = Path(path)
     try:
-        content = tomllib.loads(regular(file).read_text(encoding="utf-8"))
+        return _mission(toml_content(file), file.parent)
     except OSError as error:
         raise RecordError(f"{file}: {why_unread(error)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise RecordError(f"{file}: this is not TOML: {error}") from None
-    try:
-        return _mission(content, file.parent)
     except ValueError as error:
         raise RecordError(f"{file}: {error}") from None
 
