@@ -164,7 +164,12 @@ def mount_rows(comparison: Comparison, quantity: str, axis: int | None) -> list[
 
 def travel_rows(comparison: Comparison) -> list[PeakRow]:
     """Return the largest utilisation of a rated travel of every mount, the largest first; NaN where none is rated."""
-    return [_travel_row(name, peaks) for name, peaks in _mounts_of_runs(comparison).items()]
+    rows = []
+    for label, peaks in _mounts_of_runs(comparison).items():
+        used = [None if peak is None else np.nan if peak.utilisation is None else peak.utilisation for peak in peaks]
+        notes = tuple("" if peak is None else peak.governing for peak in peaks)
+        rows.append(PeakRow(label=label, values=tuple(used), times=(np.nan,) * len(peaks), notes=notes))
+    return rows
 
 
 def combined_rows(comparison: Comparison) -> list[PeakRow]:
@@ -232,9 +237,3 @@ def _size(peak: Peak, axis: int | None) -> tuple[float, float]:
         return peak.value, peak.time
     low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
     return (high, float(peak.maximum_time[axis])) if high >= -low else (-low, float(peak.minimum_time[axis]))
-
-
-def _travel_row(label: str, peaks: Sequence[MountPeak | None]) -> PeakRow:
-    used = [None if peak is None else np.nan if peak.utilisation is None else peak.utilisation for peak in peaks]
-    notes = tuple("" if peak is None else peak.governing for peak in peaks)
-    return PeakRow(label=label, values=tuple(used), times=(np.nan,) * len(peaks), notes=notes)

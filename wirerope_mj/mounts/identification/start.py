@@ -162,7 +162,11 @@ def _with_bend(
     yields = np.geomspace(2.0 * SEEN * min(amplitudes), max(amplitudes), _YIELD)
     shapes = [[loop.shape(float(x_y), sigma, n) for loop in loops] for x_y in yields]
     springs = [c for c in unknowns.coordinates if c.name in _POWERS]
-    choices = [pick for pick in combinations(range(_YIELD), len(names)) if _apart(yields[list(pick)])]
+    choices = [
+        pick
+        for pick in combinations(range(_YIELD), len(names))
+        if all(yields[large] >= APART * yields[small] for small, large in pairwise(pick))
+    ]
     measured = np.concatenate([(loop.force - loop.force.mean()) / loop.weight for loop in loops])
     points = []
     for asymmetry in _asymmetries(unknowns, max(amplitudes)):
@@ -185,10 +189,6 @@ def _with_bend(
 
 
 _POWERS: Mapping[str, int] = {"k": 1, "k1": 1, "k2": 2, "k3": 3}
-
-
-def _apart(yields: Array) -> bool:
-    return bool((yields[1:] >= APART * yields[:-1]).all())
 
 
 def _asymmetries(unknowns: Unknowns, largest: float) -> list[float]:

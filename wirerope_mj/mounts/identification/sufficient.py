@@ -91,17 +91,14 @@ def unknowns_of(
             raise ValueError(
                 "`constraint` and `fixed` both say what sigma = beta / (beta + gamma) may be; give one of them."
             )
-        coordinates = [_constrained(c, constraint) if c.name == "sigma" else c for c in coordinates]
+        ends = {"beta>gamma": (0.5, math.inf), "beta<gamma": (0.0, 0.5)}.get(constraint, (0.0, math.inf))
+        coordinates = [
+            replace(c, lower=max(c.lower, ends[0]), upper=min(c.upper, ends[1])) if c.name == "sigma" else c
+            for c in coordinates
+        ]
         if constraint == "beta=gamma":
             fixed["sigma"] = 0.5
     return Unknowns(family=family, coordinates=coordinates, fixed=fixed)
-
-
-def _constrained(sigma: Coordinate, constraint: Constraint) -> Coordinate:
-    """Return the coordinate sigma = beta / (beta + gamma) within the thesis' constraint."""
-    if constraint == "beta>gamma":
-        return replace(sigma, lower=0.5)
-    return replace(sigma, upper=0.5) if constraint == "beta<gamma" else sigma
 
 
 PER_LOOP = 3  # Quantities that one loop fixes well: its secant stiffness, its area, and how its branches bend

@@ -201,7 +201,7 @@ def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], fre
         if square == 0.0:
             continue
         left, moved = _harmonics(residual[loop, np.newaxis]), _harmonics(basis[loop])
-        band = _bands(left.shape[0])
+        band = np.searchsorted(BANDS, np.arange(1, left.shape[0] + 1), side="right") - 1
         power += np.bincount(band, np.sum(np.abs(left) ** 2, axis=1) / square, len(BANDS))
         room += np.bincount(band, np.maximum(2.0 - np.sum(np.abs(moved) ** 2, axis=1), 0.0), len(BANDS))
     known = np.maximum(room, 4.0)
@@ -232,8 +232,3 @@ def _between_bands(spectrum: Array, count: int) -> Array:
     slope = (values[1] - values[0]) / (middles[1] - middles[0])
     below = values[0] + slope * (at - middles[0])
     return np.asarray(np.exp(np.where(at < middles[0], below, np.interp(at, middles, values))))
-
-
-def _bands(count: int) -> npt.NDArray[np.int64]:
-    """Return the band of each of the first harmonics, (count,)."""
-    return np.searchsorted(BANDS, np.arange(1, count + 1), side="right") - 1
