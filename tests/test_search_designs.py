@@ -14,7 +14,6 @@ from small_search import PLACES, beam_search, beam_study, beam_text
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.studies.engines.compute import Chunk, compute
-from wirerope_mj.studies.search import run as search_run
 from wirerope_mj.studies.search import search as search_search
 from wirerope_mj.studies.search.evolution import Evolution, feasible, front, nearest, violations
 
@@ -111,7 +110,7 @@ def test_another_seed_is_another_search(found, tmp_path):
 
 
 def test_a_search_that_was_stopped_again_and_again_ends_with_the_same_bytes(found, tmp_path, monkeypatch):
-    write, left = search_run.write_part, [0]
+    write, left = search_search.write_part, [0]
 
     def stopped(folder, part):
         if left[0] == 0:
@@ -119,7 +118,7 @@ def test_a_search_that_was_stopped_again_and_again_ends_with_the_same_bytes(foun
         left[0] -= 1
         write(folder, part)
 
-    monkeypatch.setattr(search_run, "write_part", stopped)
+    monkeypatch.setattr(search_search, "write_part", stopped)
     for parts in (1, 3, 9, 12):  # in the first generation, at its end, and later
         left[0] = parts
         with pytest.raises(KeyboardInterrupt):
@@ -136,13 +135,12 @@ def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
     code = (
         "import os, signal, sys\n"
         "from small_search import beam_search\n"
-        "from wirerope_mj.studies.search import run as search_run\n"
-        "write, count = search_run.write_part, [0]\n"
+        "write, count = search_search.write_part, [0]\n"
         "def deadly(folder, part):\n"
         "    write(folder, part)\n"
         "    count[0] += 1\n"
         "    if count[0] == 7: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "search_run.write_part = deadly\n"
+        "search_search.write_part = deadly\n"
         "beam_search().run(sys.argv[1], workers=1)\n"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([os.path.dirname(__file__), *sys.path])}

@@ -62,12 +62,7 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
 
 
 def write_frequency_response(
-    result: FrequencyResponse,
-    findings: list[LevelSummary],
-    content: Content,
-    folder: Path,
-    *,
-    force: bool = False,
+    result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path, *, force: bool = False
 ) -> None:
     """Write a frequency response as `folder`, atomically.
 
@@ -123,7 +118,7 @@ def _question(result: FrequencyResponse) -> dict[str, Any]:
             "start": start,
             "stop": stop,
             "range_from": options.range_from,
-        },
+        }
     }
     if options.method != "sweep":
         parts = ("periods", "largest_step", "smallest_step")

@@ -186,7 +186,9 @@ class Exploration:
         return ShownRun(
             number=next(self._numbers),
             values=values,
-            changes={slider.label: _text(slider, values) for slider in self.sliders if _changed(slider, values)},
+            changes={
+                slider.label: _text(slider, values) for slider in self.sliders if values[slider.key] != slider.nominal
+            },
             motion=motion.description,
             response=response,
             verdicts=judged.verdicts,
@@ -197,10 +199,6 @@ class Exploration:
             passing=passing,
             warnings=tuple(dict.fromkeys((*judged.model_warnings, *(str(warning.message) for warning in caught)))),
         )
-
-
-def _changed(slider: Slider, values: Mapping[str, float]) -> bool:
-    return values[slider.key] != slider.nominal
 
 
 def _text(slider: Slider, values: Mapping[str, float]) -> str:

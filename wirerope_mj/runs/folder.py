@@ -61,7 +61,8 @@ class Alterations:
     def text(self) -> str:
         """One sentence that names the files; "" if there are none."""
         kinds = (("altered", self.altered), ("missing", self.missing), ("added", self.added))
-        parts = [f"{kind} {_listed(names)}" for kind, names in kinds if names]
+        more = {kind: f" and {len(names) - _MOST} more" for kind, names in kinds if len(names) > _MOST}
+        parts = [f"{kind} {', '.join(names[:_MOST])}{more.get(kind, '')}" for kind, names in kinds if names]
         return f"Since the run was written: {'; '.join(parts)}." if parts else ""
 
 
@@ -141,8 +142,3 @@ def _read(path: Path) -> dict[str, str]:
 
 
 _REMEDY = "Take it from another copy of the folder, or remove it: then nothing is known of what was altered."
-
-
-def _listed(names: Sequence[str]) -> str:
-    more = f" and {len(names) - _MOST} more" if len(names) > _MOST else ""
-    return ", ".join(names[:_MOST]) + more

@@ -73,12 +73,7 @@ def write_content(content: Content, folder: Path) -> None:
 
 
 def write_study_report(
-    folder: str | Path,
-    *,
-    by: str | None = None,
-    out: str | Path | None = None,
-    pdf: bool = False,
-    force: bool = False,
+    folder: str | Path, *, by: str | None = None, out: str | Path | None = None, pdf: bool = False, force: bool = False
 ) -> list[Path]:
     """Write the report of a study and return the files, the page first.
 

@@ -187,7 +187,11 @@ def _scenario_text(
         "name": scenario.name,
         "question": scenario.question.strip(),
         "written": datetime.now(UTC).replace(microsecond=0),
-        "options": {name: _plain(value) for name, value in scenario.options.items() if value is not None},
+        "options": {
+            name: value if isinstance(value, bool | int | float | str) else str(value)
+            for name, value in scenario.options.items()
+            if value is not None
+        },
         "model": model,
         "simulate": resolved,
         "motion": {"description": scenario.motion.description}
@@ -236,7 +240,3 @@ def _scenario_markdown(scenario: Scenario) -> str:
     parts = [markdown_lines(scenario.question.strip()), f"**Base motion:** {markdown(scenario.motion.description)}"]
     parts += [f"**Options:** {markdown(options)}"] if options else []
     return "\n\n".join(parts)
-
-
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, bool | int | float | str) else str(value)

@@ -44,9 +44,7 @@ class Comparison:
 
 
 def compare_runs(
-    responses: Mapping[str, Response],
-    align: Align = "start",
-    verdicts: Mapping[str, Sequence[Verdict]] | None = None,
+    responses: Mapping[str, Response], align: Align = "start", verdicts: Mapping[str, Sequence[Verdict]] | None = None
 ) -> Comparison:
     """Compare responses by name with the first of them.
 

@@ -38,10 +38,7 @@ def acceleration_verdicts(
     bodies, points = payload_bodies(response), list(response.points)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
     verdicts: list[Verdict] = []
-    for kind, names, peaks in (
-        ("bodies", bodies, response.peaks.bodies),
-        ("points", points, response.peaks.points),
-    ):
+    for kind, names, peaks in (("bodies", bodies, response.peaks.bodies), ("points", points, response.peaks.points)):
         for name in names:
             if cutoff is None:
                 verdicts += _judge(name, peaks[name].acceleration, stated.get(name), "")

@@ -75,13 +75,7 @@ class LoopEstimate:
 
 
 def estimate_loop(
-    *,
-    height: float,
-    width: float,
-    rope: float,
-    loops: int,
-    bar: float | None = None,
-    bar_length: float | None = None,
+    *, height: float, width: float, rope: float, loops: int, bar: float | None = None, bar_length: float | None = None
 ) -> LoopEstimate:
     """Return the estimated values of an isolator of full rope loops between two bars.
 

@@ -171,9 +171,7 @@ def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
     """Return the sizes of the measured loops."""
     amplitudes = [loop.amplitude for loop in loops]
     return Scales(
-        deflection=max(amplitudes),
-        least=min(amplitudes),
-        force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops),
+        deflection=max(amplitudes), least=min(amplitudes), force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
     )
 
 

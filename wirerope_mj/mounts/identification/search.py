@@ -70,10 +70,7 @@ class Unknowns:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the numbers."""
-        return (
-            np.array([c.inside(c.lower) for c in self.free]),
-            np.array([c.inside(c.upper) for c in self.free]),
-        )
+        return (np.array([c.inside(c.lower) for c in self.free]), np.array([c.inside(c.upper) for c in self.free]))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,14 +20,7 @@ Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
 
 
 def require_options(
-    method: Any,
-    data: Any,
-    constraint: Any,
-    noise: Any,
-    grid: bool,
-    start: Any,
-    fixed: Any,
-    extra_residuals: Any,
+    method: Any, data: Any, constraint: Any, noise: Any, grid: bool, start: Any, fixed: Any, extra_residuals: Any
 ) -> None:
     """Raise ValueError unless the options of `identify` are known and go together."""
     one_of("method", method, get_args(Method))

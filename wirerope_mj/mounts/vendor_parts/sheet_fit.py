@@ -75,8 +75,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     )  # fmt: skip
     rule = RULES[sheet.scales]
     along = ElasticShape(
-        asymmetry=rule.asymmetry * curves.asymmetry,
-        cubic=rule.asymmetry * curves.axial_cubic * compression.hardening,
+        asymmetry=rule.asymmetry * curves.asymmetry, cubic=rule.asymmetry * curves.axial_cubic * compression.hardening
     )
     axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
