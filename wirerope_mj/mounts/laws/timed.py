@@ -1,7 +1,7 @@
 """The loop that a law draws along a path of deflections, in time where it depends on the rate.
 
 Where the state has a closed form, or there is none, what is left is the work, a Gauss-Legendre sum on intervals that end at
-reversals. A smoothed law, and any other with one state, is integrated.
+reversals. A smoothed law, and any other with one state, is integrated by Dormand and Prince's adaptive pair 5(4).
 """
 
 import numpy as np

@@ -1,6 +1,6 @@
 """An isolator from a vendor's data sheet, or from one row of a vendor's table.
 
-The entries of a sheet are described in `sheet_file`, those of a sheet of curves in `curve_sheet`; sheets of the
+The entries of a sheet are described in `sheet`, those of a sheet of curves in `curve_fit`; sheets of the
 catalogue lie in `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic force comes from
 the rope loop's geometry, its size and the friction from the vendor's values.
 """
