@@ -15,7 +15,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs.sampling import LISTED, SAMPLING
+from wirerope_mj.studies.inputs.sampling import LISTED
+from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect
 from wirerope_mj.studies.results.indices import SobolIndices
 from wirerope_mj.studies.results.measure import (

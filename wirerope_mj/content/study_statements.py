@@ -12,7 +12,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.studies.ended import ended_early, why_early
-from wirerope_mj.studies.inputs.sampling import SAMPLING
+from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions

@@ -20,7 +20,7 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
-from wirerope_mj.studies.inputs import sampling as sobol
+from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.inputs_file import STUDY, todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response

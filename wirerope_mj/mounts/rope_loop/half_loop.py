@@ -1,4 +1,4 @@
-"""A half loop of rope between clamped ends: finite elements for its direction (cubic, four points of Gauss each), and its equilibria."""
+"""A half loop of rope between clamped ends: cubic finite elements with four points of Gauss each, and its equilibria."""
 
 import math
 from dataclasses import dataclass

@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.inputs.sampling import FEWEST, SAMPLING, factors
+from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, measures_of, unknown_measure, values_of
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.inputs.sampling import SAMPLING, factors
+from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import Effect, directions_text, effects, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices

@@ -11,7 +11,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.column import Quantity, nominal_text
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
-from wirerope_mj.studies.inputs.sampling import LISTED, SAMPLING
+from wirerope_mj.studies.inputs.sampling import LISTED
+from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
 from wirerope_mj.studies.results.measure import (
