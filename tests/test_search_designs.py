@@ -135,6 +135,7 @@ def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
     code = (
         "import os, signal, sys\n"
         "from small_search import beam_search\n"
+        "from wirerope_mj.studies.search import search as search_search\n"
         "write, count = search_search.write_part, [0]\n"
         "def deadly(folder, part):\n"
         "    write(folder, part)\n"
