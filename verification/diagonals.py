@@ -13,7 +13,7 @@ from verification.case import Case, Comparison, single_values
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.laws import LoopBoucWen
 from wirerope_mj.mounts.vendor_parts import vendor_parts
-from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_part
 
 SOCITEC = {
     "socitec_cb1390_20": ((2110.0, 0.0096), (5470.0, 0.055)),

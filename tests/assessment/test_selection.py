@@ -13,8 +13,8 @@ from wirerope_mj.assessment.selection.worksheet import Worksheet
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.vendor_parts import vendor_parts
-from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, read_table
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_part
 
 PARTS = {part.name: part for part in vendor_parts()}
 G = 9.81  # the vendors' sheets: the standard gravity gives 490.3 N and 1.715 m/s, not their 490.5 N and 1.716 m/s

@@ -8,8 +8,8 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.tested import falling_line
 from wirerope_mj.content.modes import below_tests
 from wirerope_mj.foundation.errors import SimulationError
-from wirerope_mj.mounts.identification.isolator_file import identified_isolator
-from wirerope_mj.mounts.isolator.falling import falling_from, falling_text
+from wirerope_mj.mounts.identification.records import identified_isolator
+from wirerope_mj.mounts.isolator.travel import falling_from, falling_text
 
 SOFT = wr.SymmetricBoucWen.from_normalised(z_max=100.0, x_y=1e-4, sigma=0.7, n=1.0, k1=6e4, k2=0.0, k3=-1e8)
 TOP = np.sqrt(6e4 / 3e8)  # where k1 + 3 k3 x^2 is zero; by then the hysteretic force has long saturated

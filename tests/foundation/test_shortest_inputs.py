@@ -17,8 +17,8 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.motions import DecayingSine, Sine
 from wirerope_mj.motions.spoken import motion_from_phrase
 from wirerope_mj.mounts.estimate import estimate_loop
-from wirerope_mj.runs.judging import read_judge_table
 from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.scenario_file import read_judge_table
 from wirerope_mj.runs.sliders import checked_values, sliders_of
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.studies.inputs.vary_option import read_vary

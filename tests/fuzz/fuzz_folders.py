@@ -18,7 +18,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge, summary
 from wirerope_mj.cli.compare import compare
 from wirerope_mj.runs import replay, run_scenario
-from wirerope_mj.runs.checksums import CHECKSUMS, write_checksums
+from wirerope_mj.runs.folder import CHECKSUMS, write_checksums
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.sources import run_inputs
 

@@ -7,7 +7,7 @@ from words import ignored, muddled
 
 import wirerope_mj as wr
 from wirerope_mj.foundation.payload_limits import limit_from_text
-from wirerope_mj.runs.judging import judge_table, judged_by, read_judge_table
+from wirerope_mj.runs.scenario_file import judge_table, judged_by, read_judge_table
 
 _TABLE = wr.load_system("shock_table")
 EXAMPLES = (

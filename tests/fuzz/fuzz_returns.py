@@ -6,8 +6,8 @@ from hostile import pick
 
 import wirerope_mj as wr
 from wirerope_mj.engine.system.varied import with_changes
-from wirerope_mj.runs.judging import judged_by
 from wirerope_mj.runs.scenario import load_scenario
+from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.write import checked_arguments
 
 VALUES = (

@@ -18,11 +18,9 @@ from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.comparison import compare
-from wirerope_mj.mounts.vendor_parts.fit_rule import ElasticShape
 from wirerope_mj.mounts.vendor_parts.law_values import Secant, relaxed_force, secant
-from wirerope_mj.mounts.vendor_parts.secants import fit_damped, fit_secants
-from wirerope_mj.mounts.vendor_parts.sheet import two_stiffnesses
-from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.secants import ElasticShape, fit_damped, fit_secants
+from wirerope_mj.mounts.vendor_parts.sheet import read_datasheet, two_stiffnesses
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
 
 FILES = {path.stem: path for path in sorted(catalogue_folder().glob("*.toml"))}

@@ -10,7 +10,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles, measured, steady_loops
-from wirerope_mj.mounts.test_rig.clipping import is_level
+from wirerope_mj.mounts.test_rig.passive import is_level
 from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 
 pytestmark = pytest.mark.quick

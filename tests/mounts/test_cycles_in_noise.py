@@ -8,7 +8,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles, measured, steady_loops
-from wirerope_mj.mounts.test_rig.noise import force_noise
+from wirerope_mj.mounts.test_rig.passive import force_noise
 
 LAW = wr.load_isolator(catalogue_folder() / "enidine_wr16_400.toml").axial
 POINTS = 200

@@ -6,10 +6,9 @@ import scipy
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.identification.coordinates import Scales
-from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
-from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
+from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
 from wirerope_mj.mounts.test_rig import cyclic_test, measured, steady_loops
 
 VALUES = {"z_max": 500.0, "x_y": 1.5e-3, "sigma": 0.6, "n": 1.3, "k": 6e4}

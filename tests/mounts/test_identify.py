@@ -8,7 +8,7 @@ from wirerope_mj.mounts.identification.coordinates import Scales
 from wirerope_mj.mounts.identification.families import FAMILIES
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.residuals import area_residual
-from wirerope_mj.mounts.identification.validity import validity_of
+from wirerope_mj.mounts.identification.result import validity_of
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRAVEL = 0.01

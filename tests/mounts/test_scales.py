@@ -8,8 +8,7 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.identification.left_out import error_of
-from wirerope_mj.mounts.identification.measured import prepare, scales_of
-from wirerope_mj.mounts.identification.scale_loops import ScaleLoop
+from wirerope_mj.mounts.identification.measured import ScaleLoop, prepare, scales_of
 from wirerope_mj.mounts.identification.scales import APART, LEAST_EXPONENT, SCALES, scales_family
 
 AMPLITUDES = (0.5e-3, 1e-3, 2e-3, 4e-3, 8e-3, 15e-3)

@@ -22,8 +22,8 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws.smoothed import smoothable
 from wirerope_mj.runs.repeat import replay
-from wirerope_mj.studies.inputs.available import available_lines
 from wirerope_mj.studies.inputs.failure import acts, without_force
+from wirerope_mj.studies.inputs.vary_option import available_lines
 from wirerope_mj.studies.measures import measures
 
 G = wr.STANDARD_GRAVITY

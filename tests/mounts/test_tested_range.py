@@ -12,7 +12,7 @@ from house import sdof_text
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.tested import untested_line
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.mounts.identification.isolator_file import identified_isolator
+from wirerope_mj.mounts.identification.records import identified_isolator
 from wirerope_mj.mounts.identification.result import OF_ACCELERATION, OF_DEFLECTION
 from wirerope_mj.mounts.isolator import MeasuredRange, Validity
 

@@ -19,11 +19,9 @@ from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.vendor_parts import vendor_parts
 from wirerope_mj.mounts.vendor_parts.comparison import compare
-from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, first_state
 from wirerope_mj.mounts.vendor_parts.law_values import damping_ratio, virgin_force
-from wirerope_mj.mounts.vendor_parts.part_fit import fit_part
-from wirerope_mj.mounts.vendor_parts.secants import VIBRATION_AMPLITUDE
-from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet
+from wirerope_mj.mounts.vendor_parts.secants import RULES, VIBRATION_AMPLITUDE, ElasticShape, first_state
+from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet, fit_part
 
 SHEETS = {path.stem: path for path in sorted((catalogue_folder() / "datasheets").glob("*.toml"))}
 ENIDINE = [name for name in SHEETS if name.startswith("enidine")]

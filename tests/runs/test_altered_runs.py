@@ -17,7 +17,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli.app import main
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.runs import replay, run_scenario
-from wirerope_mj.runs.checksums import CHECKSUMS, alterations
+from wirerope_mj.runs.folder import CHECKSUMS, alterations
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import Scenario
 

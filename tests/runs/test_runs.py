@@ -12,7 +12,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import catalogue_folder, models_folder
 from wirerope_mj.runs import replay, run_scenario
 from wirerope_mj.runs import write as write_module
-from wirerope_mj.runs.checksums import digest_of
+from wirerope_mj.runs.folder import digest_of
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import scenario_content
 

@@ -10,8 +10,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.runs.report import share_run
 from wirerope_mj.runs.scenario import load_scenario
-from wirerope_mj.runs.share import share_run
 
 
 @pytest.fixture(scope="module")

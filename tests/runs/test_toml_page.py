@@ -11,8 +11,8 @@ from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import AXES, tables
 from wirerope_mj.mounts.isolator.parts import Travel
 from wirerope_mj.mounts.laws import LAWS
-from wirerope_mj.mounts.vendor_parts import sheet_file
-from wirerope_mj.runs import judging, scenario_file
+from wirerope_mj.mounts.vendor_parts import sheet as sheet_file
+from wirerope_mj.runs import scenario_file
 
 PAGE = (Path(__file__).parents[2] / "docs" / "toml_files.md").read_text(encoding="utf-8")
 NAMED = set(re.findall(r"`\[*([\w-]+)\]*`", PAGE))
@@ -50,4 +50,4 @@ def test_every_key_of_levels_and_of_a_run_is_there():
     keys |= {key for table, known in scenario_file._TABLES.items() for key in (table, *known)}
     keys |= {*scenario_file._NEEDED, "format", "name", "question", "judge"}
     assert keys <= NAMED
-    assert judging.read_judge_table({}).keys() <= NAMED
+    assert scenario_file.read_judge_table({}).keys() <= NAMED

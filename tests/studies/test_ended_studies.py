@@ -12,7 +12,7 @@ from table_study import G, table_study
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
 from wirerope_mj.assessment.criteria.ended import too_short
-from wirerope_mj.assessment.criteria.sentences import contact_lines
+from wirerope_mj.assessment.criteria.summary import contact_lines
 from wirerope_mj.cli import main
 from wirerope_mj.content.study_statements import limit_statement, statements
 from wirerope_mj.mounts.isolator import Limits, Travel

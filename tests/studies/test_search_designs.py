@@ -15,10 +15,8 @@ from small_search import PLACES, beam_search, beam_study, beam_text
 import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.studies.engines.compute import Chunk, compute
-from wirerope_mj.studies.search import run as search_run
 from wirerope_mj.studies.search import search as search_search
-from wirerope_mj.studies.search.evolution import Evolution
-from wirerope_mj.studies.search.front import feasible, front, nearest, violations
+from wirerope_mj.studies.search.evolution import Evolution, feasible, front, nearest, violations
 
 FITTED = [f"mount/{name}/fitted" for name in PLACES]
 
@@ -113,7 +111,7 @@ def test_another_seed_is_another_search(found, tmp_path):
 
 
 def test_a_search_that_was_stopped_again_and_again_ends_with_the_same_bytes(found, tmp_path, monkeypatch):
-    write, left = search_run.write_part, [0]
+    write, left = search_search.write_part, [0]
 
     def stopped(folder, part):
         if left[0] == 0:
@@ -121,7 +119,7 @@ def test_a_search_that_was_stopped_again_and_again_ends_with_the_same_bytes(foun
         left[0] -= 1
         write(folder, part)
 
-    monkeypatch.setattr(search_run, "write_part", stopped)
+    monkeypatch.setattr(search_search, "write_part", stopped)
     for parts in (1, 3, 9, 12):  # in the first generation, at its end, and later
         left[0] = parts
         with pytest.raises(KeyboardInterrupt):
@@ -138,13 +136,13 @@ def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
     code = (
         "import os, signal, sys\n"
         "from small_search import beam_search\n"
-        "from wirerope_mj.studies.search import run as search_run\n"
-        "write, count = search_run.write_part, [0]\n"
+        "from wirerope_mj.studies.search import search as search_search\n"
+        "write, count = search_search.write_part, [0]\n"
         "def deadly(folder, part):\n"
         "    write(folder, part)\n"
         "    count[0] += 1\n"
         "    if count[0] == 7: os.kill(os.getpid(), signal.SIGKILL)\n"
-        "search_run.write_part = deadly\n"
+        "search_search.write_part = deadly\n"
         "beam_search().run(sys.argv[1], workers=1)\n"
     )
     environment = {**os.environ, "PYTHONPATH": os.pathsep.join([str(Path(__file__).parents[1]), *sys.path])}

@@ -3,7 +3,7 @@ import pyarrow as pa
 import pytest
 
 from wirerope_mj.content.study_charts import directions_chart
-from wirerope_mj.studies.results.directions import (
+from wirerope_mj.studies.results.effects import (
     AZIMUTH,
     ELEVATION,
     directions_text,

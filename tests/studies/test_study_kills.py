@@ -20,7 +20,7 @@ from wirerope_mj.cli.study import compute_and_print
 from wirerope_mj.studies import folder as study_folder
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute, died
-from wirerope_mj.studies.results.summary_file import summary
+from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.run import chunks
 
 

@@ -11,8 +11,8 @@ from kills import interruptible
 from made_up_floor import floor_response
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
-from wirerope_mj.assessment.criteria.over_time import used_limits
-from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.assessment.criteria.ended import used_limits
+from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.content.events import events_of, first_above, main_instants
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.now import at_cursor

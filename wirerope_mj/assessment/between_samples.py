@@ -10,15 +10,14 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+# Error of a cubic over one interval, over the misfit of that over two: with a second derivative that jumps.
 _OF_MISFIT = 0.25
-"""Error of a cubic over one interval, over the misfit of that over two: with a second derivative that jumps."""
 
 
+# Samples to a period of the mean frequency, rms of the rates over 2 pi that of the values, below which cubics tell nothing.
 _LEAST = 4.0
-"""Samples to a period of the mean frequency, rms of the rates over 2 pi that of the values, below which cubics tell nothing."""
-
+# Error, as a fraction of the range, above which a cubic's extreme says nothing, and the samples alone count.
 _TRUSTED = 0.01
-"""Error, as a fraction of the range, above which a cubic's extreme says nothing, and the samples alone count."""
 
 
 def sample_rate(time: Array) -> float:

@@ -27,6 +27,7 @@ from wirerope_mj.foundation.errors import (
 )
 from wirerope_mj.foundation.plain_text import plain_lines
 
+# Where each command stands in this folder, imported when it is asked for; and the first line of its help.
 COMMANDS = {
     "new": (
         "new:new",
@@ -119,7 +120,6 @@ COMMANDS = {
         "Compile all kernels for this computer, so that no later command waits for one.",
     ),
 }
-"""Where each command stands in this folder, imported when it is asked for; and the first line of its help."""
 
 atexit.register(gc.freeze)
 """A process that ends need not look through 300,000 objects for circles three times: that takes 0.6 s after a run."""

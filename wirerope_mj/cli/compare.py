@@ -36,7 +36,7 @@ def compare(
     """
     from wirerope_mj.content.comparison import comparison_content
     from wirerope_mj.engine.response import load_response
-    from wirerope_mj.runs.checksums import warn_of_alterations
+    from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.sources import run_inputs, run_verdicts
     from wirerope_mj.views.recording.drawn_runs import several_runs
     from wirerope_mj.views.recording.record import record_runs

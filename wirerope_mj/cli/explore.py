@@ -47,7 +47,7 @@ def explore(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=T
 
 
 def _explore(name: str, tokens: Sequence[str]) -> None:
-    from wirerope_mj.runs.model_shock import scenario_or_model
+    from wirerope_mj.runs.explore import scenario_or_model
 
     file = scenario_or_model(name)
     numerics = [option for option in NUMERICS if option.name not in file.defaults]

@@ -17,7 +17,7 @@ def share(folder: Path, out: Path, *, force: Annotated[bool, Parameter(negative=
         force: replace a shared folder that is there.
     """
     from wirerope_mj.foundation.plain_text import plain
-    from wirerope_mj.runs.share import share_run
+    from wirerope_mj.runs.report import share_run
 
     files = share_run(folder, out, force=force)
     size = sum(path.stat().st_size for path in files) / 1e6

@@ -17,15 +17,12 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.runs.analyses import KIND, MARKS, write_frequency_response
 from wirerope_mj.runs.folder import check_target
-from wirerope_mj.runs.frequency_response import KIND, MARKS, write_frequency_response
 from wirerope_mj.views.terminal import console, print_headline, print_lines, print_warnings, show
 
-NOT_COMPLETE = 1
-"""Exit code of a response with a branch that ended before the end of the range."""
-
-DEFAULT = 1.0
-"""Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes."""
+NOT_COMPLETE = 1  # Exit code of a response with a branch that ended before the end of the range
+DEFAULT = 1.0  # Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes
 
 
 def frf(

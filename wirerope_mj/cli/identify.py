@@ -16,8 +16,14 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.identification.isolator_file import assumptions, falling_in_rating, identified_isolator
-from wirerope_mj.mounts.identification.records import contents, loop_warnings, read_tests
+from wirerope_mj.mounts.identification.records import (
+    assumptions,
+    contents,
+    falling_in_rating,
+    identified_isolator,
+    loop_warnings,
+    read_tests,
+)
 from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
@@ -27,13 +33,11 @@ from wirerope_mj.runs.page import REPORT, write_page
 from wirerope_mj.views.report import check_pdf, report_html
 from wirerope_mj.views.terminal import console, print_headline, show
 
-NOT_CONVERGED = 1
-"""Exit code of a fit that did not converge."""
-
+NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 _PDF = "report.pdf"
 _OLD_REPORT = "report.md"  # of older versions, which may be replaced
+# Files of a report, and those of older versions: of another fit they would be wrong.
 _OURS = (REPORT, _PDF, _OLD_REPORT, "loops.png", "residuals.png", "measures.png")
-"""Files of a report, and those of older versions: of another fit they would be wrong."""
 _ELEMENTS = 5  # of a Masing law: with eleven parameters within what an identification of four amplitudes can fix
 
 

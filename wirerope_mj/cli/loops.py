@@ -13,8 +13,8 @@ if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator
     from wirerope_mj.mounts.laws import Law
 
+# Default amplitudes as fractions of the rated travel: enough to see where softening ends.
 _FRACTIONS = (0.05, 0.1, 0.25, 0.5, 1.0)
-"""Default amplitudes as fractions of the rated travel: enough to see where softening ends."""
 
 
 def loops(
@@ -47,7 +47,7 @@ def loops(
     from wirerope_mj.content.blocks import Chart
     from wirerope_mj.content.cyclic_tests import CyclicTests, loops_content
     from wirerope_mj.foundation.arguments import positive
-    from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of
+    from wirerope_mj.mounts.isolator.device import amplitudes_of
     from wirerope_mj.mounts.test_rig import cyclic_test, save_cyclic_test
     from wirerope_mj.views.plots.png_chart import save_charts
     from wirerope_mj.views.terminal import show
@@ -115,7 +115,7 @@ def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
 
 def _chosen(device: "Isolator", axis: str | None) -> "dict[str, tuple[str, Law]]":
     """Return axis and law by title of what is tested."""
-    from wirerope_mj.mounts.isolator.amplitudes import distinct_axes
+    from wirerope_mj.mounts.isolator.device import distinct_axes
 
     if axis is None:
         return {title: (one, law) for title, one, law in distinct_axes(device)}

@@ -42,8 +42,8 @@ def modes(
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.foundation.errors import RecordError
+    from wirerope_mj.runs.analyses import MODES_KIND, MODES_MARKS, write_modes
     from wirerope_mj.runs.folder import check_target
-    from wirerope_mj.runs.modes import KIND, MARKS, write_modes
     from wirerope_mj.views.terminal import console, print_warnings, show
 
     sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
@@ -55,7 +55,7 @@ def modes(
     if alone:
         check_writable(target)
     else:
-        check_target(target, force=force, kind=KIND, marks=MARKS)
+        check_target(target, force=force, kind=MODES_KIND, marks=MODES_MARKS)
     print_warnings(model_warnings(system))
     small = modes_of(system, history=history)
     large = [modes_of(system, history=history, amplitude=size) for size in sizes]

@@ -7,9 +7,8 @@ from typing import Annotated, Any, get_args, get_origin, get_type_hints
 from cyclopts import App, Parameter, Token
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
+# Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers.
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
-"""Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers."""
-
 _NUMBERS = {int: "an integer", float: "a number without a unit, with a decimal point"}
 
 
@@ -26,11 +25,9 @@ def integers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
     return numbers if several else numbers[0]
 
 
-Integer = Annotated[int, Parameter(converter=integers)]
-"""Option that accepts an integer."""
-
+Integer = Annotated[int, Parameter(converter=integers)]  # Option that accepts an integer
+# Option that accepts one integer or several.
 Integers = Annotated[list[int], Parameter(consume_multiple=True, negative=(), converter=integers)]
-"""Option that accepts one integer or several."""
 
 
 def own_option(name: str, kind: Any, default: Any, help_text: str, **parameter_options: Any) -> inspect.Parameter:
@@ -101,7 +98,6 @@ def run_with_options(
 
 ACCURACY = "error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default"
 TIMESTEP = "largest step [s], in place of one that is chosen; no error is estimated then"
-
 NUMERICS = (
     own_option("accuracy", float | None, None, ACCURACY),
     own_option("timestep", float | None, None, TIMESTEP),

@@ -10,9 +10,7 @@ from wirerope_mj.cli.options import Integer, Integers
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
-NOTHING_FOUND = 1
-"""Exit code if no part meets the worksheet."""
-
+NOTHING_FOUND = 1  # Exit code if no part meets the worksheet
 Mode = Literal["compression", "45", "shear", "roll"]
 
 

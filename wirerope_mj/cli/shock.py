@@ -17,10 +17,8 @@ if TYPE_CHECKING:
     from wirerope_mj.motions.records.record import Record
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
-
+# Periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left.
 RING_DOWN = 10.0
-"""Periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left."""
-
 Phrases = Annotated[list[str] | None, Parameter(negative=())]
 
 

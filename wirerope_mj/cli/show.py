@@ -13,7 +13,7 @@ def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) 
         folder: folder of a run, or of a study whose worst variants --open-worst wrote, or a .rrd file.
         web: show it in a browser of this machine instead of a window.
     """
-    from wirerope_mj.runs.checksums import warn_of_alterations
+    from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.views.recording import show as show_recording
 
     warn_of_alterations(folder)

@@ -4,8 +4,7 @@ from pathlib import Path
 
 from wirerope_mj.foundation.plain_text import plain
 
-MISSING = 1
-"""Exit code if there is no virgin or no relaxed position; what there is has been printed."""
+MISSING = 1  # Exit code if there is no virgin or no relaxed position; what there is has been printed
 
 
 def statics(model: str, *, json: Path | None = None) -> int:

@@ -35,6 +35,7 @@ from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
 from wirerope_mj.views.terminal import console, print_block, print_headline, print_warnings, show
 
+# Options of the computation of a study.
 _RUN = (
     own_option(
         "engine", Literal["local", "dask"], "local", "local: processes of this machine; dask: the workers of a cluster"
@@ -62,8 +63,7 @@ _RUN = (
         "open_worst", int, 0, "0 to 6: write the worst variants as runs, lay two or more over each other, and open them"
     ),
 )
-"""Options of the computation of a study."""
-
+# Options of a study that a scenario does not have.
 _VARY = (
     own_option(
         "vary", list[str] | None, None, f'"{EXAMPLE}", once for each quantity; without it all that can vary is listed',
@@ -75,14 +75,10 @@ _VARY = (
     own_option("timestep", float | None, None, "largest step [s], instead of the scenario's"),
     own_option("accuracy", float | None, None, "error of the peaks for which the step is chosen, instead of the scenario's"),
 )  # fmt: skip
-"""Options of a study that a scenario does not have."""
-
-_OTHER_NAME = "study_{}"
-"""Name of such an option if the scenario has one of its name."""
+_OTHER_NAME = "study_{}"  # Name of such an option if the scenario has one of its name
 
 
 _LIST = own_option("list", bool, False, "print the studies that ship with the package, and nothing else", negative=())
-
 study_app = App(
     name="study",
     usage="Usage: wirerope study STUDY-OR-SCENARIO [OPTIONS]",

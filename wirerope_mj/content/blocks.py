@@ -10,8 +10,8 @@ from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import TONES, Table
 
+# How far down something stands: on every screen, on the screen of the result, or on its pages only.
 Depth = Literal["headline", "summary", "full"]
-"""How far down something stands: on every screen, on the screen of the result, or on its pages only."""
 
 
 @dataclass(frozen=True, kw_only=True)

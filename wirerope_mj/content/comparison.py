@@ -33,14 +33,10 @@ from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.mounts.isolator import AXES
 
-_MOST_MOUNTS = 8
-"""Mounts that are shown at once: those that use most of their rated travel in any run."""
-
-_WIDEST = 24
-"""Characters of an input that still fit into a column beside others."""
-
+_MOST_MOUNTS = 8  # Mounts that are shown at once: those that use most of their rated travel in any run
+_WIDEST = 24  # Characters of an input that still fit into a column beside others
+# The two rulers of a mount's travel: each axis against its rating, and all axes at once (in-house rule).
 SINGLE, TOGETHER = "Travel along single axes", "Combined travel"
-"""The two rulers of a mount's travel: each axis against its rating, and all axes at once (in-house rule)."""
 
 
 def comparison_content(comparison: Comparison, inputs: Inputs) -> Content:

@@ -17,15 +17,14 @@ from wirerope_mj.assessment.comparison import (
 from wirerope_mj.assessment.comparison.compared import Subject
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED
 from wirerope_mj.assessment.criteria.criterion import TRAVEL
-from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
+# Inputs of each run, by the run's name: names of inputs and their values as text.
 Inputs = Mapping[str, Mapping[str, str]]
-"""Inputs of each run, by the run's name: names of inputs and their values as text."""
-
 _LATE = 10.0  # instant from which seconds are read more easily than milliseconds [s]
 
 

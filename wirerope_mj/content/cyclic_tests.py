@@ -13,14 +13,12 @@ from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.choice import LawComparison
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.amplitudes import amplitudes_of, distinct_axes, largest_amplitude
+from wirerope_mj.mounts.isolator.device import amplitudes_of, distinct_axes, largest_amplitude
 from wirerope_mj.mounts.laws import EnhancedDryFriction, Hysteresis, Law, Loop
 from wirerope_mj.mounts.laws.stop import largest_gap
 from wirerope_mj.mounts.test_rig import cyclic_test, hardening_overlap, softening_to_hardening
 
-FREQUENCY = 5.0
-"""Of the tests of an isolator [Hz], table and picture alike; without effect on a rate-independent law."""
-
+FREQUENCY = 5.0  # Of the tests of an isolator [Hz], table and picture alike; without effect on a rate-independent law
 _FRACTIONS = (0.25, 0.5, 1.0)  # of the rated travel
 _UNRATED = 0.002  # [m], at which an axis without rated travel is measured: small for every mount
 _MOST_NAMES = 8  # in a legend: more would hide the loops

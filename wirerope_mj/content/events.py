@@ -6,17 +6,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, closing_text
-from wirerope_mj.assessment.criteria.over_time import utilisation_over_time
-from wirerope_mj.assessment.criteria.sentences import against_limit
+from wirerope_mj.assessment.criteria.ended import utilisation_over_time
+from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.content.selection import NAMED, Selection
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 
-NEAR = 0.8
-"""Utilisation from which a limit is reported."""
-
+NEAR = 0.8  # Utilisation from which a limit is reported
 _UNITS = {"deflection": "mm", "force": "kN"}
 
 

@@ -12,9 +12,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.identification.result import FittedLoop
 
-MOST = 12
-"""Loops of one chart: more cannot be read."""
-
+MOST = 12  # Loops of one chart: more cannot be read
 _ACROSS = 3
 _MEASURED, _FITTED = 0, 1  # numbers of their colours
 _WEAK = 100.0  # [N], below which forces are read in N

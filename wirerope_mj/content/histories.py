@@ -19,18 +19,12 @@ from wirerope_mj.mounts.isolator import AXES
 
 DIRECTIONS = ("x", "y", "z")
 TOTAL = "total"
+# Quantities that have histories, and the units in which they are drawn.
 UNITS = {"acceleration": "g", "deflection": "mm", "force": "kN"}
-"""Quantities that have histories, and the units in which they are drawn."""
-
 USED, DIFFERENCE = "used", "difference"
-
-MOST_PARTS = 6
-"""Parts whose accelerations are drawn for several runs: the base and those with the largest peaks."""
-
+MOST_PARTS = 6  # Parts whose accelerations are drawn for several runs: the base and those with the largest peaks
 _NEAR = 0.5  # of a rated travel, from which it is drawn: otherwise it would only flatten the curves
-
-Histories = dict[tuple[str, ...], Panel]
-"""Panels by quantity, axis and, of several runs, kind and name of the part."""
+Histories = dict[tuple[str, ...], Panel]  # Panels by quantity, axis and, of several runs, kind and name of the part
 
 
 @dataclass(frozen=True, kw_only=True)

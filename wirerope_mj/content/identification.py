@@ -15,14 +15,10 @@ _UNITS = {
     "alpha": "N/m", "beta": "N^(1-n)/m", "gamma": "N^(1-n)/m", "k": "N/m", "k1": "N/m", "k2": "N/m^2", "k3": "N/m^3",
     "c": "1/m", "d": "N", "u_c": "m", "stiffness": "N/m", "slip_force": "N",
 }  # fmt: skip
+# Of the parameters of laws in their isolator files, where these are not the coordinates of the search; b and n have none.
 _STOP_UNITS = {"gap_below": "m", "gap_above": "m", "k": "N/m^exponent", "rounding": "m", "reversal": "m", "c": "N s/m"}
-"""Of the parameters of laws in their isolator files, where these are not the coordinates of the search; b and n have none."""
-
-_BENT = 0.5
-"""Correlation of neighbouring residuals that white noise of a hundred samples never has."""
-
-_UNKNOWN = 100.0
-"""Relative standard error that is not worth showing."""
+_BENT = 0.5  # Correlation of neighbouring residuals that white noise of a hundred samples never has
+_UNKNOWN = 100.0  # Relative standard error that is not worth showing
 
 
 def identification_content(

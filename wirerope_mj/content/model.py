@@ -12,8 +12,7 @@ from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.tables import Column, Row, Table
 from wirerope_mj.mounts.isolator import Isolator
 
-_FEW = 12
-"""Mounts and stops that are listed in any case."""
+_FEW = 12  # Mounts and stops that are listed in any case
 
 
 def model_blocks(run: JudgedRun) -> Iterator[Block | None]:

@@ -17,9 +17,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
-TIPS = "tips over"
-"""Stands for the frequency of a mode in which the weight wins over the mounts."""
-
+TIPS = "tips over"  # Stands for the frequency of a mode in which the weight wins over the mounts
 _SHIP_AXES: tuple[Direction, ...] = ("fore-and-aft", "athwartship", "vertical")
 _LEAST_WEIGHT = 1e-3  # fraction of a mode's weight along which it is said to move
 _FREQUENCY, _DAMPING = Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.1f")

@@ -5,9 +5,7 @@ import re
 
 from wirerope_mj.foundation.units import in_unit, shown_in, significant
 
-ABSENT = "–"
-"""Stands where there is no value."""
-
+ABSENT = "–"  # Stands where there is no value
 MINUS = "\N{MINUS SIGN}"
 
 

@@ -16,9 +16,7 @@ from wirerope_mj.mounts.isolator import AXES
 _MOST = 4  # panels: from the lowest level to the highest
 _WEAK = 1000.0  # [N], below which forces are read in N
 _MULTIPLIERS = 5
-
-Motion = tuple[Branch, int, PeriodicOrbit]
-"""A branch, the number of one of its points, and the motion there."""
+Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its points, and the motion there
 
 
 def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:

@@ -7,8 +7,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+# Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded.
 BASE, OTHERS, LIMIT = "base", "others", "limit"
-"""Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -59,11 +59,8 @@ class Field:
     limit: float | None = None
 
 
-Note = tuple[float, float, str, bool]
-"""A text beside a position, and whether it stands on its left."""
-
-Ticks = Sequence[tuple[float, str]]
-"""Positions along an axis with their texts; empty for round numbers."""
+Note = tuple[float, float, str, bool]  # A text beside a position, and whether it stands on its left
+Ticks = Sequence[tuple[float, str]]  # Positions along an axis with their texts; empty for round numbers
 
 
 @dataclass(frozen=True, kw_only=True)

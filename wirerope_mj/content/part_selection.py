@@ -11,8 +11,8 @@ from wirerope_mj.content.numbers import several
 from wirerope_mj.content.verdicts import used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
+# Candidates shown unless all are asked for; parts shown with their reasons if none meets the worksheet.
 _FIRST, _NEAREST = 12, 5
-"""Candidates shown unless all are asked for; parts shown with their reasons if none meets the worksheet."""
 
 
 def selection_content(

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.assessment.criteria.sampled import steady_interval
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation.run import aliasing
@@ -22,12 +22,8 @@ from wirerope_mj.motions.spectra import (
 from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
 
-BASE = "base"
-"""Name of the base among the spectra."""
-
-Q = 10.0
-"""Amplification of the oscillators: the convention where nothing else is agreed."""
-
+BASE = "base"  # Name of the base among the spectra
+Q = 10.0  # Amplification of the oscillators: the convention where nothing else is agreed
 _LOWEST, _HIGHEST = 1.0, 1000.0  # [Hz]
 _FINE = 10_000.0  # [Hz], at which a base whose motion is known in closed form is sampled
 _MOST_FINE = 200_000  # samples of it: twenty seconds

@@ -9,9 +9,7 @@ from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
 
-LONGEST_LABEL = 5
-"""Letters of a mount's name that fit beside its mark; where one is longer, all mounts are numbered."""
-
+LONGEST_LABEL = 5  # Letters of a mount's name that fit beside its mark; where one is longer, all mounts are numbered
 _AROUND = 16  # corners of a circle that is drawn as a polygon
 _PALE = 0.62  # fraction of white in a body's colour, so that the mounts stand out
 _COINCIDENT = 0.02  # of the drawing's width: mounts closer than this have one label

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, acceleration_verdicts, body_peaks, judge, mount_peaks
-from wirerope_mj.assessment.criteria.over_time import Used, used_limits
+from wirerope_mj.assessment.criteria.ended import Used, used_limits
 from wirerope_mj.content.panels import OTHERS
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import SceneMount
@@ -14,26 +14,13 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import SIDES
 
-MOST_LOOPS = 6
-"""Loops of the governing axis that get a view of their own: two rows of three can be read."""
-
-MOST_OTHER_LOOPS = 3
-"""The same for the other axes; each costs some 40 kilobytes of the file."""
-
-NAMED = 3
-"""Lines of a graph that have colours and names: the largest. The others are grey."""
-
-MOST = 3
-"""Lines of bodies or mounts in one panel of a page: more cannot be told apart."""
-
-QUANTITIES = ("deflection", "force")
-"""Of mounts, as `MountResponse` calls them."""
-
-COLOURS = 6
-"""Lines that can be told apart: numbers of colours in the tables of the views."""
-
-_SETTLED = 0.1
-"""The event is over when deflections stay within this fraction of their largest swing."""
+MOST_LOOPS = 6  # Loops of the governing axis that get a view of their own: two rows of three can be read
+MOST_OTHER_LOOPS = 3  # The same for the other axes; each costs some 40 kilobytes of the file
+NAMED = 3  # Lines of a graph that have colours and names: the largest. The others are grey.
+MOST = 3  # Lines of bodies or mounts in one panel of a page: more cannot be told apart
+QUANTITIES = ("deflection", "force")  # Of mounts, as `MountResponse` calls them
+COLOURS = 6  # Lines that can be told apart: numbers of colours in the tables of the views
+_SETTLED = 0.1  # The event is over when deflections stay within this fraction of their largest swing
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.steady import steady_interval
+from wirerope_mj.assessment.criteria.sampled import steady_interval
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, several

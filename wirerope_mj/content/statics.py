@@ -6,7 +6,7 @@ from functools import partial
 
 from wirerope_mj.assessment.criteria import NOT_JUDGED, Verdict
 from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD
-from wirerope_mj.assessment.criteria.sentences import static_load_lines
+from wirerope_mj.assessment.criteria.summary import static_load_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -17,12 +17,11 @@ from wirerope_mj.engine.statics import Sag, StaticTable
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 
+# What the two equilibria are.
 HISTORIES = {
     "virgin": "on the first loading, as after installation",
     "relaxed": "after long vibration (friction relaxed)",
 }
-"""What the two equilibria are."""
-
 _TONES = {"stable": "within", "slender": "near"}
 _BALANCED = 1e-4  # of the weight, below which nobody asks what carries the rest
 _MORE_THAN_ALL = 1.000001  # times what the lowest mounts carry, rounding included

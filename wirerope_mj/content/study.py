@@ -22,7 +22,7 @@ from wirerope_mj.content.study_tables import (
 )
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.directions import AZIMUTH, ELEVATION
+from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.measure import input_names
 from wirerope_mj.studies.results.study_summary import StudySummary
 

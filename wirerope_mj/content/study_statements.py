@@ -15,26 +15,30 @@ from wirerope_mj.studies.ended import ended_early, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
+from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
-from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
-from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statistics import (
+from wirerope_mj.studies.results.measure import (
+    COMBINED,
     CONFIDENCE,
+    DRAWN,
     Exceedance,
+    Measure,
     exceedance_of,
+    headlines,
+    input_names,
+    measure_of,
     row_of,
     struck_variants,
+    values_of,
     worst,
 )
+from wirerope_mj.studies.results.stated_limits import StatedLimit
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers
 _CHOICES = 8  # choices that are named
 _INPUTS = 2  # inputs that are said of the largest value
-
-SLIGHT = 0.01
-"""Total index below which a factor is only named."""
+SLIGHT = 0.01  # Total index below which a factor is only named
 
 
 def statements(result: StudyResult) -> list[str]:

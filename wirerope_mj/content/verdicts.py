@@ -16,8 +16,8 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
-from wirerope_mj.assessment.criteria.headline import PASS
-from wirerope_mj.assessment.criteria.sentences import against_limit, rule_lines
+from wirerope_mj.assessment.criteria.judge import PASS
+from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
@@ -25,9 +25,7 @@ from wirerope_mj.content.numbers import listed, shown, shown_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 
 TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
-NEAR = 0.9
-"""Utilisation from which it is set as a warning."""
-
+NEAR = 0.9  # Utilisation from which it is set as a warning
 _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _COLUMNS = (
     *(Column(heading, align="left") for heading in ("criterion", "verdict", "where")), Column("value"), Column("limit"),

@@ -8,14 +8,12 @@ from typing import Any, Literal
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.units import in_unit, significant
 
+# Tones in which a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone.
 TONES = ("", "within", "near", "exceeded", "unjudged", "quiet", "strong")
-"""Tones in which a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone."""
-
+# Numbers to the right, names to the left on one line, text to the left on as many lines as it needs.
 Alignment = Literal["right", "left", "text"]
-"""Numbers to the right, names to the left on one line, text to the left on as many lines as it needs."""
-
+# Text as it is displayed, or an SI value, which the column displays in its unit; None and NaN become a dash.
 Content = str | float | None
-"""Text as it is displayed, or an SI value, which the column displays in its unit; None and NaN become a dash."""
 
 
 @dataclass(frozen=True)

@@ -5,15 +5,10 @@ from typing import overload
 
 from wirerope_mj.foundation.arrays import Array
 
-STANDARD_GRAVITY = 9.80665
-"""Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels."""
-
+STANDARD_GRAVITY = 9.80665  # Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels
 TIME_UNITS = {"s": 1.0, "ms": 1e-3}
-
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
-
 FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605}
-
 ACCELERATION_UNITS = {
     "m/s^2": 1.0,
     "m/s2": 1.0,
@@ -27,13 +22,11 @@ ACCELERATION_UNITS = {
     "in/s^2": 0.0254,
     "ft/s^2": 0.3048,
 }
-
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
-
+# Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers.
 _PER_SI = {
     "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
 }  # fmt: skip
-"""Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers."""
 
 
 def shown_in(unit: str) -> tuple[str, float]:

@@ -12,25 +12,19 @@ from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
 from wirerope_mj.runs.folder import SUMMARY
 
+# A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN.
 Difference = tuple[float, str]
-"""A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN."""
-
+# Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves.
 NEGLIGIBLE = 1e-9
-"""Next to the largest number of its vector: what is smaller is rounding, as along an axis in which nothing moves."""
-
 _BLOCK = 64  # columns that are compared at once
+# Entries of summary.json that are not the same when it is computed again, that older ones lack, or that say others anew.
 _OF_THIS_TIME = (
     "numerics.seconds", "numerics.versions", "numerics.engine", "numerics.why_not_kernel", "numerics.samples_hold",
     "content",
 )  # fmt: skip
-"""Entries of summary.json that are not the same when it is computed again, that older ones lack, or that say others anew."""
-
+# Entries of a judged value that another version may state where this one judges nothing, or the other way round.
 _JUDGEMENT = ("limit", "margin")
-"""Entries of a judged value that another version may state where this one judges nothing, or the other way round."""
-
-_SMALLEST = 1e-3
-"""Scale of positions [m, rad], rates [m/s, rad/s] and internal states [N] that are smaller."""
-
+_SMALLEST = 1e-3  # Scale of positions [m, rad], rates [m/s, rad/s] and internal states [N] that are smaller
 _LABELS = ("criterion", "subject", "name")
 
 
@@ -87,8 +81,8 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
         yield NEGLIGIBLE if same and mine[reached] != other[reached] else ratio, f"peaks.{peak}"
 
 
+# Positions of the instants in `Peak.to_list`, and of the values that are reached then.
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
-"""Positions of the instants in `Peak.to_list`, and of the values that are reached then."""
 
 
 def other_differences(

@@ -14,11 +14,9 @@ from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, full_disk_named
 from wirerope_mj.foundation.errors import RecordError
 
+# Quantities that a unit gives out unless it is asked for all.
 OUTPUTS = ("position", "acceleration", "relative_displacement", "deflection", "force")
-"""Quantities that a unit gives out unless it is asked for all."""
-
-SAFE = 0.1
-"""Of the largest stable step, which a unit takes where none is given."""
+SAFE = 0.1  # Of the largest stable step, which a unit takes where none is given
 
 
 def write_fmu(

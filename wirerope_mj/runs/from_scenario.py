@@ -11,20 +11,15 @@ from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.sources import is_run, stored_scenario
-from wirerope_mj.studies.inputs.available import available_lines
 from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.vary_option import EXAMPLE, signatures
+from wirerope_mj.studies.inputs.vary_option import EXAMPLE, available_lines, signatures
 from wirerope_mj.studies.measures import payload_points
 from wirerope_mj.studies.study import Study
 
-VARIANTS = 256
-"""Variants unless it is said how many: a power of two, of which Sobol points are balanced."""
-
-_COUNTED = ("sobol", "latin-hypercube", "random")
-"""Samplings of which any number of variants is a study."""
-
+VARIANTS = 256  # Variants unless it is said how many: a power of two, of which Sobol points are balanced
+_COUNTED = ("sobol", "latin-hypercube", "random")  # Samplings of which any number of variants is a study
+# Arguments of a scenario's simulation that a study takes over.
 _CARRIED = ("duration", "timestep", "accuracy", "sample_rate", "initial")
-"""Arguments of a scenario's simulation that a study takes over."""
 
 
 def study_of(

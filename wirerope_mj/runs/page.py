@@ -6,8 +6,7 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.views.report import check_pdf, write_pdf
 
-REPORT = "report.html"
-"""The report in a folder."""
+REPORT = "report.html"  # The report in a folder
 
 
 def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool) -> list[Path]:

@@ -15,7 +15,6 @@ from wirerope_mj.engine.simulation.in_lanes import moving
 from wirerope_mj.engine.simulation.simulate import versions
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.runs.checksums import Alterations, alterations
 from wirerope_mj.runs.differences import (
     Difference,
     other_differences,
@@ -23,14 +22,14 @@ from wirerope_mj.runs.differences import (
     sample_differences,
     summary_differences,
 )
-from wirerope_mj.runs.folder import SUMMARY
+from wirerope_mj.runs.folder import SUMMARY, Alterations, alterations
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
 from wirerope_mj.runs.summary import read_summary, summary_content
 from wirerope_mj.runs.write import is_streamed
 
+# Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above.
 AGREES = 1e-9
-"""Largest difference relative to a column's peak that another processor's rounding explains; a wrong input is far above."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)

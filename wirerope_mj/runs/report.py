@@ -1,17 +1,21 @@
-"""The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
+"""A run handed on, from its folder alone: its report, and a folder that any web server shows."""
 
+import shutil
 from pathlib import Path
 
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
-from wirerope_mj.runs.frequency_response import KIND, MARKS
+from wirerope_mj.runs.analyses import KIND, MARKS
+from wirerope_mj.runs.folder import alterations, atomic_run, update_checksums, warn_of_alterations
 from wirerope_mj.runs.page import REPORT, page_files, write_page
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
+from wirerope_mj.views.recording.paths import FILE
+from wirerope_mj.views.recording.viewer import find_recording
 from wirerope_mj.views.report import report_html
+from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages
 
 
 def write_report(
@@ -51,3 +55,61 @@ def _run_folder(folder: Path) -> Path:
     if all((folder / mark).is_file() for mark in MARKS):
         raise RecordError(f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs.")
     return folder
+
+
+INDEX = "index.html"
+
+
+def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> list[Path]:
+    """Write a run as a folder to hand on, whole or not at all, and return its files.
+
+    Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does.
+
+    Args:
+        folder: of the run.
+        out: folder to write, outside of the run.
+        force: whether a shared folder that is there is replaced.
+
+    Raises:
+        RecordError: the run has no report or no recording, or one that is a link or was altered since it was written, or `out`
+            is there and must not be replaced.
+        WireRopeError: the viewer does not hand out its files.
+    """
+    folder, target = Path(folder), Path(out)
+    report = folder / REPORT
+    if not report.is_file():
+        raise RecordError(
+            f"{folder}: there is no {REPORT} here to share. `wirerope report {folder}` makes one of a run."
+        )
+    recording = find_recording(folder)
+    if target.resolve().is_relative_to(folder.resolve()):
+        raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")
+    _require_as_written(folder, (report, recording))
+    with atomic_run(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
+        pages = viewer_pages()
+        (beside / INDEX).write_text(linked_report(report.read_text(encoding="utf-8")), encoding="utf-8")
+        shutil.copyfile(recording, beside / FILE)
+        (beside / VIEWER).mkdir()
+        for name, content in pages.items():
+            (beside / VIEWER / name).write_bytes(content)
+    return sorted(path for path in target.rglob("*") if path.is_file())
+
+
+def _require_as_written(folder: Path, files: tuple[Path, ...]) -> None:
+    """Raise RecordError unless files are the run's own, as they were written: what is shared is shown to others."""
+    for file in files:
+        if file.is_symlink():
+            raise RecordError(
+                f"{file}: this is a link, and what it leads to is not the run's to share. Put the file itself in "
+                f"its place; `wirerope report {folder}` writes the report anew."
+            )
+    changed = alterations(folder)
+    if changed is None:  # a run of an older version
+        return
+    names = {file.relative_to(folder).as_posix() for file in files}
+    faulty = sorted(names & {*changed.altered, *changed.added})
+    if faulty:
+        raise RecordError(
+            f"{folder}: {' and '.join(faulty)} was altered or added since the run was written, and is not shared. "
+            f"`wirerope report {folder}` writes the report anew; a recording is written with its run."
+        )

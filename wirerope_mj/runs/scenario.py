@@ -14,6 +14,7 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.runs.option_file import all_options, defaults, file_called, guarded, load_function, question_of
 
+# What each attribute of a scenario must be, and what a message calls it.
 _KINDS: dict[str, tuple[Any, str]] = {
     "question": (str, "text"),
     "model": (str | Path, "the path of a model, its name, or its text"),
@@ -27,7 +28,6 @@ _KINDS: dict[str, tuple[Any, str]] = {
     "combined_travel": (bool, "True or False"),
     "limits": (list | tuple, "a list of PayloadLimits"),
 }
-"""What each attribute of a scenario must be, and what a message calls it."""
 
 
 @dataclass(frozen=True)

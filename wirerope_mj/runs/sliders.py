@@ -15,9 +15,8 @@ from wirerope_mj.foundation.units import significant
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.mounts.isolator import Isolator
 
+# Keys of the sliders; that of a stiffness is followed by what the model calls the isolator.
 LEVEL, DIRECTION, MASS, DAMPING, STIFFNESS = "level", "direction", "mass", "damping", "stiffness/"
-"""Keys of the sliders; that of a stiffness is followed by what the model calls the isolator."""
-
 Values = Mapping[str, float]
 
 

@@ -12,18 +12,16 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
-from wirerope_mj.engine.system import Changes, System, load_system
+from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import missing_isolators, read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict
-from wirerope_mj.runs.checksums import digest_of
-from wirerope_mj.runs.folder import SCENARIO
-from wirerope_mj.runs.judging import judged_by, read_judge_table
+from wirerope_mj.runs.folder import SCENARIO, digest_of
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile
-from wirerope_mj.runs.scenario_file import scenario_content
+from wirerope_mj.runs.scenario_file import judged_by, read_judge_table, scenario_content
 
 _TABLES = ("options", "simulate", "versions")
 _CHARACTERS = 8  # of a file's digest: enough to see that two files differ
@@ -41,7 +39,9 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
     content = scenario_content(path.parent)
     inputs = {"scenario": content["name"], "motion": content["motion"]["description"]}
     for table in _TABLES:
-        inputs |= {f"{_prefix(table)}{key}": _text(value) for key, value in content[table].items()}
+        prefix = "version of " if table == "versions" else ""
+        for key, value in content[table].items():
+            inputs[f"{prefix}{key}"] = f"{value:.6g}" if isinstance(value, float) else str(value)
     for file in sorted(path.parent.glob("model/**/*")):
         if file.is_file():
             digest = digest_of(file)[:_CHARACTERS]
@@ -62,14 +62,6 @@ def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
     system, motion = system_and_motion(folder, content)
     check_one_run(folder, content, system, response)
     return judged_run(system, motion, response, content).verdicts
-
-
-def _prefix(table: str) -> str:
-    return "version of " if table == "versions" else ""
-
-
-def _text(value: Any) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 _REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
@@ -96,7 +88,8 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
             f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/. Take it from another copy of the "
             "folder."
         )
-    system = with_changes(system, _changes(folder, content["model"]))
+    changes = content["model"].get("changes")  # by which the variant that was simulated differs from the model
+    system = with_changes(system, read_changes(folder / changes) if changes else ())
     system = judged_by(system, **read_judge_table(content.get("judge", {})))
     try:
         return system, motion_from_dict(motion, folder=folder)
@@ -150,13 +143,7 @@ def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any,
         yield where, here, there
 
 
-def _changes(folder: Path, model: Mapping[str, Any]) -> tuple[Changes, ...]:
-    """Return what the variant that was simulated differs by from the model in the folder."""
-    return read_changes(folder / model["changes"]) if "changes" in model else ()
-
-
-_RESOLVED = ("engine",)
-"""What a run's folder says of its simulation that nobody asked for: the engine that was chosen."""
+_RESOLVED = ("engine",)  # What a run's folder says of its simulation that nobody asked for: the engine that was chosen
 
 
 def is_run(path: str | Path) -> bool:

@@ -15,16 +15,13 @@ from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.statistics import worst
+from wirerope_mj.studies.results.measure import input_names, worst
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views.json_content import plain_content
 
-MOST = 6
-"""Variants in one comparison: more cannot be distinguished."""
-
+MOST = 6  # Variants in one comparison: more cannot be distinguished
 _ROWS = 12  # of a table in the viewer
 
 
@@ -52,8 +49,7 @@ def result_content(result: StudyResult, by: str | None = None) -> Content:
     return search_content(result)
 
 
-CONTENT = "content.json"
-"""What a study or a search says, in its folder; the summary is complete before it."""
+CONTENT = "content.json"  # What a study or a search says, in its folder; the summary is complete before it
 
 
 def write_content(content: Content, folder: Path) -> None:
@@ -77,12 +73,7 @@ def write_content(content: Content, folder: Path) -> None:
 
 
 def write_study_report(
-    folder: str | Path,
-    *,
-    by: str | None = None,
-    out: str | Path | None = None,
-    pdf: bool = False,
-    force: bool = False,
+    folder: str | Path, *, by: str | None = None, out: str | Path | None = None, pdf: bool = False, force: bool = False
 ) -> list[Path]:
     """Write the report of a study and return the files, the page first.
 

@@ -27,10 +27,9 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.restore import copy_records
-from wirerope_mj.runs.checksums import write_checksums
-from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target
-from wirerope_mj.runs.judging import judge_table, judged_by
+from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target, write_checksums
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.scenario_file import judge_table, judged_by
 from wirerope_mj.runs.summary import summary_content
 
 _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured
@@ -56,12 +55,8 @@ def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
         yield lambda name: progress.update(task, description=name, refresh=True)
 
 
-STREAM_SAMPLES = 10_000
-"""Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns."""
-
-SAMPLE_RATE = 1000.0
-"""Sampling rate of `simulate` where the scenario gives none [Hz]."""
-
+STREAM_SAMPLES = 10_000  # Samples above which a run goes straight to its file: 50 MB of a floor with some 600 columns
+SAMPLE_RATE = 1000.0  # Sampling rate of `simulate` where the scenario gives none [Hz]
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk")
 _ARGUMENTS = ("duration", "initial", "timestep", "accuracy", "sample_rate", "corners", "callback", "engine")
 
@@ -192,7 +187,11 @@ def _scenario_text(
         "name": scenario.name,
         "question": scenario.question.strip(),
         "written": datetime.now(UTC).replace(microsecond=0),
-        "options": {name: _plain(value) for name, value in scenario.options.items() if value is not None},
+        "options": {
+            name: value if isinstance(value, bool | int | float | str) else str(value)
+            for name, value in scenario.options.items()
+            if value is not None
+        },
         "model": model,
         "simulate": resolved,
         "motion": {"description": scenario.motion.description}
@@ -241,7 +240,3 @@ def _scenario_markdown(scenario: Scenario) -> str:
     parts = [markdown_lines(scenario.question.strip()), f"**Base motion:** {markdown(scenario.motion.description)}"]
     parts += [f"**Options:** {markdown(options)}"] if options else []
     return "\n\n".join(parts)
-
-
-def _plain(value: Any) -> Any:
-    return value if isinstance(value, bool | int | float | str) else str(value)

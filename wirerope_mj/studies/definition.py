@@ -34,9 +34,7 @@ from wirerope_mj.studies.inputs.sampling import inputs
 from wirerope_mj.studies.inputs.variants import Maker, Row, Work
 
 STARTS = ("settled", "relaxed", "unloaded")
-
-GIVEN = "given"
-"""Value of `sampling` of a study whose variants were not sampled, but given."""
+GIVEN = "given"  # Value of `sampling` of a study whose variants were not sampled, but given
 
 
 class StudyDefinition:

@@ -14,11 +14,10 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker, Work
 
+# How much slower than the nominal system's a variant's slowest mode may be without being looked for, if all mounts act.
 _SLOWER = 2.0
-"""How much slower than the nominal system's a variant's slowest mode may be without being looked for, if all mounts act."""
-
+# Ends of the names of what takes mounts away, and may free a mode of its stiffness.
 _TAKEN_AWAY = ("/failed", "/fitted")
-"""Ends of the names of what takes mounts away, and may free a mode of its stiffness."""
 
 
 class Lengths:
@@ -43,8 +42,7 @@ class Lengths:
         return ends_early(motion.to_dict(), (0.0, self._work.duration), over, slowest)
 
 
-_AT_REST = ("static_load", "mounts")
-"""Measures that no run has to go on for."""
+_AT_REST = ("static_load", "mounts")  # Measures that no run has to go on for
 
 
 def ended_early(table: pa.Table, measure: str = "") -> npt.NDArray[np.bool_]:

@@ -29,15 +29,10 @@ from wirerope_mj.studies.inputs_file import STUDY, check_same, read_inputs, writ
 from wirerope_mj.studies.responses import RESPONSES, write_response
 
 TABLE, SUMMARY, PARTS = "variants.parquet", "summary.json", "parts"
-
-MARKS = (STUDY,)
-"""By these files a folder is known as that of a study."""
-
+MARKS = (STUDY,)  # By these files a folder is known as that of a study
+# Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume.
 _DIED = ".died"
-"""Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume."""
-
-ROW_GROUP = 64
-"""Parts that are joined in one row group of the table: some 2000 variants, a few MB."""
+ROW_GROUP = 64  # Parts that are joined in one row group of the table: some 2000 variants, a few MB
 
 
 def prepare(
@@ -171,9 +166,8 @@ def _check_table(path: Path, table: pa.Table, names: Sequence[str]) -> None:
         raise RecordError(f"{path}: column 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
 
 
+# Columns of every study's table, and their types.
 _ALWAYS = {"variant": pa.int64(), "status": pa.string(), "message": pa.string()}
-"""Columns of every study's table, and their types."""
-
 _COPY = "Put a copy in its place, or compute the study again with --force (`force=True`)."
 
 

@@ -24,22 +24,13 @@ from wirerope_mj.studies.responses import PEAKS
 from wirerope_mj.studies.versions import versions
 
 STUDY = "study.toml"
-
-FIRST = 1
-"""The format in which "body/NAME/centre/x" and "mount/NAME/position/x" were shifts."""
-
+FIRST = 1  # The format in which "body/NAME/centre/x" and "mount/NAME/position/x" were shifts
 _SHIFT = re.compile(r"^(body/.+/centre|mount/.+/position)(?=/[xyz]$)")
-
-FORMAT = 2
-"""Of these files; those of format 1 are read, too, but such a study does not resume."""
-
-_TEXTS = ("id", "name", "question")
-"""Keys that may differ between two folders of the same study."""
-
-_FILES = "files."
-"""Start of the keys of digests of model and records."""
-
+FORMAT = 2  # Of these files; those of format 1 are read, too, but such a study does not resume
+_TEXTS = ("id", "name", "question")  # Keys that may differ between two folders of the same study
+_FILES = "files."  # Start of the keys of digests of model and records
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
+# Keys of each table that must be there, and that may be, with the types of their values; None: any may.
 _TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
     "model": ({"file": str}, {"changes": str, "path": str}),
     "simulate": ({"duration": Any, "timestep": Any, "sample_rate": Any, "initial": Any}, {}),
@@ -47,7 +38,6 @@ _TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
     "versions": ({}, None),
     "files": ({}, None),
 }
-"""Keys of each table that must be there, and that may be, with the types of their values; None: any may."""
 
 
 def read_inputs(folder: Path) -> dict[str, Any]:

@@ -14,8 +14,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.state import State
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.static_rating import static_utilisation
-from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
+from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, static_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
 
 NAN = math.nan

@@ -10,16 +10,13 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.studies.inputs.variants import Work
 
-RESPONSES = "responses"
-"""Folder of the responses, in that of the study."""
-
+RESPONSES = "responses"  # Folder of the responses, in that of the study
 PEAKS = "peaks"
+# Content that may be kept of each variant: the measures of its peaks, or its whole response, too.
 KEPT = (PEAKS, RESPONSES)
-"""Content that may be kept of each variant: the measures of its peaks, or its whole response, too."""
-
+# Samples of a chunk that are kept in memory [bytes]: 32 variants of a floor on 24 mounts with 400 samples each. The response
+# of one variant may be larger; it is then alone.
 MEMORY = 64 * 2**20
-"""Samples of a chunk that are kept in memory [bytes]: 32 variants of a floor on 24 mounts with 400 samples each. The response
-of one variant may be larger; it is then alone."""
 
 
 def most_together(work: Work) -> int:

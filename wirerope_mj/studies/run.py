@@ -14,12 +14,9 @@ from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import done, write_part
 from wirerope_mj.studies.responses import PEAKS, RESPONSES, most_together
 
+# Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little.
 CHUNK = 32
-"""Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little."""
-
-FEWEST_CHUNKS = 16
-"""Chunks that a small study has, so that all workers have something to do until the end."""
-
+FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
 ENGINES = ("local", "dask")
 
 

@@ -8,11 +8,11 @@ from wirerope_mj.engine.simulation.run import warn_of_aliasing
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.folder import TABLE, computed_alone, finish, prepare
-from wirerope_mj.studies.loading import read_result
 from wirerope_mj.studies.responses import KEPT, RESPONSES
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.summary_file import summary
+from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.run import checked_engine, chunk_size, compute_missing
+from wirerope_mj.studies.search.result import read_result
 
 
 class Study(StudyDefinition):

@@ -6,11 +6,8 @@ from pathlib import Path
 
 from wirerope_mj.foundation.resources import version_of
 
-PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")
-"""Packages on which the last bit of a number may depend."""
-
-_SHOWS = ("cli", "views", "runs")
-"""Wings that show what is there, and compute no row."""
+PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")  # Packages on which the last bit of a number may depend
+_SHOWS = ("cli", "views", "runs")  # Wings that show what is there, and compute no row
 
 
 @cache

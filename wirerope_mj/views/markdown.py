@@ -6,8 +6,7 @@ from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.tables import Table
 
-_SIGNS = ("-", "=")
-"""Cells that would begin a list or a heading elsewhere, and nothing here."""
+_SIGNS = ("-", "=")  # Cells that would begin a list or a heading elsewhere, and nothing here
 _BOLD = ("exceeded", "strong")
 
 

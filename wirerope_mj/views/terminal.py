@@ -16,9 +16,7 @@ from wirerope_mj.content.blocks import Block, Content, Statement
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Table
 
-WIDTH = 120
-"""Width of tables where there is no terminal to fit them into [characters]."""
-
+WIDTH = 120  # Width of tables where there is no terminal to fit them into [characters]
 _ROOMY = 100  # characters below which columns have no padding
 _LONG = 16  # characters of a heading above numbers that stands on several lines
 _STYLES = {

@@ -6,22 +6,15 @@ import numpy.typing as npt
 from wirerope_mj.foundation.arrays import Array
 
 Rows = npt.NDArray[np.intp]
-
+# Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this.
 MOST_ROWS = 20_000
-"""Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this."""
-
-_LONGEST = 128
-"""Longest interval of rows that is replaced by its ends; it bounds the passes over the data."""
-
+_LONGEST = 128  # Longest interval of rows that is replaced by its ends; it bounds the passes over the data
+# Rows that are looked at together: it bounds the memory, and is a multiple of the longest intervals.
 _PART = 128 * _LONGEST
-"""Rows that are looked at together: it bounds the memory, and is a multiple of the longest intervals."""
 
 
-DENSE = 4000
-"""Rows of a line above which it would be a blob: its envelope is drawn."""
-
-_INTERVALS = 400
-"""Of an envelope, each a few points of a plot wide."""
+DENSE = 4000  # Rows of a line above which it would be a blob: its envelope is drawn
+_INTERVALS = 400  # Of an envelope, each a few points of a plot wide
 
 
 def is_dense(time: Array, values: Array, tolerance: Array | float) -> bool:

@@ -1,13 +1,22 @@
-"""Runs that are compared: aligned in time, with what they share by name and what only one of them has."""
+"""Two or more runs compared: their verdicts and peaks side by side."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, get_args
 
-from wirerope_mj.assessment.comparison.compared import BASE, ComparedRun, Component, Subject, subjects_of
-from wirerope_mj.assessment.comparison.histories import HistoryDifference, largest_differences
-from wirerope_mj.assessment.criteria import Verdict, judge
-from wirerope_mj.engine.response import Response
+import numpy as np
+
+from wirerope_mj.assessment.comparison.compared import (
+    BASE,
+    ComparedRun,
+    Component,
+    HistoryDifference,
+    Subject,
+    largest_differences,
+    subjects_of,
+)
+from wirerope_mj.assessment.criteria import COMBINED, MountPeak, Verdict, judge, mount_peaks
+from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import RecordError
@@ -35,9 +44,7 @@ class Comparison:
 
 
 def compare_runs(
-    responses: Mapping[str, Response],
-    align: Align = "start",
-    verdicts: Mapping[str, Sequence[Verdict]] | None = None,
+    responses: Mapping[str, Response], align: Align = "start", verdicts: Mapping[str, Sequence[Verdict]] | None = None
 ) -> Comparison:
     """Compare responses by name with the first of them.
 
@@ -103,3 +110,128 @@ def _moved(response: Response, by: float) -> Response:
         events=tuple((time + by, text) for time, text in response.events),
         peaks=Peaks(**peaks, contacts=contacts, travels=travels),
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class PeakRow:
+    """A peak in every run, in the order of the runs; None where a run does not have it.
+
+    Attributes:
+        label: whose it is.
+        values: in SI, utilisations as ratios.
+        times: instants [s]; NaN where the peak has none.
+        notes: what is said beside a value, such as the kind of travel.
+    """
+
+    label: str
+    values: tuple[float | None, ...]
+    times: tuple[float | None, ...]
+    notes: tuple[str, ...]
+
+    def difference(self, number: int) -> float | None:
+        """Return the relative difference of a run to the first; None if that makes no sense."""
+        first, value = self.values[0], self.values[number]
+        if first is None or value is None or not np.isfinite([first, value]).all() or (first == 0.0 != value):
+            return None
+        return 0.0 if value == first else value / first - 1.0
+
+
+def acceleration_rows(comparison: Comparison, axis: int | None = None) -> list[PeakRow]:
+    """Return the peak accelerations [m/s^2], sizes or along an axis: of what is shared, then of what one run has alone."""
+    alone = [subject for of_run in comparison.alone.values() for subject in of_run if isinstance(subject, Component)]
+    known = [subjects_of(run.response) for run in comparison.runs]
+    rows = []
+    for component in (*comparison.components, *alone):
+        peaks = [
+            component.peak(run.response) if component in of_run else None
+            for run, of_run in zip(comparison.runs, known, strict=True)
+        ]
+        rows.append(_row(component.label, peaks, axis))
+    return rows
+
+
+def mount_rows(comparison: Comparison, quantity: str, axis: int | None) -> list[PeakRow]:
+    """Return the peak "deflection" [m] or "force" [N] of the mounts, the mount that uses most travel first."""
+    rows = []
+    for name in _mounts_of_runs(comparison):
+        entries = [run.response.peaks.mounts.get(name) for run in comparison.runs]
+        peaks = [getattr(entry, quantity) if entry else None for entry in entries]
+        rows.append(_row(name, peaks, axis))
+    return rows
+
+
+def travel_rows(comparison: Comparison) -> list[PeakRow]:
+    """Return the largest utilisation of a rated travel of every mount, the largest first; NaN where none is rated."""
+    rows = []
+    for label, peaks in _mounts_of_runs(comparison).items():
+        used = [None if peak is None else np.nan if peak.utilisation is None else peak.utilisation for peak in peaks]
+        notes = tuple("" if peak is None else peak.governing for peak in peaks)
+        rows.append(PeakRow(label=label, values=tuple(used), times=(np.nan,) * len(peaks), notes=notes))
+    return rows
+
+
+def combined_rows(comparison: Comparison) -> list[PeakRow]:
+    """Return the utilisation of the travel along all axes at once of every mount, the largest first."""
+    by_run = [
+        {row.subject: row for row in run.verdicts if row.criterion == COMBINED and row.utilisation is not None}
+        for run in comparison.runs
+    ]
+    rows = []
+    for name in _mounts_of_runs(comparison):
+        found = [verdicts.get(name) for verdicts in by_run]
+        if any(found):
+            values = tuple(row.utilisation if row else None for row in found)
+            times = tuple(row.time if row else None for row in found)
+            rows.append(PeakRow(label=name, values=values, times=times, notes=("",) * len(found)))
+    return sorted(rows, key=lambda row: -max(value or 0.0 for value in row.values))
+
+
+def largest_of(rows: Sequence[PeakRow]) -> PeakRow | None:
+    """Return the largest value of any row in each run, with whose it is; None where no row has one."""
+    best = [_largest(rows, number) for number in range(len(rows[0].values) if rows else 0)]
+    if not any(best):
+        return None
+    pairs = list(enumerate(best))
+    return PeakRow(
+        label="largest of any",
+        values=tuple(row.values[n] if row else None for n, row in pairs),
+        times=tuple(row.times[n] if row else None for n, row in pairs),
+        notes=tuple(", ".join(filter(None, (row.label, row.notes[n]))) if row else "" for n, row in pairs),
+    )
+
+
+def _largest(rows: Sequence[PeakRow], number: int) -> PeakRow | None:
+    """Return the row with the largest value of a run."""
+    sizes = [-np.inf if value is None or np.isnan(value) else value for value in (row.values[number] for row in rows)]
+    return rows[int(np.argmax(sizes))] if max(sizes) > -np.inf else None
+
+
+def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]:
+    """Return the peaks of every mount in every run; the largest utilisation in any run first, those not rated last."""
+    by_run = [{peak.name: peak for peak in mount_peaks(run.response)} for run in comparison.runs]
+    names = [mount.name for run in comparison.runs for mount in run.response.scene.isolating]
+    mounts = {name: [peaks.get(name) for peaks in by_run] for name in dict.fromkeys(names)}
+
+    def largest(name: str) -> float:
+        used = [-1.0 if peak is None or peak.utilisation is None else peak.utilisation for peak in mounts[name]]
+        return max(used)
+
+    return {name: mounts[name] for name in sorted(mounts, key=largest, reverse=True)}
+
+
+def _row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
+    sizes = [None if peak is None else _size(peak, axis) for peak in peaks]
+    return PeakRow(
+        label=label,
+        values=tuple(None if size is None else size[0] for size in sizes),
+        times=tuple(None if size is None else size[1] for size in sizes),
+        notes=("",) * len(peaks),
+    )
+
+
+def _size(peak: Peak, axis: int | None) -> tuple[float, float]:
+    """Return size and instant of the largest norm, or of the extreme of a component that is farther from zero."""
+    if axis is None:
+        return peak.value, peak.time
+    low, high = float(peak.minimum[axis]), float(peak.maximum[axis])
+    return (high, float(peak.maximum_time[axis])) if high >= -low else (-low, float(peak.minimum_time[axis]))

@@ -7,9 +7,8 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria.criterion import ACCELERATION, Criterion
-from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
+from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, one_each, payload_bodies
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -39,10 +38,7 @@ def acceleration_verdicts(
     bodies, points = payload_bodies(response), list(response.points)
     stated = limits_by_name(response, limits, "acceleration", [*bodies, *points])
     verdicts: list[Verdict] = []
-    for kind, names, peaks in (
-        ("bodies", bodies, response.peaks.bodies),
-        ("points", points, response.peaks.points),
-    ):
+    for kind, names, peaks in (("bodies", bodies, response.peaks.bodies), ("points", points, response.peaks.points)):
         for name in names:
             if cutoff is None:
                 verdicts += _judge(name, peaks[name].acceleration, stated.get(name), "")

@@ -11,21 +11,15 @@ Ship = Literal["surface", "submarine"]
 Location = Literal["hull", "deck", "shell"]
 Direction = Literal["vertical", "athwartship", "fore-and-aft"]
 Deformation = Literal["elastic", "elastic-plastic"]
-
-KIP = 4448.2216152605
-"""A thousand pounds of force [N]."""
-
-LEAST = 6.0 * STANDARD_GRAVITY
-"""Least design acceleration [m/s^2]."""
-
+KIP = 4448.2216152605  # A thousand pounds of force [N]
+LEAST = 6.0 * STANDARD_GRAVITY  # Least design acceleration [m/s^2]
 _INCH = 0.0254
-
+# Factors of A0 [g] and V0 [in/s] before what depends on the modal weight.
 _LEVELS = {
     ("surface", "hull"): (20.0, 60.0), ("surface", "deck"): (10.0, 30.0), ("surface", "shell"): (40.0, 120.0),
     ("submarine", "hull"): (10.4, 20.0), ("submarine", "deck"): (5.2, 10.0), ("submarine", "shell"): (52.0, 100.0),
 }  # fmt: skip
-"""Factors of A0 [g] and V0 [in/s] before what depends on the modal weight."""
-
+# Factors on A0 and V0 by direction, elastic.
 _FACTORS: dict[tuple[str, str], dict[str, tuple[float, float]]] = {
     ("surface", "hull"): {"vertical": (1.0, 1.0), "athwartship": (0.4, 0.4), "fore-and-aft": (0.2, 0.2)},
     ("surface", "deck"): {"vertical": (1.0, 1.0), "athwartship": (0.4, 0.4), "fore-and-aft": (0.4, 0.4)},
@@ -34,7 +28,6 @@ _FACTORS: dict[tuple[str, str], dict[str, tuple[float, float]]] = {
     ("submarine", "deck"): {"vertical": (1.0, 1.0), "athwartship": (2.0, 2.0), "fore-and-aft": (0.8, 0.8)},
     ("submarine", "shell"): {"vertical": (1.0, 1.0), "athwartship": (0.2, 0.2), "fore-and-aft": (0.08, 0.08)},
 }
-"""Factors on A0 and V0 by direction, elastic."""
 
 
 @dataclass(frozen=True, kw_only=True)

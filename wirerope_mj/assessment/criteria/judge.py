@@ -1,22 +1,98 @@
-"""Verdicts on what a run is judged on without being told more than its response and the limits of model and isolators."""
+"""All verdicts on a run, and the answer that they are in one sentence."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
-from wirerope_mj.assessment.criteria.contact import contact_verdicts
-from wirerope_mj.assessment.criteria.ended import require_over
-from wirerope_mj.assessment.criteria.headline import Verdicts
-from wirerope_mj.assessment.criteria.mount_load import (
+from wirerope_mj.assessment.criteria.criterion import COMBINED, STATIC_LOAD, STOP, TRAVEL, Criterion
+from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
+from wirerope_mj.assessment.criteria.loads import (
+    contact_verdicts,
     missing_load_verdicts,
     starting_load_verdicts,
     static_load_verdicts,
 )
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
+from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict, most_used
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+
+FAIL, PASS, UNKNOWN = "FAIL", "PASS", "NOT JUDGED"  # Answers with which a headline begins
+_SHOWN = 5
+
+
+def headline(verdicts: Sequence[Verdict]) -> str:
+    """Say whether the limits are kept, what is most critical, how many stops are struck, and how much is not judged."""
+    early = next((row.note.partition("; ")[0] for row in verdicts if row.note.startswith(TOO_EARLY)), "")
+    over, within = (sum(row.verdict == verdict for row in verdicts) for verdict in (EXCEEDED, WITHIN))
+    judged = over + within
+    if over:
+        answer = f"{FAIL}: {over} of {_several(judged, 'check')} exceeded; worst {_used(verdicts)}"
+    elif early:
+        answer = f"{UNKNOWN}: {early}"
+    elif judged:
+        checks = "the only check is" if judged == 1 else f"all {judged} checks are"
+        answer = f"{PASS}: {checks} within limits; most critical {_used(verdicts)}"
+    else:
+        answer = f"{UNKNOWN}: no limit is stated for anything in this run"
+    return "; ".join([answer, *_clauses(verdicts, early, over, within)]) + "."
+
+
+def _clauses(verdicts: Sequence[Verdict], early: str, over: int, within: int) -> Iterator[str]:
+    """Yield what else must be known to read the answer."""
+    contacts = sum(bool(row.contact) for row in verdicts)
+    for thing, of_mounts in (("contact pair", False), ("stop", True)):
+        outcomes = [row.contact for row in verdicts if row.contact and (row.criterion == STOP) is of_mounts]
+        if STRUCK in outcomes:
+            yield f"{outcomes.count(STRUCK)} of {_several(len(outcomes), thing)} struck"
+    left = len(verdicts) - over - within - contacts
+    if early and within:
+        yield f"{_several(within, 'check')} of the state at rest kept"
+    elif over + within and left:
+        other = any(
+            row.note.startswith((TOO_EARLY, SAMPLED)) or GROWS in row.note for row in verdicts if not row.contact
+        )
+        plain = f"{_several(left, 'value')} {'has' if left == 1 else 'have'} no limit"
+        yield f"{_several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if other else plain
+    grows = sum(row.note.startswith(GROWS) for row in verdicts)
+    if grows:
+        yield f"{grows} of them still {'grows' if grows == 1 else 'grow'} when the run ends: run longer"
+    if early and over:
+        yield early
+
+
+def _used(verdicts: Sequence[Verdict]) -> str:
+    """Name the most critical check, "h4, 124 % of combined travel"."""
+    worst = most_used(verdicts)
+    assert worst is not None
+    return f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}"
+
+
+def limit_of(criterion: Criterion) -> str:
+    """Name the limit of a criterion: "combined travel", "rated travel in roll", "the limit of acceleration along z"."""
+    if criterion == COMBINED:
+        return "combined travel"
+    return f"rated {criterion}" if criterion.kind in _RATED else f"the limit of {criterion}"
+
+
+_RATED = (TRAVEL, STATIC_LOAD)
+
+
+class Verdicts(tuple[Verdict, ...]):
+    """Verdicts whose text is the answer, and those that use most of their limits."""
+
+    def __repr__(self) -> str:
+        judged = sorted((row for row in self if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
+        lines = [
+            f"  {row.criterion} of {row.subject}: {100.0 * (row.utilisation or 0.0):.0f} %" for row in judged[:_SHOWN]
+        ]
+        return "\n".join([f"{len(self)} verdicts. {headline(self)}", *lines])
+
+
+def _several(count: int, thing: str) -> str:
+    return f"{count} {thing}{'' if count == 1 else 's'}"
 
 
 def judge(

@@ -1,11 +1,15 @@
-"""Frequencies with values: rows of both, and curves through points, straight between them on logarithmic axes."""
+"""Criteria of a point: its shock response spectrum, and its transmissibility, against limits."""
 
 import math
 
 import numpy as np
 import numpy.typing as npt
 
+from wirerope_mj.assessment.criteria.criterion import Criterion
+from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions.spectra import ShockResponseSpectrum
 
 
 def check_rows(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:
@@ -45,3 +49,103 @@ def curve_at(points: tuple[Array, Array], frequency: Array) -> Array:
     f, v = points
     inside = (frequency >= f[0] * (1.0 - 1e-9)) & (frequency <= f[-1] * (1.0 + 1e-9))
     return np.where(inside, np.exp(np.interp(np.log(frequency), np.log(f), np.log(v))), math.nan)
+
+
+def spectrum_verdict(
+    spectrum: ShockResponseSpectrum,
+    frequency: npt.ArrayLike,
+    acceleration: npt.ArrayLike,
+    *,
+    subject: str,
+    criterion: str = "shock response spectrum",
+) -> Verdict:
+    """Return the verdict on a maximax spectrum against a test spectrum, at the frequency of the highest utilisation.
+
+    Not part of `judge`: call it with a measured test spectrum.
+
+    Equipment that stood a test bears every shock whose spectrum lies below the test's, at the same Q. Only frequencies are
+    judged that both have.
+
+    Args:
+        spectrum: of the acceleration where the equipment stands; of several directions, the largest counts.
+        frequency: of the test spectrum's points [Hz], increasing.
+        acceleration: of the test spectrum's points [m/s^2]; straight between them on logarithmic axes.
+        subject: what is judged.
+        criterion: what the verdict is called.
+
+    Raises:
+        ValueError: the points do not make a curve, or have no frequency in common with the spectrum.
+    """
+    points = check_points("test spectrum", frequency, acceleration)
+    values = spectrum.maximax if spectrum.maximax.ndim == 1 else spectrum.maximax.max(axis=1)
+    allowed = curve_at(points, spectrum.frequencies)
+    ratio = np.where(np.isnan(allowed), -np.inf, values / allowed)
+    worst = int(ratio.argmax())
+    if not np.isfinite(ratio[worst]):
+        low, high = spectrum.frequencies[[0, -1]]
+        raise ValueError(
+            f"`frequency` of the test spectrum, {points[0][0]:.6g} to {points[0][-1]:.6g} Hz, does not overlap the "
+            f"spectrum's {low:.6g} to {high:.6g} Hz."
+        )
+    judged = spectrum.frequencies[np.isfinite(ratio)]
+    note = f"at {spectrum.frequencies[worst]:.4g} Hz, Q = {spectrum.q:g}; judged from {judged[0]:.4g} to {judged[-1]:.4g} Hz"
+    if judged[0] > points[0][0] * 1.06 or judged[-1] < points[0][-1] / 1.06:  # a twelfth of an octave
+        note += f" of {points[0][0]:.4g} to {points[0][-1]:.4g} Hz"
+    return Verdict(
+        criterion=Criterion(criterion),
+        subject=subject,
+        value=float(values[worst]),
+        limit=float(allowed[worst]),
+        unit="m/s^2",
+        note=note,
+    )
+
+
+def transmissibility_verdict(
+    frequency: npt.ArrayLike,
+    amplitude: npt.ArrayLike,
+    *,
+    base: float,
+    limit: float | None,
+    above: float = 0.0,
+    subject: str,
+) -> Verdict:
+    """Return the verdict on the largest transmissibility from a frequency on.
+
+    Args:
+        frequency: [Hz], in any order; a branch that folds has several amplitudes at one of them, and all count.
+        amplitude: of the payload's acceleration [m/s^2].
+        base: amplitude of the base's acceleration [m/s^2].
+        limit: largest transmissibility allowed; None is not judged.
+        above: frequency from which it is judged [Hz]; without it, everywhere.
+        subject: what is judged.
+
+    Raises:
+        ValueError: an argument is not positive, or the response ends below `above`.
+    """
+    f, a = check_rows("amplitude", frequency, amplitude)
+    positive("base", base, unit="m/s^2")
+    if not (math.isfinite(above) and 0.0 <= above <= f.max()):
+        raise ValueError(f"`above` must be between 0 and {f.max():.6g} Hz, where the response ends, got {above!r}.")
+    frequencies, values = f[f >= above], a[f >= above]
+    # Where the curve passes `above` between two of its points it has a value too.
+    for i in np.flatnonzero((f[:-1] < above) != (f[1:] < above)):
+        if a[i] > 0.0 and a[i + 1] > 0.0:
+            pair = [i, i + 1] if f[i] < f[i + 1] else [i + 1, i]
+            between = curve_at(check_points("response", f[pair], a[pair]), np.array([above]))
+            frequencies, values = np.append(frequencies, above), np.append(values, between)
+    worst = int(values.argmax())
+    judged = "everywhere" if above <= f.min() else f"from {above:.4g} Hz on"
+    note = (
+        f"at {frequencies[worst]:.4g} Hz, judged {judged}"
+        if limit is not None
+        else f"at {frequencies[worst]:.4g} Hz; no limit is stated"
+    )
+    return Verdict(
+        criterion=Criterion("transmissibility"),
+        subject=subject,
+        value=float(values[worst] / base),
+        limit=limit,
+        unit="",
+        note=note,
+    )

@@ -7,9 +7,8 @@ import numpy as np
 
 from wirerope_mj.assessment.between_samples import peak_between
 from wirerope_mj.assessment.criteria.criterion import RATTLE_SPACE, Criterion
-from wirerope_mj.assessment.criteria.limits import limits_by_name, payload_bodies
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import Verdict, one_each
+from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, one_each, payload_bodies
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -67,8 +66,8 @@ def _rate_between(response: Response, name: str) -> Array:
     return response.points[one].velocity - response.points[other].velocity
 
 
+# Displacement one way [m], its instant [s], and by how much it may be larger between the samples [m].
 Side = tuple[float, float, float]
-"""Displacement one way [m], its instant [s], and by how much it may be larger between the samples [m]."""
 
 
 def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
@@ -132,8 +131,8 @@ def _farthest(sides: Sequence[Side]) -> Side:
     return value, when, max(reached + above for reached, _, above in sides) - value
 
 
+# Fraction of a clearance by which something may have gone farther between the samples and still be judged.
 MISSED = 0.01
-"""Fraction of a clearance by which something may have gone farther between the samples and still be judged."""
 
 
 def _judge(

@@ -1,4 +1,8 @@
-"""Sampled histories: read without keeping them, and their extremes."""
+"""What of a run is judged: sampled histories and their extremes, and the segment over which a base is steady."""
+
+import math
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 
@@ -6,9 +10,9 @@ from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import RandomVibration, motion_from_dict
 
-SAMPLED = "sampled at"
-"""How the notes begin on what is not judged because samples are too few."""
+SAMPLED = "sampled at"  # How the notes begin on what is not judged because samples are too few
 
 
 def read_columns(response: Response, first: str, count: int) -> Array:
@@ -46,9 +50,7 @@ def samples_hold(response: Response) -> str:
     )
 
 
-AT_REST = 1e-3 * STANDARD_GRAVITY
-"""Acceleration below which something rests [m/s^2]."""
-
+AT_REST = 1e-3 * STANDARD_GRAVITY  # Acceleration below which something rests [m/s^2]
 _MISSED = 0.01
 
 
@@ -62,3 +64,37 @@ def sampled_peak(time: Array, values: Array) -> tuple[float, float]:
             shift = 0.5 * (before - after) / bend
             return here - 0.25 * (before - after) * shift, float(time[k] + shift * (time[k + 1] - time[k]))
     return float(values[k]), float(time[k])
+
+
+# Kinds of motions that go on steadily.
+STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbalance"})
+
+
+def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
+    """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
+
+    Without any random vibration these are minus and plus infinity. Files of records are not read.
+
+    Args:
+        motion: as plain values, as a response holds it.
+    """
+    parts = list(elements(motion))
+    intervals = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]
+    first = max((interval[0] for interval in intervals), default=-math.inf)
+    last = min((interval[1] for interval in intervals), default=math.inf)
+    return bool(parts) and len(intervals) == len(parts), first, last
+
+
+def _steady(stored: Mapping[str, Any]) -> tuple[float, float]:
+    motion = motion_from_dict(stored)
+    assert isinstance(motion, RandomVibration)
+    return motion.steady
+
+
+def elements(stored: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+    """Yield the elementary motions of which one is made by adding, scaling and turning."""
+    inner = [*stored.get("terms", ()), *([stored["motion"]] if "motion" in stored else ())]
+    if not inner:
+        yield stored
+    for part in inner:
+        yield from elements(part)

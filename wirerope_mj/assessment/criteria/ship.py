@@ -17,23 +17,17 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import power_spectral_density
 
+# Peak velocity from 5 to 100 Hz [m/s], and peak acceleration from 1 to 5 Hz [m/s^2].
 PEAKS_1984 = {"lower": (4e-3, 0.126), "upper": (9e-3, 0.285)}
-"""Peak velocity from 5 to 100 Hz [m/s], and peak acceleration from 1 to 5 Hz [m/s^2]."""
-
+# Weighted rms velocity, lower and upper [m/s]: A passenger cabins, B crew accommodation, C working spaces.
 RMS_2000 = {"A": (2e-3, 4e-3), "B": (3e-3, 6e-3), "C": (4e-3, 8e-3)}
-"""Weighted rms velocity, lower and upper [m/s]: A passenger cabins, B crew accommodation, C working spaces."""
-
 _MEANING = {"lower": "adverse comments are not probable below", "upper": "adverse comments are probable above"}
 _KNEE = 5.0
 _RANGE_1984 = (1.0, 100.0)
-_RANGE_2000 = (10.0**-0.05, 10.0**1.95)
-"""Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1."""
-
+_RANGE_2000 = (10.0**-0.05, 10.0**1.95)  # Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1
+# Resolutions below which the drift of the integral shows in a line: the filter of `velocity_lines` ends at six.
 _LEAST_SHOWN = 5.75
-"""Resolutions below which the drift of the integral shows in a line: the filter of `velocity_lines` ends at six."""
-
-_HOPS = 32
-"""Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %."""
+_HOPS = 32  # Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %
 
 
 def weighting(frequency: npt.ArrayLike) -> Array:
@@ -50,8 +44,7 @@ def weighting(frequency: npt.ArrayLike) -> Array:
     return band / np.sqrt(1.0 + (2.0 * math.pi * f * _TRANSITION) ** 2)
 
 
-_TRANSITION = 0.028
-"""1 / w3 of the weighting [s]."""
+_TRANSITION = 0.028  # 1 / w3 of the weighting [s]
 
 
 def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str) -> tuple[Verdict, ...]:

@@ -1,15 +1,165 @@
-"""Peaks, limits and verdicts of a run as plain values."""
+"""Verdicts in sentences, and the summary of a run by them."""
 
 from collections.abc import Sequence
 from typing import Any
 
-from wirerope_mj.assessment.criteria.criterion import CONTACT, STOP
-from wirerope_mj.assessment.criteria.headline import headline
+from wirerope_mj.assessment.criteria.criterion import (
+    ACCELERATION,
+    BOTTOMING,
+    COMBINED,
+    CONTACT,
+    RATTLE_SPACE,
+    STATIC_LOAD,
+    STOP,
+)
+from wirerope_mj.assessment.criteria.ended import too_short
+from wirerope_mj.assessment.criteria.judge import headline
+from wirerope_mj.assessment.criteria.loads import closing_text
 from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.sentences import verdict_lines
-from wirerope_mj.assessment.criteria.verdict import NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, WITHIN, Verdict, most_used
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.isolator.travel import RATINGS
+
+# Said wherever the rule is why a limit is exceeded.
+OWN_RULE = (
+    "Combined travel, the ellipsoid through the rated travels, is this program's own rule; `wirerope run "
+    "--no-combined-travel`, or 0 for limit/combined_travel in the model, leaves it out."
+)
+_NAMED = 4  # contact pairs that a sentence names
+
+
+def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
+    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged.
+
+    Args:
+        response: of a run.
+        verdicts: what `judge` returns of it.
+    """
+    early = too_short(response)  # whose reason stands in the headline
+    lines = ["What is not exceeded yet is not judged."] if early else []
+    lines += _payload_lines(verdicts, early) + _travel_lines(response, verdicts)
+    return lines + static_load_lines(verdicts) + contact_lines(response, early)
+
+
+def static_load_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return which mount has most of its rated static load; nothing where none is judged."""
+    worst = most_used(row for row in verdicts if row.criterion.kind == STATIC_LOAD)
+    if worst is None:
+        return []
+    used = 100.0 * (worst.utilisation or 0.0)
+    return [f"Static load: {worst.verdict}; most used {worst.subject}, {used:.1f} % of rated {worst.criterion}."]
+
+
+def rule_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return whose rule it is that mounts leave, if they leave one that is not a vendor's."""
+    return [OWN_RULE] if any(row.criterion == COMBINED and row.verdict == EXCEEDED for row in verdicts) else []
+
+
+def contact_lines(response: Response, early: str = "") -> list[str]:
+    """Return which pair of geoms was struck hardest and how many others were, which stops closed, and what touches always."""
+    known = response.peaks.contacts or {}
+    contacts = {name: contact for name, contact in known.items() if not contact.mount}
+    lines, struck = [], [name for name in response.peaks.struck if name in contacts]
+    if struck:
+        first, hardest = contacts[struck[0]], max(struck, key=lambda name: contacts[name].force)
+        lines.append(
+            f"Struck: {_listed(struck)}; first {struck[0]} at {first.first_touch:.4f} s, hardest {hardest} with "
+            f"{1e-3 * contacts[hardest].force:.3g} kN. Accelerations are uncertain from the first touch on."
+        )
+    elif contacts and not any(contact.touches for contact in contacts.values()):
+        lines.append(_untouched(len(contacts), "contact pair", early))
+    lines += _stop_lines(response, len(known) - len(contacts), early)
+    resting = [contact.called(name) for name, contact in known.items() if contact.from_start and not contact.struck]
+    if resting:
+        lines.append(f"Touching from the start: {_listed(resting)}.")
+    return lines
+
+
+def _stop_lines(response: Response, n_stops: int, early: str) -> list[str]:
+    """Return which stops of mounts closed, the first one first, or that none of them did."""
+    contacts = response.peaks.contacts or {}
+    closed = [name for name in response.peaks.struck if contacts[name].mount]
+    if closed:
+        text = _listed([closing_text(name, contacts[name]) for name in closed], "; ")
+        return [f"{text[0].upper()}{text[1:]}. From then on accelerations depend on what the stops are made of."]
+    if n_stops and not any(contact.touches for contact in contacts.values() if contact.mount):
+        return [_untouched(n_stops, "bump stop", early)]
+    return []
+
+
+def _untouched(count: int, thing: str, early: str) -> str:
+    """Say that nothing of a kind is touched, as far as the run goes."""
+    which = f"The {thing} is not" if count == 1 else f"None of the {count} {thing}s is"
+    return f"{which} touched{' until the run ends' if early else ''}."
+
+
+def _listed(names: list[str], between: str = ", ") -> str:
+    """Return some names and how many more there are."""
+    more = f" and {len(names) - _NAMED} more" if len(names) > _NAMED else ""
+    return between.join(names[:_NAMED]) + more
+
+
+def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
+    """Return what exceeds the payload's limits, or comes nearest to them, and what has no limit."""
+    kinds = (ACCELERATION, RATTLE_SPACE)
+    rows = [row for row in verdicts if row.criterion.kind in kinds]
+    judged = sorted((row for row in rows if row.verdict != NOT_JUDGED), key=lambda row: -(row.utilisation or 0.0))
+    over = [row for row in judged if row.verdict == EXCEEDED]
+    lines = [f"Exceeded: {against_limit(row)}." for row in over]
+    if judged and not over:
+        lines.append(f"Payload within its limits; most critical {against_limit(judged[0])}.")
+    unjudged = [kind for kind in kinds if not any(row.criterion.kind == kind for row in judged)]
+    if unjudged and rows and not early:
+        lines.append(f"Not judged, because the model states no limit: {' and '.join(unjudged)} of the payload.")
+    return lines
+
+
+def against_limit(row: Verdict) -> str:
+    """Return a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"."""
+    unit, factor = shown_in(row.unit)
+    reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}".strip()
+    return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.utilisation or 0.0):.0f} %)"
+
+
+def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
+    """Return what the worst mount uses of its rated travel, which mounts exceed it, and which are not judged."""
+    mounts = mount_peaks(response)
+    judged = [row for row in mounts if row.utilisation is not None]
+    lines = []
+    if judged:
+        worst = judged[0]
+        used = 100 * (worst.utilisation or 0.0)
+        over = {rating: [row.name for row in judged if rating in row.exceeded] for rating in RATINGS}
+        exceeded = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
+        answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
+        lines.append(f"Travel along single axes: {answer}; most used {worst.name}, {used:.0f} % in {worst.governing}.")
+        lines += _combined_line(verdicts)
+    flat = [row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
+    if flat:
+        lines.append(
+            f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
+            "it is too far away or too soft."
+        )
+    untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
+    unjudged = ["tension of every mount"] if untensioned else []
+    unjudged += [row.name for row in mounts if row.utilisation is None]
+    if unjudged and not too_short(response):
+        lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
+    return lines
+
+
+def _combined_line(verdicts: Sequence[Verdict]) -> list[str]:
+    """Say at how many mounts all axes together come to more than the ratings."""
+    rows = [row for row in verdicts if row.criterion == COMBINED and row.verdict != NOT_JUDGED]
+    worst = most_used(rows)
+    if worst is None:
+        return []
+    over = sum(row.verdict == EXCEEDED for row in rows)
+    which = "the only mount" if len(rows) == 1 else f"all {len(rows)} mounts"
+    answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else f"is within at {which}"
+    return [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)."]
 
 
 def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:

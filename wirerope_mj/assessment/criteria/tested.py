@@ -5,7 +5,7 @@ from collections.abc import Mapping
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.falling import falling_text
+from wirerope_mj.mounts.isolator.travel import falling_text
 
 _NAMED = 3  # mounts and axes that a sentence names
 

@@ -178,8 +178,8 @@ def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTrave
     )
 
 
+# Fraction of a rated travel by which samples may miss the peaks of every step: what they are judged by is known within 1 %.
 MISSED = 0.005
-"""Fraction of a rated travel by which samples may miss the peaks of every step: what they are judged by is known within 1 %."""
 
 
 def _missed(time: Array, mount: SceneMount, deflection: Array, reached: Mapping[str, Array]) -> str:
@@ -207,5 +207,4 @@ def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
     return f"{1e3 * count * spacing:.3g} ms in all" if count >= _ENOUGH else ""
 
 
-_ENOUGH = 10
-"""Samples from which on they tell how long something lasts, to a tenth."""
+_ENOUGH = 10  # Samples from which on they tell how long something lasts, to a tenth

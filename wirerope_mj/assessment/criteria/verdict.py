@@ -1,16 +1,18 @@
 """A value against its limit."""
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from wirerope_mj.assessment.criteria.criterion import Criterion
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import json_values
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
+# Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself.
 STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
-"""Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -103,3 +105,28 @@ def most_used(verdicts: Iterable[Verdict]) -> Verdict | None:
 def smallest_margin(verdicts: Iterable[Verdict]) -> float:
     """Return the smallest margin of what is judged; infinite if nothing is."""
     return min((verdict.margin for verdict in verdicts if verdict.margin is not None), default=math.inf)
+
+
+def payload_bodies(response: Response) -> list[str]:
+    """Return the names of the bodies that move and are not fixed to the base, in the order of the scene."""
+    return [body.name for body in response.scene.bodies if body.moves and not body.on_base]
+
+
+def limits_by_name(
+    response: Response,
+    limits: Sequence[PayloadLimit] | None,
+    kind: str,
+    known: Sequence[str],
+    others: Sequence[str] = (),
+) -> dict[str, PayloadLimit]:
+    """Return the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
+
+    Raises:
+        ValueError: a limit names nothing that is known.
+    """
+    chosen = [limit for limit in (response.scene.limits if limits is None else limits) if limit.kind == kind]
+    for limit in chosen:
+        if limit.name not in known and limit.name not in others:
+            names = ", ".join(known) or "none"
+            raise ValueError(f"`limits` name {limit.name!r}, which has no {kind} here. There are: {names}.")
+    return {limit.name: limit for limit in chosen}

@@ -8,29 +8,21 @@ from typing import Any, get_args
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.ended import too_short
-from wirerope_mj.assessment.criteria.steady import STEADY, elements, steady_interval
+from wirerope_mj.assessment.criteria.sampled import STEADY, elements, steady_interval
 from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mounts import Quantity
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arguments import one_of, positive
 from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.toml_file import toml_content
 
+# By how much damage may change with every other sample alone: that of all samples is known better than that.
 DAMAGE_ERROR = 0.01
-"""By how much damage may change with every other sample alone: that of all samples is known better than that."""
-
-NEGLIGIBLE = 0.01
-"""Damage over that of the worst mount and axis below which it does not matter how well it is known."""
-
-PER_PERIOD = 100
-"""Samples to a period of the mean frequency of a deflection that are asked for where there are too few."""
-
+NEGLIGIBLE = 0.01  # Damage over that of the worst mount and axis below which it does not matter how well it is known
+PER_PERIOD = 100  # Samples to a period of the mean frequency of a deflection that are asked for where there are too few
+# Kinds of motions that go on for hours, or of which a part that was measured stands for them.
 _LASTING = STEADY | {"random-vibration", "record", "force-table"}
-"""Kinds of motions that go on for hours, or of which a part that was measured stands for them."""
-
-_SHORTEST = 0.05
-"""Fraction of a stationary vibration that a run must hold for hours of it to be counted."""
-
+_SHORTEST = 0.05  # Fraction of a stationary vibration that a run must hold for hours of it to be counted
 _KEYS = ("exponent", "quantity", "constant", "stage")
 _STAGE_KEYS = ("run", "repetitions", "hours")
 
@@ -85,13 +77,11 @@ def read_mission(path: str | Path) -> Mission:
     """
     file = Path(path)
     try:
-        content = tomllib.loads(regular(file).read_text(encoding="utf-8"))
+        return _mission(toml_content(file), file.parent)
     except OSError as error:
         raise RecordError(f"{file}: {why_unread(error)}") from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise RecordError(f"{file}: this is not TOML: {error}") from None
-    try:
-        return _mission(content, file.parent)
     except ValueError as error:
         raise RecordError(f"{file}: {error}") from None
 

@@ -17,12 +17,9 @@ from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.mounts.isolator import AXES
 
 Quantity = Literal["deflection", "force"]
-
-_LEAST = 16
-"""Samples from which on every other one alone tells how much hangs on the rate."""
-
+_LEAST = 16  # Samples from which on every other one alone tells how much hangs on the rate
+# Samples to a period of the mean frequency below which a steady vibration may repeat itself in them, and look alike.
 _OF_PERIOD = 4.0
-"""Samples to a period of the mean frequency below which a steady vibration may repeat itself in them, and look alike."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,8 +6,8 @@ The worksheet needs no engine; `simulated` fits a part from its row and lets the
 from wirerope_mj.assessment.selection.select import Candidate as Candidate
 from wirerope_mj.assessment.selection.select import PartSelection as PartSelection
 from wirerope_mj.assessment.selection.select import select_isolators as select_isolators
-from wirerope_mj.assessment.selection.shock import shock_from_text as shock_from_text
 from wirerope_mj.assessment.selection.simulated import SimulatedShock as SimulatedShock
 from wirerope_mj.assessment.selection.simulated import simulate_candidate as simulate_candidate
 from wirerope_mj.assessment.selection.worksheet import Worksheet as Worksheet
 from wirerope_mj.assessment.selection.worksheet import mode_text as mode_text
+from wirerope_mj.assessment.selection.worksheet import shock_from_text as shock_from_text

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 
 from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict, smallest_margin
-from wirerope_mj.assessment.selection.shock import shock_of
 from wirerope_mj.assessment.selection.worksheet import (
     IMPULSE,
     ISOLATION_RATIO,
@@ -15,15 +14,14 @@ from wirerope_mj.assessment.selection.worksheet import (
     Shock,
     Worksheet,
     mode_text,
+    shock_of,
 )
 from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, VendorPart, vendor_parts
 
 UNSTATED, NOT_GIVEN = "the vendor states none", "no limit given"
-
-BY_VELOCITY = ("rated travel", "room", "acceleration")
-"""Criteria whose values come from the velocity change."""
+BY_VELOCITY = ("rated travel", "room", "acceleration")  # Criteria whose values come from the velocity change
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -20,20 +20,13 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
 
-_START = 0.01
-"""Instant of the shock [s]: a moment of rest before it shows the sag."""
-
+_START = 0.01  # Instant of the shock [s]: a moment of rest before it shows the sag
+# Periods of the shock stiffness simulated after the shock at the least: the first swing and the rebound hold the extremes.
 _CYCLES = 2.0
-"""Periods of the shock stiffness simulated after the shock at the least: the first swing and the rebound hold the extremes."""
-
-_ACCURACY = 1e-3
-"""Error of the peaks [-]: the table's values are good to two digits."""
-
+_ACCURACY = 1e-3  # Error of the peaks [-]: the table's values are good to two digits
 _SQRT_HALF = float(np.sqrt(0.5))
-
+# Direction in the mount's axes from its base to the payload: axial, between axial and roll, along the bars.
 _MODE_DIRECTIONS = {"compression": (0.0, 0.0, 1.0), "45": (_SQRT_HALF, 0.0, _SQRT_HALF), "shear": (0.0, 1.0, 0.0)}
-"""Direction in the mount's axes from its base to the payload: axial, between axial and roll, along the bars."""
-
 _MODEL = """\
 <mujoco model="selected">
   <option gravity="{gravity}" integrator="RK4"/>

@@ -1,26 +1,22 @@
-"""The vendors' worksheet: limits of the mounts and the response of one part, one linear spring for each mode."""
+"""The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets."""
 
 import math
+import re
 from dataclasses import dataclass
 
-from wirerope_mj.foundation.arguments import integer, positive
-from wirerope_mj.motions import VelocityStep, ranges
+from wirerope_mj.foundation.arguments import between, integer, positive
+from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep, ranges
 from wirerope_mj.motions.pulses import Pulse
 from wirerope_mj.mounts.vendor_parts.parts import MODES
 
+# Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one.
 WORKSHEET_GRAVITY = 9.81
-"""Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one."""
-
-ISOLATION_RATIO = 3.0
-"""Disturbing over natural frequency that the vendors ask for: it keeps out 80 % and more."""
-
+ISOLATION_RATIO = 3.0  # Disturbing over natural frequency that the vendors ask for: it keeps out 80 % and more
+# Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition).
 IMPULSE = 0.25
-"""Natural frequency times length of a pulse up to which only its velocity change counts (the vendors' condition)."""
-
+# The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
+# the rule says 4 times.
 LONG = 1.0
-"""The same from which the rule says nothing: there an undamped mass under a half-sine reaches 1.73 times the pulse's peak, and
-the rule says 4 times."""
-
 Shock = Pulse | VelocityStep
 
 
@@ -130,3 +126,58 @@ class Worksheet:
 def mode_text(mode: str) -> str:
     """Return a mode in a sentence: "at 45 degrees", "in compression"."""
     return "at 45 degrees" if mode == "45" else f"in {mode}"
+
+
+_RISE = 0.1  # Rise and fall of a trapezoid over its length, as the shock standards draw it
+_PULSE = re.compile(r"([-+.\deE]+)\s*g[\s,]+([-+.\deE]+)\s*ms[\s,]+([a-z][a-z -]*)", re.IGNORECASE)
+_STEP = re.compile(r"([-+.\deE]+)\s*m/s", re.IGNORECASE)
+_EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoid" or "2 m/s"'
+
+
+def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, rebound: float, gravity: float) -> Shock:
+    """Return the one shock that was given; a fall from h with rebound e changes the velocity by (1 + e) sqrt(2 g h)."""
+    given = [value for value in (pulse, velocity, drop) if value is not None]
+    if len(given) != 1:
+        raise ValueError(f"give one shock: `pulse`, `velocity` or `drop`; got {len(given)}.")
+    between("rebound", rebound, 0.0, 1.0)
+    if rebound and drop is None:
+        raise ValueError("`rebound` belongs to `drop`; a `pulse` or a `velocity` is the whole velocity change.")
+    if pulse is not None:
+        if not isinstance(pulse, Shock):
+            raise ValueError(
+                "`pulse` must be a half-sine, sawtooth, trapezoid or velocity step: the worksheet counts by velocity changes."
+            )
+        return pulse
+    if drop is not None:
+        velocity = (1.0 + rebound) * math.sqrt(2.0 * gravity * ranges.level("drop", positive("drop", drop, unit="m")))
+    return VelocityStep(velocity=positive("velocity", velocity, unit="m/s"), direction="z")
+
+
+def shock_from_text(text: str) -> Shock:
+    """Return the shock of a text such as `15 g 11 ms half-sine` or `2 m/s`; its g are those of the worksheet.
+
+    Raises:
+        ValueError: the text is no shock, or one of its numbers is not positive.
+    """
+    step = _STEP.fullmatch(text.strip())
+    if step:
+        return VelocityStep(velocity=_positive(text, step[1]), direction="z")
+    pulse = _PULSE.fullmatch(text.strip())
+    shape = re.sub(r"[ -]", "", pulse[3].lower()) if pulse else ""
+    if pulse is None or shape not in ("halfsine", "sawtooth", "terminalpeaksawtooth", "trapezoid"):
+        raise ValueError(f"`--shock` must be like {_EXAMPLES}; got {text!r}.")
+    peak, duration = _positive(text, pulse[1]) * WORKSHEET_GRAVITY, 1e-3 * _positive(text, pulse[2])
+    if shape == "halfsine":
+        return HalfSine(peak=peak, duration=duration, direction="z")
+    if shape == "trapezoid":
+        return Trapezoid(peak=peak, duration=duration, rise=_RISE * duration, direction="z")
+    return Sawtooth(peak=peak, duration=duration, direction="z")
+
+
+def _positive(text: str, number: str) -> float:
+    try:
+        return positive("--shock", float(number))
+    except ValueError:
+        raise ValueError(
+            f"`--shock`: {number!r} must be a finite number > 0 in {text!r}; write for instance {_EXAMPLES}."
+        ) from None

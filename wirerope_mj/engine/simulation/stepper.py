@@ -19,7 +19,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator.falling import falling_text
+from wirerope_mj.mounts.isolator.travel import falling_text
 
 _NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
 

@@ -15,7 +15,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief, json_values
-from wirerope_mj.mounts.isolator.static_rating import static_utilisation
+from wirerope_mj.mounts.isolator.travel import static_utilisation
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,18 +8,14 @@ from typing import Literal
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.estimate.vendor_check import check_vendor_loops
-from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
+from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE, check_vendor_loops
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 
 LeftOut = Literal["part", "rope size"]
-
+# Rope diameters of the table [m]; outside them nothing was compared and nothing is estimated.
 SMALLEST_ROPE, LARGEST_ROPE = 0.0016, 0.0222
-"""Rope diameters of the table [m]; outside them nothing was compared and nothing is estimated."""
-
-SAME_ROPE = 0.02
-"""Relative difference of two rope diameters that are one size in two units."""
+SAME_ROPE = 0.02  # Relative difference of two rope diameters that are one size in two units
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -75,20 +71,13 @@ class Trends:
         shock = loops * stiffness * secant
         slope, offset = self.vibration_power
         vibration = shock * float(np.exp(offset + slope * np.log(height - bar)))
-        ratios = self.ratios
+        ratios, modes = self.ratios, ("45", "shear")
+        shocks = {"compression": shock, **{mode: ratios[f"{mode} shock"] * shock for mode in modes}}
         return LoopValues(
             bending_stiffness=stiffness,
-            travel={
-                "compression": travel,
-                "45": ratios["45 travel"] * travel,
-                "shear": ratios["shear travel"] * travel,
-            },
-            shock={"compression": shock, "45": ratios["45 shock"] * shock, "shear": ratios["shear shock"] * shock},
-            vibration={
-                "compression": vibration,
-                "45": ratios["45 vibration"] * vibration,
-                "shear": ratios["shear shock"] * shock,
-            },
+            travel={"compression": travel, **{mode: ratios[f"{mode} travel"] * travel for mode in modes}},
+            shock=shocks,
+            vibration={"compression": vibration, "45": ratios["45 vibration"] * vibration, "shear": shocks["shear"]},
             static_load=ratios["static load"] * shock * travel,
         )
 
@@ -177,11 +166,7 @@ def other_vendor_errors() -> dict[str, Array]:
         height, width, rope, loops = (float(v or 0.0) for v in (part.height, part.width, part.rope, part.loops))
         predicted = trends.predict(height=height, width=width, rope=rope, bar=trends.bar_of(rope), loops=loops).flat()
         for mode, values in part.modes.items():
-            stated = {
-                f"{mode} travel": values.travel,
-                f"{mode} vibration": values.vibration,
-                f"{mode} shock": values.shock,
-            }
+            stated = {f"{mode} {name}": getattr(values, name) for name in ("travel", "vibration", "shock")}
             if mode == "compression":
                 stated["static load"] = values.static_load
             for name, value in stated.items():

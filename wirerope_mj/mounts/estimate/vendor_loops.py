@@ -1,10 +1,12 @@
-"""The parts of Enidine's table that state their loops and all three loading modes."""
+"""The parts of Enidine's table that state their loops and all three loading modes, each beside the elastica of its loop."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 
-from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
+import numpy as np
+
+from wirerope_mj.mounts.rope_loop import LoopShape, RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import MODES, SERIES, Series, VendorPart, vendor_parts
 
 ENIDINE: Series = next(series for series in SERIES if series.file == "enidine_wr.csv")
@@ -62,3 +64,66 @@ def _loop(part: VendorPart) -> VendorLoop | None:
     if any(value is None for by_mode in values.values() for value in by_mode.values()):
         return None
     return VendorLoop(name=part.name, rope=rope, loops=loops, width=width, height=height, bar=bar, **values)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Secants:
+    """Force over deflection of a loop at three deflections from the unloaded position [N/m].
+
+    Attributes:
+        compression: straight down.
+        roll: straight across the bars.
+        diagonal: straight at 45 degrees between both; the force is the component along that line.
+    """
+
+    compression: float
+    roll: float
+    diagonal: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class LoopCheck:
+    """One isolator of a vendor beside the elastica; errors are prediction over catalogue - 1.
+
+    Attributes:
+        part: row of the table.
+        bending_stiffness: EI of the rope [N m^2] that gives the catalogue's shock stiffness in compression.
+        roll_error: of the shock stiffness in roll, which the catalogue has in one table with shear.
+        diagonal_error: of the shock stiffness at 45 degrees.
+    """
+
+    part: VendorLoop
+    bending_stiffness: float
+    roll_error: float
+    diagonal_error: float
+
+
+def loop_secants(shape: LoopShape, *, compression: float, roll: float, diagonal: float) -> Secants:
+    """Return the secants of one loop of EI = 1 N m^2 at three travels [m], each > 0."""
+    across = diagonal / np.sqrt(2.0)
+    state = RopeLoop(shape).state([0.0, roll, across], [-compression, 0.0, -across])
+    return Secants(
+        compression=float(-state.axial_force[0] / compression),
+        roll=float(state.roll_force[1] / roll),
+        diagonal=float((state.roll_force[2] - state.axial_force[2]) / np.sqrt(2.0) / diagonal),
+    )
+
+
+@cache
+def check_vendor_loops() -> tuple[LoopCheck, ...]:
+    """Return all 50 rows beside the elastica; nothing is fitted but one EI for each row, to its compression."""
+    return tuple(_check(part) for part in vendor_loops())
+
+
+def _check(part: VendorLoop) -> LoopCheck:
+    """Return one row beside the elastica."""
+    travel = part.travel
+    secants = loop_secants(part.shape, compression=travel["compression"], roll=travel["shear"], diagonal=travel["45"])
+    stiffness = part.shock["compression"] / (part.loops * secants.compression)
+    scale = stiffness * part.loops
+    return LoopCheck(
+        part=part,
+        bending_stiffness=stiffness,
+        roll_error=scale * secants.roll / part.shock["shear"] - 1.0,
+        diagonal_error=scale * secants.diagonal / part.shock["45"] - 1.0,
+    )

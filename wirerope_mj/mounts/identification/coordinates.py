@@ -24,9 +24,9 @@ class Scales:
     above: float = 0.0
 
 
+# Fraction of the least amplitude below which a deflection of slip is not seen: of a sine's 200 samples nine behind a turning
+# point still show the stiffness before it, fewer show a jump of the force alone.
 SEEN = 0.02
-"""Fraction of the least amplitude below which a deflection of slip is not seen: of a sine's 200 samples nine behind a turning
-point still show the stiffness before it, fewer show a jump of the force alone."""
 
 
 @dataclass(frozen=True)

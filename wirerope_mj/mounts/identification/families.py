@@ -6,13 +6,13 @@ deflections at which they slip, each further than the last.
 """
 
 import math
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Family, Scales
-from wirerope_mj.mounts.identification.stops import STOP
 from wirerope_mj.mounts.laws import (
     AsymmetricBoucWen,
     BoucWen,
@@ -20,10 +20,13 @@ from wirerope_mj.mounts.laws import (
     Law,
     Masing,
     Ozdemir,
+    Parallel,
     Stop,
     SymmetricBoucWen,
     VaianaRosati,
 )
+
+ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the state of a lossy one costs time
 
 
 def least_exponent(s: Scales) -> float:
@@ -95,6 +98,49 @@ def _vaiana_rosati(s: Scales) -> list[Coordinate]:
     ]
 
 
+def _stop(s: Scales) -> list[Coordinate]:
+    x, f = s.deflection, s.force
+    gaps = [
+        Coordinate(name, "m", 0.0, reach, scale=x, stiffness=True)
+        for name, reach in (("gap_below", s.below), ("gap_above", s.above))
+        if reach > 0.0
+    ]
+    # The depth may be a hundredth of the amplitude, and k is the force over its power.
+    return [
+        *gaps,
+        Coordinate("k", "N/m^exponent", 1e-4 * f / x, f / (0.01 * x) ** 3, linear=True, stiffness=True),
+        Coordinate("exponent", "-", 1.0, 3.0, stiffness=True),
+        Coordinate("rounding", "m", 0.0, 2.0 * x, scale=x, stiffness=True),
+        Coordinate("loss", "-", 0.0, 1.0),
+        Coordinate("reversal", "m", 1e-4 * x, 10.0 * x),
+    ]
+
+
+def _make_stop(values: dict[str, float]) -> Law:
+    if values["loss"] < ELASTIC:
+        values = {key: value for key, value in values.items() if key not in ("loss", "reversal")}
+    return Stop(**values)  # type: ignore[arg-type]
+
+
+def _read_stop(law: Law) -> dict[str, float]:
+    assert isinstance(law, Stop)
+    values = {
+        key: getattr(law, key) for key in ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
+    }
+    return {key: value for key, value in values.items() if value is not None}
+
+
+# Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
+STOP = Family(coordinates=_stop, make=_make_stop, read=_read_stop, usual={"exponent": 1.0, "rounding": 0.0})
+
+
+def beside_known(family: Family, known: Law | None) -> Family:
+    """Return the family of laws in parallel with one that is known."""
+    if known is None:
+        return family
+    return replace(family, make=lambda values: Parallel(laws=(*known.components, *family.make(values).components)))
+
+
 def masing_family(elements: int) -> Family:
     """Return the family of Masing laws with a number of Jenkin elements."""
     integer("elements", elements, least=1)
@@ -126,6 +172,7 @@ def masing_family(elements: int) -> Family:
     return Family(coordinates=coordinates, make=make, read=read, usual={"k2": 0.0, "k3": 0.0})
 
 
+# The laws that cyclic tests can fix: rate-independent, without wear.
 FAMILIES: dict[type[Law], Family] = {
     BoucWen: Family(
         coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k")],
@@ -162,7 +209,6 @@ FAMILIES: dict[type[Law], Family] = {
         read=lambda law: {key: getattr(law, key) for key in ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")},
     ),
 }
-"""The laws that cyclic tests can fix: rate-independent, without wear."""
 
 
 def family_of(law: type[Law], elements: int = 5) -> Family:

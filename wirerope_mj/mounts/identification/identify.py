@@ -7,38 +7,32 @@ from typing import Literal
 
 import numpy as np
 
-from wirerope_mj.mounts.identification.correlated_noise import with_noise_of_each
-from wirerope_mj.mounts.identification.families import family_of
-from wirerope_mj.mounts.identification.how_many_scales import supported_scales
-from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare, require_loops, scales_of
-from wirerope_mj.mounts.identification.options import Constraint, require_options, unknowns_of
+from wirerope_mj.mounts.identification.families import beside_known, family_of
+from wirerope_mj.mounts.identification.left_out import supported_scales
+from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
 from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
-from wirerope_mj.mounts.identification.scale_loops import ScaleLoop
-from wirerope_mj.mounts.identification.scale_starts import scale_starts
 from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
-from wirerope_mj.mounts.identification.search import Minimum, Unknowns
-from wirerope_mj.mounts.identification.stages import Method, Stage, run_stages
-from wirerope_mj.mounts.identification.start import grid_starts
-from wirerope_mj.mounts.identification.stops import beside_known, closing
+from wirerope_mj.mounts.identification.search import Method, Minimum, Stage, Unknowns, run_stages
+from wirerope_mj.mounts.identification.start import grid_starts, scale_starts
 from wirerope_mj.mounts.identification.sufficient import (
+    Constraint,
+    closing,
     require_amplitudes,
     require_dissipation,
     require_finite,
     require_movement,
+    require_options,
+    unknowns_of,
 )
-from wirerope_mj.mounts.identification.uncertainty import uncertainty_of
+from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop, Masing, Parallel, Stop
 
-STARTS = 2
-"""Best points of the grid from which a search begins, beside the best one for each pattern of signs."""
-
-DEEPER = 2
-"""Times that a fit begins again where moving a value has shown a better one."""
-
+STARTS = 2  # Best points of the grid from which a search begins, beside the best one for each pattern of signs
+DEEPER = 2  # Times that a fit begins again where moving a value has shown a better one
+# Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts.
 SAME = 0.01
-"""Variances within which the ends of two searches are one: a tenth of a standard error. The earlier one counts."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,16 +1,16 @@
-"""What a fit is worth: its criterion, and its error at amplitudes that it has not seen."""
+"""What a fit is worth: its criterion, its error at amplitudes that it has not seen, and so the number of scales."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
-from wirerope_mj.mounts.identification.measured import MeasuredLoop
-from wirerope_mj.mounts.identification.result import Identification
-from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.identification.measured import MeasuredLoop, prepare
+from wirerope_mj.mounts.identification.result import Identification, ScaleRow
+from wirerope_mj.mounts.identification.scales import SCALES
+from wirerope_mj.mounts.laws import Law, Loop
 
-SAME = 0.05
-"""Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer."""
+SAME = 0.05  # Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer
 
 
 def error_of(law: Law, loop: MeasuredLoop) -> float:
@@ -42,3 +42,53 @@ def criterion(fit: Identification, free: int) -> float:
         squares += loop.force.size * (newtons / loop.weight) ** 2
         count += loop.force.size
     return count * math.log(max(squares, 1e-300) / count) + free * math.log(count)
+
+
+# Fit of a number of scales to loops, from the grid, or from a fit to more of them.
+Fit = Callable[[Sequence[Loop], int, Identification | None], Identification]
+
+
+def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[int, tuple[ScaleRow, ...]]:
+    """Fit one scale, two and three, and return the most that the loops support, and what was tried.
+
+    One more scale is taken if the criterion falls and the error at amplitudes left out falls, too: its mean over the amplitudes
+    in logarithms, for that of the largest, into which a spring is extrapolated, is ten times that of the others.
+
+    Args:
+        loops: closed cycles of several amplitudes.
+        fit: the search for a number of scales.
+        weights: of the loops, as in `identify`.
+
+    Raises:
+        ValueError: one scale cannot be fitted, or there is only one amplitude, so that none can be left out.
+    """
+    order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
+    groups = amplitude_groups(prepare(order, weights=weights))
+    if len(groups) < 2:
+        raise ValueError("`scales='auto'` leaves out every amplitude once, and there is only one; say how many scales.")
+    rows: list[ScaleRow] = []
+    for count in SCALES:
+        least = min((row.criterion for row in rows), default=math.inf)
+        try:
+            rows.append(_judged(order, groups, fit, count, weights, least=least))
+        except ValueError as failure:
+            if not rows:
+                raise
+            rows.append(ScaleRow(count=count, free=0, criterion=math.inf, left_out=math.inf, why_not=str(failure)))
+        if len(rows) > 1 and not (rows[-1].criterion < least and rows[-1].left_out < rows[-2].left_out):
+            return rows[-2].count, tuple(rows)
+    return rows[-1].count, tuple(rows)
+
+
+def _judged(
+    loops: Sequence[Loop], groups: Sequence[Sequence[int]], fit: Fit, count: int, weights: str, *, least: float
+) -> ScaleRow:
+    """Return the criterion of a number of scales, and where it is below `least` the error at amplitudes left out."""
+    whole, measured, errors = fit(loops, count, None), prepare(loops, weights=weights), [math.inf]
+    free = len(whole.uncertainty.free)
+    size = criterion(whole, free)
+    if size < least:
+        rest = [[loop for index, loop in enumerate(loops) if index not in group] for group in groups]
+        laws = [fit(part, count, whole).law for part in rest]
+        errors = [group_error(law, measured, group) for law, group in zip(laws, groups, strict=True)]
+    return ScaleRow(count=count, free=free, criterion=size, left_out=float(np.exp(np.mean(np.log(errors)))))

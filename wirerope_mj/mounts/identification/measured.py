@@ -1,9 +1,9 @@
 """A measured loop made ready to be fitted: its deflection runs monotonely between its two turning points."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy
@@ -11,21 +11,18 @@ import scipy
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Scales
-from wirerope_mj.mounts.laws import Law, Loop
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Loop, SymmetricBoucWen
 from wirerope_mj.mounts.laws.steady import follow_force, settle
-from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
+from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import require_likely
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop, mean_of_cycles
 from wirerope_mj.mounts.test_rig.turning import rms_noise
 
-STEADY = 1e-12
-"""Change of the hysteretic force over a cycle, relative to the force range, at which it is steady."""
-
+STEADY = 1e-12  # Change of the hysteretic force over a cycle, relative to the force range, at which it is steady
+# Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference.
 ENDS_NOISE = 6.0
-"""Standard deviations of the noise by which the two ends of a cycle within a stop's gap may differ: four of a difference."""
-
+# Fraction of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise.
 OPEN_ENDED = 0.2
-"""Fraction of the force range by which the ends of a measured cycle may differ: creep of the first cycles, and noise."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,9 +171,7 @@ def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
     """Return the sizes of the measured loops."""
     amplitudes = [loop.amplitude for loop in loops]
     return Scales(
-        deflection=max(amplitudes),
-        least=min(amplitudes),
-        force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops),
+        deflection=max(amplitudes), least=min(amplitudes), force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
     )
 
 
@@ -215,3 +210,52 @@ def _monotone(x: Array) -> Array:
     down = scipy.optimize.isotonic_regression(np.append(cyclic[top:], cyclic[0]), increasing=False).x
     joined = np.roll(np.concatenate([up, down[1:-1]]), start)
     return np.append(joined, joined[0])
+
+
+_KEPT = 48  # Shapes that a loop recalls: those of one Jacobian and of the steps about it
+
+
+@dataclass(frozen=True, kw_only=True)
+class ScaleLoop(MeasuredLoop):
+    """A measured loop that recalls the hysteretic force of a scale over its bound, which x_y, sigma and n alone bend.
+
+    Most coordinates of a law of several scales leave these of most scales as they are, and following them is what takes time.
+    """
+
+    _known: dict[tuple[str, ...], Array] = field(default_factory=dict, init=False, repr=False, compare=False)
+
+    @classmethod
+    def of(cls, loop: MeasuredLoop) -> Self:
+        """Return a loop with a memory of its own."""
+        return cls(**{item.name: getattr(loop, item.name) for item in fields(MeasuredLoop)})
+
+    def model_force(self, law: Law) -> Array:
+        """Return the force of a law of one scale or several on the loop's path [N], (n_t,), as `MeasuredLoop` does."""
+        if len(law.components) == 1:
+            return super().model_force(law)
+        x, z, elastic, asymmetry = self.deflection, np.zeros(1), np.zeros(1), 0.0
+        for one in law.components:
+            assert isinstance(one, BoucWen | SymmetricBoucWen)
+            form = one.normalised
+            z = z + form.z_max * self.shape(form.x_y, form.sigma, form.n)
+            elastic = elastic + (
+                one.k * x if isinstance(one, BoucWen) else x * (one.k1 + x * (np.sign(x) * one.k2 + one.k3 * x))
+            )
+            asymmetry = one.asymmetry if isinstance(one, AsymmetricBoucWen) else 0.0
+        return self.as_measured(np.exp(asymmetry * x) * (z + elastic))
+
+    def as_measured(self, forces: Array) -> Array:
+        """Return what was measured of the forces of every averaged cycle, (n_cycles, n_t), or of the steady one, (1, n_t)."""
+        return mean_of_cycles(forces, self.elapsed) if self.averaged else forces[0]
+
+    def shape(self, x_y: float, sigma: float, n: float) -> Array:
+        """Return z / z_max of a scale in every averaged cycle, or in the steady one, (n_cycles, n_t)."""
+        key = tuple(f"{value:.12e}" for value in (x_y, sigma, n))  # a millionth of the step of a difference
+        if key not in self._known:
+            size = 0.5 * float(np.ptp(self.force))  # what counts as steady is a fraction of it
+            scale = BoucWen.from_normalised(z_max=size, x_y=x_y, sigma=sigma, n=n)
+            forces = self._led_forces(scale) if self.averaged else super().model_force(scale)[None]
+            while len(self._known) >= _KEPT:
+                del self._known[next(iter(self._known))]
+            self._known[key] = forces / size
+        return self._known[key]

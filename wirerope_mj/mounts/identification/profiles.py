@@ -17,23 +17,14 @@ from wirerope_mj.mounts.identification.residuals import Residual
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns, run_search
 from wirerope_mj.mounts.identification.uncertainty import OPEN, Parameter, Uncertainty, noise_of, uncertainty_of
 
-ERRORS = 3.0
-"""Standard errors by which a value is moved: the sum of squares then rises by their square, in variances."""
-
-EXACT = 1e-6
-"""Spread below which residuals are rounding rather than noise: nothing can be told from their rise."""
-
+ERRORS = 3.0  # Standard errors by which a value is moved: the sum of squares then rises by their square, in variances
+EXACT = 1e-6  # Spread below which residuals are rounding rather than noise: nothing can be told from their rise
+# Variances within which a rise, and what a step of the others would take from it, are those of a linear residual.
 STRAIGHT = 1.0
-"""Variances within which a rise, and what a step of the others would take from it, are those of a linear residual."""
-
+# Variances by which a fit has to be better to count as another one: half a standard error of one parameter.
 BETTER = 0.25
-"""Variances by which a fit has to be better to count as another one: half a standard error of one parameter."""
-
-ROUNDS = 4
-"""Times that a value is moved farther as long as the residual has not risen."""
-
-STEPS = 15
-"""Steps of the others' search at one value: it begins where the straight line ends."""
+ROUNDS = 4  # Times that a value is moved farther as long as the residual has not risen
+STEPS = 15  # Steps of the others' search at one value: it begins where the straight line ends
 
 
 @dataclass(frozen=True, kw_only=True)

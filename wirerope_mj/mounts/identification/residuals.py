@@ -11,9 +11,8 @@ from wirerope_mj.mounts.laws import Law
 
 Residual = Callable[[Law], Array]
 Data = Literal["loops", "skeleton"]
-
+# Fraction of the rectangle about a loop below which its area is no size to divide by; wire rope has 0.1 to 0.5.
 THIN = 0.01
-"""Fraction of the rectangle about a loop below which its area is no size to divide by; wire rope has 0.1 to 0.5."""
 
 
 def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residual:

@@ -18,23 +18,16 @@ from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Fami
 from wirerope_mj.mounts.identification.families import FAMILIES
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Parallel, SymmetricBoucWen
 
+# Names of the scales, the first with the largest yield deflection, by their number; a law of one scale needs none.
 SCALES: Mapping[int, tuple[str, ...]] = {1: (), 2: ("large", "small"), 3: ("large", "middle", "small")}
-"""Names of the scales, the first with the largest yield deflection, by their number; a law of one scale needs none."""
-
 AUTO = "auto"
-
-KINDS: tuple[type[Law], ...] = (BoucWen, SymmetricBoucWen, AsymmetricBoucWen)
-"""The laws that can have several scales."""
-
+KINDS: tuple[type[Law], ...] = (BoucWen, SymmetricBoucWen, AsymmetricBoucWen)  # The laws that can have several scales
+# Ratio of neighbouring yield deflections at least: nearer ones are one scale with a broader knee, as no loop can tell.
 APART = 3.0
-"""Ratio of neighbouring yield deflections at least: nearer ones are one scale with a broader knee, as no loop can tell."""
-
-FARTHEST = 1e4
-"""The same ratio at most: more than from the largest amplitude to what the least one shows."""
-
+FARTHEST = 1e4  # The same ratio at most: more than from the largest amplitude to what the least one shows
+# Least n of a scale: below, its own knee is spread over more than two decades of deflection, which the other scales are for,
+# and its slope is lost where no test sees it; n = 0.1 to 0.25 is what one state does that stands for several scales.
 LEAST_EXPONENT = 0.5
-"""Least n of a scale: below, its own knee is spread over more than two decades of deflection, which the other scales are for,
-and its slope is lost where no test sees it; n = 0.1 to 0.25 is what one state does that stands for several scales."""
 
 
 def require_scales(kind: type[Law], scales: Any, *, start: Law | None, beside: Law | None) -> None:

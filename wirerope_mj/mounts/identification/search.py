@@ -1,37 +1,36 @@
-"""Nonlinear least squares in the coordinates of a law."""
+"""Nonlinear least squares in the coordinates of a law, at once or in the thesis' three stages."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
-from wirerope_mj.mounts.identification.residuals import Residual
+from wirerope_mj.mounts.identification.measured import MeasuredLoop
+from wirerope_mj.mounts.identification.residuals import (
+    Residual,
+    area_residual,
+    harmonic_residual,
+    mid_line_residual,
+    rms,
+)
 from wirerope_mj.mounts.laws import Law
 
+# Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error.
 STEP = 1e-6
-"""Step of the differences that make the Jacobian, in logarithms or scaled units: 1e5 times the traces' own error."""
-
-TOLERANCE = 1e-10
-"""Relative change of the numbers below which a search has ended."""
-
+TOLERANCE = 1e-10  # Relative change of the numbers below which a search has ended
+# Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter.
 GAIN = 1e-3
-"""Variances of the residual that a step has to take from the sum of squares: 0.03 standard errors of one parameter."""
-
+# So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
+# What moves on and takes less creeps along a valley that the noise does not tell apart from its end.
 STEPS_RUNNING, STALLED = 10, 0.25
-"""So many steps together have to take this many variances from the sum of squares: half a standard error of one parameter.
-What moves on and takes less creeps along a valley that the noise does not tell apart from its end."""
-
-EVALUATIONS = 100
-"""Steps of one search; what needs more has lost its way."""
-
+EVALUATIONS = 100  # Steps of one search; what needs more has lost its way
 CREPT = f"{STEPS_RUNNING} steps together changed the residual by less than half a standard error does"
 CALM = "the last step changed the residual by less than the noise can tell"
-
-REFUSED = 1e3
-"""Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit."""
+REFUSED = 1e3  # Residual of a law that cannot be evaluated on the loops, in units of their force: far from any fit
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,10 +70,7 @@ class Unknowns:
     @property
     def bounds(self) -> tuple[Array, Array]:
         """Lower and upper bounds of the numbers."""
-        return (
-            np.array([c.inside(c.lower) for c in self.free]),
-            np.array([c.inside(c.upper) for c in self.free]),
-        )
+        return (np.array([c.inside(c.lower) for c in self.free]), np.array([c.inside(c.upper) for c in self.free]))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -178,3 +174,61 @@ def run_search(
         numbers=result.x, residual=result.fun, jacobian=result.jac, iterations=result.njev,
         evaluations=residuals.evaluations, converged=result.status > 0, message=message,
     )  # fmt: skip
+
+
+Method = Literal["three-stage", "time", "frequency"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Stage:
+    """One stage of a fit: its name, steps, evaluations, the root mean square that was left of the loops, the fitted values."""
+
+    name: str
+    iterations: int
+    evaluations: int
+    error: float
+    values: dict[str, float]
+
+
+def run_stages(
+    unknowns: Unknowns, loops: Sequence[MeasuredLoop], full: Residual, values: Mapping[str, float], method: Method
+) -> tuple[Minimum, tuple[Stage, ...]]:
+    """Return the end of a search from `values` in the residual `full`, and its stages.
+
+    Args:
+        unknowns: coordinates of the law.
+        loops: as they were measured.
+        full: the residual that counts.
+        values: the start.
+        method: "three-stage": stiffness from mid-lines, hysteresis from areas, everything from forces; "time": the last of
+            these at once; "frequency": everything from the Fourier coefficients of the forces.
+    """
+    stages: list[Stage] = []
+
+    def stage(
+        name: str, part: Unknowns, residual: Residual, begin: Mapping[str, float]
+    ) -> tuple[Minimum, dict[str, float]]:
+        end = run_search(part, residual, begin)
+        ended = part.values(end.numbers)
+        error = rms(full(part.law(end.numbers)))
+        stages.append(
+            Stage(name=name, iterations=end.iterations, evaluations=end.evaluations, error=error, values=ended)
+        )
+        return end, ended
+
+    if method == "frequency":
+        end, ended = stage("frequency", unknowns, harmonic_residual(loops), values)
+        # The error, and what the data identify, are still those of the forces.
+        there = run_search(unknowns, full, ended, most=1)
+        return replace(there, converged=end.converged, message=end.message), tuple(stages)
+    if method == "three-stage":
+        begin = {**{c.name: values[c.name] for c in unknowns.coordinates}, **unknowns.fixed}
+        parts = (("stiffness", True, mid_line_residual(loops)), ("areas", False, area_residual(loops)))
+        for name, stiffness, residual in parts:
+            held = {c.name: begin[c.name] for c in unknowns.coordinates if c.stiffness is not stiffness}
+            part = replace(unknowns, fixed={**held, **unknowns.fixed})
+            if part.free:
+                _, begin = stage(name, part, residual, begin)
+        values = begin
+    end, _ = stage("everything", unknowns, full, values)
+    return end, tuple(stages)

@@ -17,11 +17,9 @@ from wirerope_mj.mounts.identification.scales import scales_family
 from wirerope_mj.mounts.isolator import Spread
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
 
-FEWEST = 2
-"""Specimens below which there is no scatter to speak of."""
-
+FEWEST = 2  # Specimens below which there is no scatter to speak of
+# Relative step of the differences that carry standard errors over to the law's own parameters: smooth, one-line formulas.
 STEP = 1e-6
-"""Relative step of the differences that carry standard errors over to the law's own parameters: smooth, one-line formulas."""
 
 
 @dataclass(frozen=True, kw_only=True)

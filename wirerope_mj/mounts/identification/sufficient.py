@@ -1,20 +1,101 @@
-"""Conditions for a search: loops the right way round, enough amplitudes, and every free parameter felt."""
+"""Conditions for a search: options, loops the right way round, enough amplitudes, a stop that closes, parameters that count."""
 
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Literal, get_args
 
 import numpy as np
+import scipy
 
+from wirerope_mj.foundation.arguments import finite, one_of, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.residuals import THIN, Data, Residual
-from wirerope_mj.mounts.identification.search import Unknowns
+from wirerope_mj.mounts.identification.search import Method, Unknowns
 from wirerope_mj.mounts.laws import Law
 
-PER_LOOP = 3
-"""Quantities that one loop fixes well: its secant stiffness, its area, and how its branches bend."""
+Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
 
-DEAD = 1e-9
-"""Change of the residual, for a change of 100 % of a parameter, that is rounding."""
+
+def require_options(
+    method: Any, data: Any, constraint: Any, noise: Any, grid: bool, start: Any, fixed: Any, extra_residuals: Any
+) -> None:
+    """Raise ValueError unless the options of `identify` are known and go together."""
+    one_of("method", method, get_args(Method))
+    one_of("data", data, get_args(Data))
+    if constraint is not None:
+        one_of("constraint", constraint, get_args(Constraint))
+    if noise is not None:
+        positive("noise", noise)
+    if start is None and not grid:
+        raise ValueError("`grid` is False and there is no `start`: a search has nowhere to begin.")
+    if method == "frequency" and (start is None or data != "loops"):
+        raise ValueError(
+            "`method='frequency'` needs a law to `start` at and `data='loops'`: from the grid searches go by forces."
+        )
+    if not isinstance(fixed, Mapping):
+        raise ValueError(f"`fixed` must be a mapping of names to values, got {fixed!r}.")
+    for name, value in fixed.items():
+        finite(f"fixed[{name!r}]", value)
+    if not isinstance(extra_residuals, Sequence) or not all(callable(one) for one in extra_residuals):
+        raise ValueError(f"`extra_residuals` must be a sequence of functions of a law, got {extra_residuals!r}.")
+
+
+def unknowns_of(
+    law: type[Law],
+    family: Family,
+    coordinates: list[Coordinate],
+    fixed: dict[str, float],
+    free: Sequence[str],
+    constraint: Constraint | None,
+    start: Law | None,
+) -> Unknowns:
+    """Return the coordinates that are searched for and those that are fixed; ValueError where the options contradict."""
+    if start is not None and type(start) is not law:
+        raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
+    if fixed.get("loss") == 0.0:  # an elastic stop has none
+        coordinates = [c for c in coordinates if c.name != "reversal"]
+    names = [c.name for c in coordinates]
+    for option, named in (("fixed", fixed), ("free", free)):
+        for name in named:
+            if name not in names:
+                raise ValueError(
+                    f"`{option}` names {name!r}, which {law.name} does not have; it has {', '.join(names)}."
+                )
+    if both := [name for name in free if name in fixed]:
+        raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
+    begun = family.read(start) if start is not None else {}
+    usual = {
+        name: value for name, value in family.usual.items() if name not in free and begun.get(name, value) == value
+    }
+    fixed = {**usual, **fixed}
+    if start is not None and (missing := [n for n in names if n not in fixed and n not in begun]):
+        raise ValueError(
+            f"`start` must give {', '.join(missing)}, which the loops show and the search moves, got {start!r}."
+        )
+    if set(names) <= set(fixed):
+        raise ValueError(f"`fixed` names all parameters, {', '.join(names)}: nothing is left to search for.")
+    if constraint is not None:
+        if "sigma" not in names:
+            raise ValueError(f"`constraint` is between beta and gamma, and {law.name} does not have both.")
+        if "sigma" in fixed:
+            raise ValueError(
+                "`constraint` and `fixed` both say what sigma = beta / (beta + gamma) may be; give one of them."
+            )
+        ends = {"beta>gamma": (0.5, math.inf), "beta<gamma": (0.0, 0.5)}.get(constraint, (0.0, math.inf))
+        coordinates = [
+            replace(c, lower=max(c.lower, ends[0]), upper=min(c.upper, ends[1])) if c.name == "sigma" else c
+            for c in coordinates
+        ]
+        if constraint == "beta=gamma":
+            fixed["sigma"] = 0.5
+    return Unknowns(family=family, coordinates=coordinates, fixed=fixed)
+
+
+PER_LOOP = 3  # Quantities that one loop fixes well: its secant stiffness, its area, and how its branches bend
+DEAD = 1e-9  # Change of the residual, for a change of 100 % of a parameter, that is rounding
 
 
 def require_amplitudes(loops: Sequence[MeasuredLoop], unknowns: Unknowns, data: Data) -> None:
@@ -62,3 +143,69 @@ def require_finite(extra_residuals: Sequence[Residual], law: Law) -> None:
     for index, residual in enumerate(extra_residuals):
         if not np.isfinite(np.asarray(residual(law), dtype=np.float64)).all():
             raise ValueError(f"`extra_residuals[{index}]` gives numbers that are not finite, at the start {law!r}.")
+
+
+HINGES = 12  # Gaps of the springs that make up any stop, evenly over the reach of a side
+SURE = 30.0  # Variances by which a side has to lessen the sum of squares: in noise its springs find some ten
+# Fraction of a loop's force range that a closed side carries at least: a law beside it is seldom known better.
+LEAST = 0.02
+
+
+def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[MeasuredLoop], dict[str, float]]:
+    """Return the loops that count for a stop, and how far beyond zero the sides that close were pressed [m], 0 of others.
+
+    Loops within the gap of a bare stop hold noise alone and do not count.
+
+    Raises:
+        ValueError: none closes.
+    """
+    counted = [loop for loop in loops if known is not None or closes(loop)]
+    low, high = (pick(float(pick(loop.deflection)) for loop in loops) for pick in (min, max))
+    sides = _closed(counted, known) if counted else (False, False)
+    if not any(sides):
+        beyond = "" if known is None else f" beside the {known.name} law"
+        raise ValueError(
+            f"no loop closes a stop: between {1e3 * low:.4g} and {1e3 * high:.4g} mm no force is left{beyond} that grows "
+            "towards an end. Test larger amplitudes, or about an operating point nearer to the stop."
+        )
+    return counted, {"below": max(-low, 0.0) * sides[0], "above": max(high, 0.0) * sides[1]}
+
+
+def closes(loop: MeasuredLoop) -> bool:
+    """Return True if a loop of a bare stop closes it."""
+    return any(_closed([loop], None))
+
+
+def _closed(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[bool, bool]:
+    """Return two booleans: a stop pushes at the lower end, and at the upper one.
+
+    Any elastic force that only grows with the depth is a sum of springs behind gaps, and a lossy one has another sum on the way
+    back. They are fitted with stiffnesses >= 0; a side is closed if the fit without it is worse for sure.
+    """
+    left = [loop.force - (0.0 if known is None else loop.model_force(known)) for loop in loops]
+    force = np.concatenate([(f - f.mean()) / loop.weight for f, loop in zip(left, loops, strict=True)])
+    below, above = (_springs(loops, side) for side in (-1.0, 1.0))
+
+    def cost(*sides: Array) -> tuple[float, Array]:
+        matrix = np.hstack(sides)
+        springs = scipy.optimize.lsq_linear(matrix, force, (0.0, np.inf)).x
+        return float(np.sum((matrix @ springs - force) ** 2)), springs
+
+    both, stiffness = cost(below, above)
+    halves = np.split(stiffness, 2)
+    gains = [(cost(other)[0] - both) / max(both / force.size, 1e-12) for other in (above, below)]
+    pushes = [float(np.ptp(part @ half)) for part, half in zip((below, above), halves, strict=True)]
+    first, second = (gain > SURE and push > LEAST * np.ptp(force) for gain, push in zip(gains, pushes, strict=True))
+    return bool(first), bool(second)
+
+
+def _springs(loops: Sequence[MeasuredLoop], side: float) -> Array:
+    """Return forces (n_t, n) of unit springs behind gaps on one side, those of pressing and letting go apart, without means."""
+    reach = max(0.0, *(float((side * loop.deflection).max()) for loop in loops))
+    gaps, rows = np.linspace(0.0, reach, HINGES, endpoint=False), []
+    for loop in loops:
+        pressed = (side * np.gradient(loop.deflection) > 0.0)[:, None]
+        springs = side * np.maximum(side * loop.deflection[:, None] - gaps, 0.0) / loop.weight
+        columns = np.hstack([springs * pressed, springs * ~pressed])
+        rows.append(columns - columns.mean(axis=0))
+    return np.concatenate(rows)

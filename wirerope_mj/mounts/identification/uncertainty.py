@@ -1,24 +1,24 @@
-"""Standard errors, correlations, and the combinations of parameters that no residual identifies."""
+"""Standard errors, correlations, and the combinations of parameters that no residual identifies.
+
+The errors of a search take all residuals as independent and alike. A load cell's noise is as large in newtons on a small loop
+as on a large one, and filters, hum and the misfit of a law correlate neighbours. For a parameter that part of the noise counts
+whose frequency its own effect on the force has, the first harmonics of the cycle.
+"""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 
+# Standard error, in logarithms or in the size that a coordinate can have, from which on the data do not identify it.
 OPEN = 0.25
-"""Standard error, in logarithms or in the size that a coordinate can have, from which on the data do not identify it."""
-
-NAMED = 0.3
-"""Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it."""
-
-ROUNDING = 1e-12
-"""Component of a combination (a unit vector) that is none."""
-
-AT_BOUND = 1e-6
-"""Fraction of a coordinate's range within which it stands at its bound."""
+NAMED = 0.3  # Component of a non-identifiable combination (a unit vector) from which on a coordinate is named in it
+ROUNDING = 1e-12  # Component of a combination (a unit vector) that is none
+AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at its bound
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -137,3 +137,98 @@ def _message(names: Sequence[str], combination: Array, error: float) -> str:
     moves = ", ".join(f"{name} {'up' if component * named[0][1] > 0.0 else 'down'}" for name, component in named)
     together = " and ".join(name for name, _ in named)
     return f"{together} are not identifiable apart {size}: moving {moves} together changes too little"
+
+
+# Harmonics of the cycle at which bands of the noise's spectrum begin, so wide that loops of a few amplitudes show each.
+BANDS = (1, 4, 9, 19, 41)
+
+
+def with_noise_of_each(
+    uncertainty: Uncertainty, unknowns: Unknowns, minimum: Minimum, sizes: Sequence[int]
+) -> Uncertainty:
+    """Return the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
+
+    With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is
+    H (sum of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a
+    spectrum of noise that all loops have in common, known by `BANDS`. Of that the fit takes away as much as the
+    parameters move at a harmonic, its leverage there, which is given back. Errors that were widened before stay as much wider.
+
+    Args:
+        uncertainty: as if all residuals had one noise.
+        unknowns: of the fit.
+        minimum: of the fit.
+        sizes: residuals of each loop; what is behind them counts as one loop more, of independent ones.
+    """
+    freedom = minimum.residual.size - len(unknowns.free)
+    slopes = np.array([c.slope(number) for c, number in zip(unknowns.free, minimum.numbers, strict=True)])
+    jacobian = minimum.jacobian / slopes
+    norms = np.linalg.norm(jacobian, axis=0)
+    felt = norms > 0.0  # what moved nothing where the search ended has no noise to be of: its error stays what it is
+    variances = np.diag(uncertainty.covariance)
+    if freedom <= 0 or not felt.any() or not np.isfinite(variances[felt]).all() or np.any(variances[felt] <= 0.0):
+        return uncertainty
+    scaled = jacobian[:, felt] / norms[felt]
+    bread = np.linalg.pinv(scaled).T / norms[felt]  # J H, (n_residuals, n_felt)
+    covariance = uncertainty.covariance.copy()
+    covariance[np.ix_(felt, felt)] = _meat(minimum.residual, bread, np.linalg.qr(scaled)[0], sizes, freedom)
+    before, after = np.sqrt(variances), np.sqrt(np.diag(covariance))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        grown = dict(zip(uncertainty.free, np.where(felt, after / before, 1.0), strict=True))
+        correlation = np.nan_to_num(covariance / np.outer(after, after), nan=0.0)
+    parameters = {
+        name: replace(p, standard_error=p.standard_error * grown.get(name, 1.0))
+        for name, p in uncertainty.parameters.items()
+    }
+    return replace(uncertainty, parameters=parameters, covariance=covariance, correlation=correlation)
+
+
+def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:
+    """Return the covariance of the values: noise of each loop's mean square and of the spectrum that they have in common.
+
+    Args:
+        residual: what is left, (n,).
+        bread: what each residual moves the values by, (n, n_free).
+        basis: orthonormal columns that span what the parameters move, (n, n_free).
+        sizes: residuals of each loop.
+        freedom: residuals less parameters.
+    """
+    ends = np.cumsum(sizes)
+    loops = [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]
+    squares = [float(np.mean(residual[loop] ** 2)) for loop in loops]
+    # One degree of freedom of white noise in each band: few loops may leave none to one.
+    power, room = (np.full(len(BANDS), residual.size / freedom), np.ones(len(BANDS)))
+    for loop, square in zip(loops, squares, strict=True):
+        if square == 0.0:
+            continue
+        left, moved = _harmonics(residual[loop, np.newaxis]), _harmonics(basis[loop])
+        band = np.searchsorted(BANDS, np.arange(1, left.shape[0] + 1), side="right") - 1
+        power += np.bincount(band, np.sum(np.abs(left) ** 2, axis=1) / square, len(BANDS))
+        room += np.bincount(band, np.maximum(2.0 - np.sum(np.abs(moved) ** 2, axis=1), 0.0), len(BANDS))
+    known = np.maximum(room, 4.0)
+    spectrum = power / room * known / (known - 2.0)  # Student's distribution is wider than the normal one by this
+    along = _between_bands(spectrum, max(sizes) // 2)
+    covariance = np.zeros((bread.shape[1], bread.shape[1]))
+    for loop, square in zip(loops, squares, strict=True):
+        own = _harmonics(bread[loop])
+        covariance += square * np.real(own.conj().T @ (own * along[: own.shape[0], np.newaxis]))
+    beside = bread[ends[-1] :]
+    if beside.size:
+        covariance += np.mean(residual[ends[-1] :] ** 2) * residual.size / freedom * (beside.T @ beside)
+    return covariance
+
+
+def _harmonics(values: Array) -> npt.NDArray[np.complex128]:
+    """Return the harmonics of a loop's columns from the first on, (n_harmonics, n), their squares' sum that of the values."""
+    return np.asarray(np.fft.rfft(values, axis=0)[1 : (values.shape[0] + 1) // 2] * np.sqrt(2.0 / values.shape[0]))
+
+
+def _between_bands(spectrum: Array, count: int) -> Array:
+    """Return a spectrum at the first harmonics, (count,), straight in logarithms through the middles of its bands.
+
+    Below the middle of the first band it goes on as it bends there: correlated noise is largest at the lowest harmonic.
+    """
+    middles = np.log([*np.sqrt(np.multiply(BANDS[:-1], np.subtract(BANDS[1:], 1))), 1.4 * BANDS[-1]])
+    at, values = np.log(np.arange(1, count + 1)), np.log(spectrum)
+    slope = (values[1] - values[0]) / (middles[1] - middles[0])
+    below = values[0] + slope * (at - middles[0])
+    return np.asarray(np.exp(np.where(at < middles[0], below, np.interp(at, middles, values))))

@@ -6,8 +6,8 @@ from wirerope_mj.mounts.isolator.parts import Limits as Limits
 from wirerope_mj.mounts.isolator.parts import Provenance as Provenance
 from wirerope_mj.mounts.isolator.parts import Rotation as Rotation
 from wirerope_mj.mounts.isolator.parts import Spread as Spread
+from wirerope_mj.mounts.isolator.parts import Stiffening as Stiffening
 from wirerope_mj.mounts.isolator.parts import Travel as Travel
-from wirerope_mj.mounts.isolator.stiffening import Stiffening as Stiffening
 from wirerope_mj.mounts.isolator.tables import AXES as AXES
 from wirerope_mj.mounts.isolator.tables import read_law as read_law
 from wirerope_mj.mounts.isolator.validity import MeasuredRange as MeasuredRange

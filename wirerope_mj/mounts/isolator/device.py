@@ -1,6 +1,7 @@
-"""The isolator itself."""
+"""The isolator itself, and the amplitudes at which its axes are worth a test."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -10,15 +11,22 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.summary import Brief
-from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, require_law_in_metres
-from wirerope_mj.mounts.isolator.stiffening import Stiffening
+from wirerope_mj.mounts.isolator.parts import (
+    Geometry,
+    Limits,
+    Provenance,
+    Rotation,
+    Spread,
+    Stiffening,
+    require_law_in_metres,
+)
 from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
-from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop
+from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop, Tabulated
+from wirerope_mj.mounts.laws.stop import largest_gap
 
-COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}
-"""The axes that a coupling couples, by its name."""
+COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axes that a coupling couples, by its name
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -223,3 +231,41 @@ class Isolator(Brief):
 
 def _parts(law: Law | None) -> tuple[Law, ...]:
     return () if law is None else law.components
+
+
+_UNRATED_FRACTION = 0.05  # of the height, where no travel is rated: small enough for every mount
+_UNRATED = 0.005  # [m], where not even the height is known
+
+
+def distinct_axes(isolator: Isolator) -> list[tuple[str, str, Law]]:
+    """Return title, axis and law of each axis with a force; roll and shear are one if they are the same in law and rating."""
+    present = [(axis, law) for axis, law in isolator.axes.items() if law is not None]
+    same = isolator.roll is not None and isolator.roll == isolator.shear
+    if same and isolator.rated_travel("roll") == isolator.rated_travel("shear"):
+        return [("roll and shear" if axis == "roll" else axis, axis, law) for axis, law in present if axis != "shear"]
+    return [(axis, axis, law) for axis, law in present]
+
+
+def largest_amplitude(isolator: Isolator, axis: str) -> float:
+    """Return the amplitude of the largest loop worth drawing [m]: the rated travel, or 5 % of the height, or 5 mm.
+
+    What is not rated goes that much beyond the largest gap of its stops; a table goes to its end. If the law ends before
+    that on one side, it is what it has there.
+    """
+    rated = max((travel for travel in isolator.rated_travel(axis) if travel is not None), default=None)
+    height = isolator.geometry.height if isolator.geometry is not None else None
+    law, size = isolator.axes[axis], rated or (_UNRATED if height is None else _UNRATED_FRACTION * height)
+    if law is None:
+        return size
+    if rated is None and any(isinstance(one, Tabulated) for one in law.components) and law.finite_travel < math.inf:
+        return law.finite_travel
+    return min(size if rated else largest_gap(law) + size, law.finite_travel)
+
+
+def amplitudes_of(isolator: Isolator, axis: str, fractions: Sequence[float]) -> list[float]:
+    """Return fractions of the largest amplitude [m]; where an unrated axis has nothing but stops, of what is beyond the gap."""
+    law, largest = isolator.axes[axis], largest_amplitude(isolator, axis)
+    only_stops = law is not None and all(isinstance(one, Stop) for one in law.components)
+    rated = any(travel is not None for travel in isolator.rated_travel(axis))
+    start = largest_gap(law) if law is not None and only_stops and not rated else 0.0
+    return [start + fraction * (largest - start) for fraction in fractions]

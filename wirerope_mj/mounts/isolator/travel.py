@@ -1,6 +1,7 @@
-"""Travel: how far a deflection goes in each direction that an isolator is rated for, and its utilisation of the rating."""
+"""Travel and static load of a mount: how far and how much, its utilisation of the rating, and where the force falls."""
 
-from collections.abc import Mapping
+import math
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -8,11 +9,36 @@ import numpy.typing as npt
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 
-RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
-"""Rated travels in the order of the tables: the mount's axis, and its sign along it; 0 = both."""
 
+def static_utilisation(force: Sequence[float] | Array, rated: float | None) -> float | None:
+    """Return compression over rated static load; None where `static_load_unjudged` says why that is not judged."""
+    if rated is None or static_load_unjudged(force, rated):
+        return None
+    return max(-float(force[2]), 0.0) / rated
+
+
+def static_load_unjudged(force: Sequence[float] | Array, rated: float | None) -> str:
+    """Return why a rated static load says nothing of the load of a mount, as text; empty where it judges it.
+
+    The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
+
+    Args:
+        force: restoring force at rest, roll, shear, axial [N], (3,); axial negative in compression.
+        rated: static load in compression [N]; None or NaN = not rated.
+    """
+    if rated is None or math.isnan(rated):
+        return "no static load is rated"
+    roll, shear, along = map(float, force)
+    across = math.hypot(roll, shear)
+    if across > abs(along):
+        return "the load is across the axis, and the rating holds for compression"
+    return "the mount hangs, and the rating holds for compression" if along > 0.0 else ""
+
+
+# Rated travels in the order of the tables: the mount's axis, and its sign along it; 0 = both.
+RATINGS = {"compression": (2, -1.0), "tension": (2, 1.0), "shear": (1, 0.0), "roll": (0, 0.0)}
+# Rated travels of each axis below and above zero.
 SIDES = {"roll": ("roll", "roll"), "shear": ("shear", "shear"), "axial": ("compression", "tension")}
-"""Rated travels of each axis below and above zero."""
 
 
 def travel_in(rating: str, deflection: Array) -> Array:
@@ -62,3 +88,49 @@ def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *,
                     f"{law.travel_rule}"
                 )
     return ""
+
+
+STEPS = 400  # Steps of a stroke, and of the step in which its force begins to fall
+# Of the stiffness of the unloaded device: a slope below zero by less is that of a force which has saturated.
+_ROUNDING = 1e-9
+
+
+def falling_from(law: Law, lowest: float, highest: float) -> dict[float, float]:
+    """Return the deflection from which on the force falls on further loading, by side (-1.0, 1.0) [m].
+
+    Each side is run through from the unloaded device, as a shock does. A law that depends on the rate, and one that cannot go
+    there, are left out, as are sides on which the force grows all the way.
+
+    Args:
+        law: of one axis.
+        lowest: end of the stroke below zero [m], <= 0.
+        highest: end of the stroke above zero [m], >= 0.
+    """
+    found: dict[float, float] = {}
+    if not law.rate_independent:
+        return found
+    for side, end, most in zip((-1.0, 1.0), (-lowest, highest), law.travel_ends, strict=True):
+        reach = min(end, 0.999 * most)
+        if 0.0 < reach < math.inf and (coarse := _fall(law, side, 0.0, reach)):
+            # A chord falls from up to a step before the top of the force on.
+            found[side] = side * (_fall(law, side, max(coarse - 2.0 * reach / STEPS, 0.0), coarse) or coarse)
+    return found
+
+
+def _fall(law: Law, side: float, begin: float, end: float) -> float:
+    """Return the end of the first step between two deflections in which the force falls [m]; 0 if it grows all the way."""
+    path = side * np.concatenate([[0.0], np.linspace(begin, end, STEPS + 1)])
+    try:
+        force = law.trace(path).force[1:]
+    except ValueError:  # it leaves the finite numbers there
+        return 0.0
+    falls = side * np.diff(force) < -_ROUNDING * law.initial_stiffness * (end - begin) / STEPS
+    return abs(float(path[int(np.argmax(falls)) + 2])) if falls.any() else 0.0
+
+
+def falling_text(law: Law, lowest: float, highest: float) -> str:
+    """Return from which deflections on the tangent stiffness is negative, as text; "" where it is not."""
+    places = [
+        f"{'below' if x < 0.0 else 'above'} {1e3 * x:.3g} mm" for x in falling_from(law, lowest, highest).values()
+    ]
+    return f"the tangent stiffness is negative {' and '.join(places)}" if places else ""

@@ -7,14 +7,10 @@ from typing import Any
 from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array
 
-SLACK = 0.05
-"""Ratio by which amplitudes may differ and count as one: strokes of one run at a rig differ by as much."""
-
+SLACK = 0.05  # Ratio by which amplitudes may differ and count as one: strokes of one run at a rig differ by as much
+# Half-range of an axis over its mount's largest, below which its force decides nothing that small cycles could change.
 MOVING = 0.1
-"""Half-range of an axis over its mount's largest, below which its force decides nothing that small cycles could change."""
-
 _MILLI = 1e3  # metres to millimetres
-
 Pair = tuple[float, float]
 
 

@@ -14,27 +14,19 @@ from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, WORN_OUT, baber_noo
 from wirerope_mj.mounts.laws.kernels import evaluate_rarer
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
 
+# Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
+# from their limit, and 1e-8 is what they promise.
 TOLERANCE = 1e-9
-"""Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
-from their limit, and 1e-8 is what they promise."""
-
+# The same for coupled axes: a component that passes through zero beside a large other one is no kink to land on.
 TOLERANCE_IN_THE_PLANE = 1e-11
-"""The same for coupled axes: a component that passes through zero beside a large other one is no kink to land on."""
-
+# Fraction of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound.
 FIRST_STEP = 0.2
-"""Fraction of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound."""
-
+# Fraction of a segment below which a failing step can only be a kink, whose contribution is below rounding.
 _SMALLEST = 1e-9
-"""Fraction of a segment below which a failing step can only be a kink, whose contribution is below rounding."""
-
-_NARROWEST = 1e-9
-"""Fraction of the bound of z that a step covers at the least."""
-
-_AT_ZERO = 1e-13
-"""Fraction of what z gains over the segment's length that counts as zero."""
-
+_NARROWEST = 1e-9  # Fraction of the bound of z that a step covers at the least
+_AT_ZERO = 1e-13  # Fraction of what z gains over the segment's length that counts as zero
+# Newton steps in which a step's end is moved onto a change of sign of z; they converge quadratically, four suffice.
 _LANDINGS = 8
-"""Newton steps in which a step's end is moved onto a change of sign of z; they converge quadratically, four suffice."""
 
 
 @njit

@@ -14,9 +14,8 @@ from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
 
 BABER_NOORI = 8
-
+# Fraction of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1.
 WORN_OUT = 1e-3
-"""Fraction of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -14,15 +14,11 @@ from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, bouc_wen_force
 
 _NODES = np.array([0.06943184420297371, 0.33000947820757187, 0.6699905217924281, 0.9305681557970263])
 _WEIGHTS = np.array([0.17392742256872692, 0.32607257743127307, 0.32607257743127307, 0.17392742256872692])
-
+# Panels in the length over which a law forgets by 1/e: four points in a quarter of it leave at most 3e-10 of the work.
 _PANELS_PER_LENGTH = 4.0
-"""Panels in the length over which a law forgets by 1/e: four points in a quarter of it leave at most 3e-10 of the work."""
-
-_SETTLED = 40.0
-"""Such lengths after which the state stands at its bound but for rounding: exp(-40) = 4e-18."""
-
+_SETTLED = 40.0  # Such lengths after which the state stands at its bound but for rounding: exp(-40) = 4e-18
+# Cap on them: what else bends the force, exponentials of the deflection, overflows before a thousand of its lengths.
 _MOST_PANELS = 4096
-"""Cap on them: what else bends the force, exponentials of the deflection, overflows before a thousand of its lengths."""
 
 
 @njit

@@ -15,9 +15,7 @@ from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, req
 from wirerope_mj.mounts.laws.ni import polynomial
 
 MASING = 6
-
-ELEMENTS = 3
-"""Place of the number of Jenkin elements among Masing's parameters, behind those of the spring."""
+ELEMENTS = 3  # Place of the number of Jenkin elements among Masing's parameters, behind those of the spring
 
 
 @dataclass(frozen=True, kw_only=True)

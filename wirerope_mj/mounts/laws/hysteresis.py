@@ -10,18 +10,16 @@ from wirerope_mj.foundation.jit import inlined
 from wirerope_mj.foundation.lanes import power, where
 from wirerope_mj.mounts.laws.law import Law, anywhere
 
+# Least n of a law. States are followed to rounding below it too; but there (1/2)^(1/n), a millionth of its bound, is the z at
+# which half of the slope is gone, which no test shows, and 1 % of beta + gamma is 1 / n % of the bound, more than 20 %.
 LEAST_EXPONENT = 0.05
-"""Least n of a law. States are followed to rounding below it too; but there (1/2)^(1/n), a millionth of its bound, is the z at
-which half of the slope is gone, which no test shows, and 1 % of beta + gamma is 1 / n % of the bound, more than 20 %."""
-
+# Largest n of a law: its loop is within 3 % of a parallelogram, and beyond it the corner is a jump of the tangent.
 LARGEST_EXPONENT = 100.0
-"""Largest n of a law: its loop is within 3 % of a parallelogram, and beyond it the corner is a jump of the tangent."""
-
+# (|z| / z_max)^n between which the rate of z is bounded. Solutions stay below 1, and stages of steps up to 1.4 yield
+# deflections, for which RK4 is stable at the bound, below 1.5: what such steps compute does not change. Up to some ten yield
+# deflections a step z then stays within as many bounds, and an error of percents is left; beyond that the run ends as before,
+# in infinity.
 OVERSHOOT, FAR = 2.0, 1000.0
-"""(|z| / z_max)^n between which the rate of z is bounded. Solutions stay below 1, and stages of steps up to 1.4 yield
-deflections, for which RK4 is stable at the bound, below 1.5: what such steps compute does not change. Up to some ten yield
-deflections a step z then stays within as many bounds, and an error of percents is left; beyond that the run ends as before, in
-infinity."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -49,8 +47,7 @@ class Normalised:
             positive(name, getattr(self, name))
 
 
-_ELASTIC = ("k", "k1", "k2", "k3")
-"""Parameters of the elastic force beside z."""
+_ELASTIC = ("k", "k1", "k2", "k3")  # Parameters of the elastic force beside z
 
 
 class Hysteresis(Law):

@@ -34,11 +34,10 @@ from wirerope_mj.mounts.laws.tabulated import TABULATED
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI, approach, approach_work, vaiana_rosati
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, kelvin_voigt, zener
 
+# Kernels whose force depends on the deflection rate, those of the laws with `rate_independent` False; a stop's may, too.
 RATE_DEPENDENT = (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED)
-"""Kernels whose force depends on the deflection rate, those of the laws with `rate_independent` False; a stop's may, too."""
-
+# Kernels whose parameters begin with alpha, beta, gamma, n and whose only state follows Bouc-Wen's equation.
 BOUC_WEN_LAWS = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN)
-"""Kernels whose parameters begin with alpha, beta, gamma, n and whose only state follows Bouc-Wen's equation."""
 
 
 @inlined

@@ -13,8 +13,8 @@ from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.loop import Loop
 
+# Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
 ROUNDING = 1e-9
-"""Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,30 +24,24 @@ class Law(ABC):
     Subclasses are frozen parameter sets. States whose names begin with "z" are forces; their sum is the hysteretic state.
     """
 
-    name: ClassVar[str]
-    """The law's name in an isolator file."""
-    kernel: ClassVar[int]
-    """Its number in `wirerope_mj.mounts.laws.kernels`."""
+    name: ClassVar[str]  # in an isolator file
+    kernel: ClassVar[int]  # its number in `wirerope_mj.mounts.laws.kernels`
+    # Whether the force depends on the path of deflections alone, and not on how fast it is run through.
     rate_independent: ClassVar[bool] = True
-    """True if the force depends on the path of deflections alone, and not on how fast it is run through."""
+    # Whether its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot.
     smoothable: ClassVar[bool] = False
-    """True if its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot."""
     travel_rule: ClassVar[str] = "its force becomes infinite"
+    # Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into.
     needs_rating: ClassVar[bool] = True
-    """True if a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into."""
+    # Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out.
     force_powers: ClassVar[Mapping[str, float]]
-    """Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out."""
+    # Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction.
     yield_powers: ClassVar[Mapping[str, float]] = {}
-    """Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction."""
-    options: ClassVar[Mapping[str, type]] = {}
-    """Parameters that are no numbers but choices, and their types."""
-    lists: ClassVar[tuple[str, ...]] = ()
-    """Parameters that are lists of numbers."""
-    leaders: ClassVar[Mapping[str, str]] = {}
-    """The parameter that another one is equal to unless it is stated itself, by the name of that one."""
-
+    options: ClassVar[Mapping[str, type]] = {}  # parameters that are no numbers but choices, and their types
+    lists: ClassVar[tuple[str, ...]] = ()  # parameters that are lists of numbers
+    leaders: ClassVar[Mapping[str, str]] = {}  # the parameter that another one is equal to unless it is stated itself
+    # `wirerope_mj.mounts.laws.timed.trace`, which knows the kernels of all laws and so stands above them.
     _trace: ClassVar[Callable[..., Loop]]
-    """`wirerope_mj.mounts.laws.trace`, which knows the kernels of all laws and so stands above them."""
 
     def __post_init__(self) -> None:
         optional = {field.name for field in fields(self) if field.default is None}

@@ -19,8 +19,8 @@ from wirerope_mj.mounts.laws.ni import polynomial
 from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
 from wirerope_mj.mounts.laws.power import advance_power
 
+# Scratch numbers for each state and the work: seven slopes of a step, or the series of a Bouc-Wen law and one more.
 SCRATCH = 18
-"""Scratch numbers for each state and the work: seven slopes of a step, or the series of a Bouc-Wen law and one more."""
 
 
 @njit

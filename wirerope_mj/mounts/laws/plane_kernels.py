@@ -8,11 +8,8 @@ from wirerope_mj.mounts.laws.hysteresis import FAR, OVERSHOOT
 from wirerope_mj.mounts.laws.ni import polynomial
 
 BIAXIAL = 9
-
 LOOP = 11
-
-RATE_NUMBERS = 6
-"""Parameters of `biaxial_rates`; of a law of several scales as many for each, one after another."""
+RATE_NUMBERS = 6  # Parameters of `biaxial_rates`; of a law of several scales as many for each, one after another
 
 
 @njit

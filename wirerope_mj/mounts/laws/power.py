@@ -17,21 +17,14 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import njit
+from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, bouc_wen_force
-from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
 
-ORDER = 16
-"""Terms of a Taylor series: a step takes a tenth of the distance to where the series ends."""
-
-NEAR = 0.1
-"""|q| up to which the power series of the length from zero is summed: 16 terms reach rounding."""
-
+ORDER = 16  # Terms of a Taylor series: a step takes a tenth of the distance to where the series ends
+NEAR = 0.1  # |q| up to which the power series of the length from zero is summed: 16 terms reach rounding
+# |q| up to which Pfaff's series is: |w| is at most 1/2 there, so that 50 terms reach rounding, 15 with n = 0.1.
 _NEAR_BELOW_1 = 1.0 / 3.0
-"""|q| up to which Pfaff's series is: |w| is at most 1/2 there, so that 50 terms reach rounding, 15 with n = 0.1."""
-
-ROUNDING = 1e-16
-"""Fraction of the state below which a term does not count."""
-
+ROUNDING = 1e-16  # Fraction of the state below which a term does not count
 _STEPS = 10_000
 
 

@@ -10,13 +10,12 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
 from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
-from wirerope_mj.mounts.laws.table_cubics import level_cubics, monotone, packed
+from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
 
 STOP = 13
 
 
-NEVER = 1e300
-"""Gap of a side without a stop [m]."""
+NEVER = 1e300  # Gap of a side without a stop [m]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -12,7 +12,7 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
-from wirerope_mj.mounts.laws.table_cubics import cycle_area, held, level_cubics, monotone, packed
+from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
 
 TABULATED = 12
 

@@ -1,28 +1,92 @@
-"""Laws that depend on the rate, along a path in time that is a cubic between samples.
+"""The loop that a law draws along a path of deflections, in time where it depends on the rate.
 
 Where the state has a closed form, or there is none, what is left is the work, a Gauss-Legendre sum on intervals that end at
-reversals. A smoothed law, and any other with one state, is integrated.
+reversals. A smoothed law, and any other with one state, is integrated by Dormand and Prince's adaptive pair 5(4).
 """
 
 import numpy as np
+import numpy.typing as npt
 
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.cubic import position, reversals, shifted, speed, zero_between
+from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS, position, reversals, shifted, speed, zero_between
 from wirerope_mj.mounts.laws.kernels import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
-from wirerope_mj.mounts.laws.path import SCRATCH, segment_of_one
-from wirerope_mj.mounts.laws.quadrature import NODES, WEIGHTS
+from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.loop import Loop
+from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, segment_of_one
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
-from wirerope_mj.mounts.laws.smooth_steps import integrate_in_time
 from wirerope_mj.mounts.laws.smoothed import SMOOTHED
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, zener_state
 
-_GROWTH = 3.0
-"""Ratio of the rates at the ends of an interval up to which |v|^n and tanh(v / s) are smooth on it to 1e-9."""
+# Error of a step as a fraction of the state, or of what it would gain over the interval; hundreds of steps stay below 1e-8.
+TOLERANCE = 1e-11
+# Fraction of an interval below which a failing step can only be a kink, whose contribution is below rounding.
+_SMALLEST = 1e-9
+# Fraction of an interval that a step takes at most: the work, which is not controlled, is then as good as the state.
+_WIDEST = 0.5
+_ABSCISSAE = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+_STAGES = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
+        [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
+        [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+_ERROR = np.array([71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40])
 
-_NARROWEST = 1e-6
-"""Fraction of a sample's interval below which an interval is not cut any further."""
+
+@njit
+def slope_at(law, p, i, cubic, t, z, scratch):
+    """Return zdot [N/s] and the power [W] at the instant t in the state z."""
+    scratch[0], v = z, speed(cubic, t)
+    force = evaluate_one(law, p, i, position(cubic, t), v, scratch, 0, scratch, 1)
+    return scratch[1], force * v
+
+
+@njit
+def integrate_in_time(law, p, i, cubic, start, end, z, j):
+    """Carry the state `z[j]` in place from `start` to `end` and return the work done on the law [J]; NaN if it is lost."""
+    k, scratch = np.empty((7, 2)), np.empty(2)
+    t, step, work, now = start, _WIDEST * (end - start), 0.0, z[j]
+    k[0] = slope_at(law, p, i, cubic, t, now, scratch)
+    while t < end:
+        step = min(step, end - t)
+        after, gain, error = now, 0.0, step * _ERROR[0] * k[0, 0]
+        for stage in range(1, 7):
+            after, gain = now, 0.0
+            for before in range(stage):
+                after += step * _STAGES[stage, before] * k[before, 0]
+                gain += step * _STAGES[stage, before] * k[before, 1]
+            k[stage] = slope_at(law, p, i, cubic, t + _ABSCISSAE[stage] * step, after, scratch)
+            error += step * _ERROR[stage] * k[stage, 0]
+        size = max(abs(now), abs(after), abs(k[0, 0]) * (end - start), abs(k[6, 0]) * (end - start))
+        ratio = abs(error) / (TOLERANCE * size + 1e-300)
+        if not (np.isfinite(after) and np.isfinite(gain)):
+            ratio = np.inf
+        if ratio > 1.0 and step > _SMALLEST * (end - start):
+            step *= max(0.2, 0.9 * ratio**-0.2)
+            continue
+        if ratio == np.inf:
+            z[j] = np.nan
+            return np.nan
+        # An interval between a reversal and a sample may be as short as the rounding of its instants.
+        t = end if step >= end - t or t + step <= t else t + step
+        now, work = after, work + gain
+        k[0] = k[6]
+        step = min(step * min(5.0, 0.9 * (min(ratio, 1.0) + 1e-10) ** -0.2), _WIDEST * (end - start))
+    z[j] = now
+    return work
+
+
+# Ratio of the rates at the ends of an interval up to which |v|^n and tanh(v / s) are smooth on it to 1e-9.
+_GROWTH = 3.0
+_NARROWEST = 1e-6  # Fraction of a sample's interval below which an interval is not cut any further
 
 
 @njit
@@ -112,3 +176,69 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
         states[t] = z[:n_states]
         force[t] = evaluate(law, p, 0, deflection[t], rate[t], z, 0, unused, 0)
     return force, states, work
+
+
+def trace(
+    law: Law,
+    deflection: npt.ArrayLike,
+    *,
+    time: npt.ArrayLike | None = None,
+    rate: npt.ArrayLike | None = None,
+    initial_states: npt.ArrayLike | None = None,
+) -> Loop:
+    """Return the loop of a law; arguments and errors as in `Law.trace`."""
+    path = np.asarray(deflection, dtype=np.float64)
+    law.check_path(path)
+    n_states = law.n_states
+    states = np.zeros(n_states) if initial_states is None else np.array(initial_states, dtype=np.float64)
+    if states.shape != (n_states,) or not np.isfinite(states).all():
+        raise ValueError(f"`initial_states` must be {n_states} finite numbers, got {initial_states!r}.")
+    if law.rate_independent:
+        force, history, work = follow_path(law.kernel, law.kernel_parameters(), path, states, n_states)
+    else:
+        times = _times(law, path, time)
+        rates = _rates(path, times, rate)
+        force, history, work = follow_time(law.kernel, law.kernel_parameters(), times, path, rates, states, n_states)
+    finite = np.isfinite(force) & np.isfinite(work)
+    if not finite.all():
+        last = max(int(np.argmin(finite)) - 1, 0)
+        end = _last_finite(law, path[last], path[last + 1], history[last])
+        raise ValueError(f"the force of {law} leaves the finite numbers at a deflection of {end:.6g} m.")
+    forces = [i for i, name in enumerate(law.state_names) if name.startswith("z")]
+    z = history[:, forces].sum(axis=1)
+    return Loop(deflection=path, force=force, hysteretic_state=z, work=work, internal_states=history)
+
+
+def _last_finite(law: Law, start: float, stop: float, states: Array) -> float:
+    """Return how far a rate-independent law leads from `start` towards `stop` with a finite force [m]."""
+    if not law.rate_independent:
+        return stop
+    low, high = 0.0, 1.0
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        path = np.array([start, start + middle * (stop - start)])
+        force, _, work = follow_path(law.kernel, law.kernel_parameters(), path, states.copy(), law.n_states)
+        low, high = (middle, high) if np.isfinite([force[1], work[1]]).all() else (low, middle)
+    return start + low * (stop - start)
+
+
+def _times(law: Law, path: Array, time: npt.ArrayLike | None) -> Array:
+    """Return `time` as an array (n_t,) [s], or raise ValueError if it does not fit the path."""
+    if time is None:
+        raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
+    times = np.asarray(time, dtype=np.float64)
+    if times.shape != path.shape:
+        raise ValueError(f"`time` must have the shape of the deflection, {path.shape}, got {times.shape}.")
+    if not np.isfinite(times).all() or (np.diff(times) <= 0.0).any():
+        raise ValueError("`time` must be finite and strictly increasing.")
+    return times
+
+
+def _rates(path: Array, times: Array, rate: npt.ArrayLike | None) -> Array:
+    """Return `rate` as an array (n_t,) [m/s], by differences that are exact for a parabola if it is not given."""
+    if rate is None:
+        return np.gradient(path, times, edge_order=2 if path.size > 2 else 1)
+    rates = np.asarray(rate, dtype=np.float64)
+    if rates.shape != path.shape or not np.isfinite(rates).all():
+        raise ValueError(f"`rate` must be finite and of shape {path.shape}, got shape {rates.shape}.")
+    return rates

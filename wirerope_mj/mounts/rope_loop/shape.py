@@ -7,8 +7,8 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, not_negative, positive
 
+# Size of an isolator over the diameter of its rope, at most: those that are sold have 5 to 15, and ten times that is slack.
 LARGEST_LOOP = 1000.0
-"""Size of an isolator over the diameter of its rope, at most: those that are sold have 5 to 15, and ten times that is slack."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,11 +43,6 @@ class LoopShape:
     def length(self) -> float:
         """Length of free rope of the half loop [m]."""
         return sum(length for length, _ in self.segments)
-
-    @property
-    def end_direction(self) -> float:
-        """Direction of the unloaded rope where it enters the payload's bar [rad]."""
-        return self.start + sum(length * curvature for length, curvature in self.segments)
 
     @property
     def span(self) -> tuple[float, float]:

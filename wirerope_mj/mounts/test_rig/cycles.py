@@ -12,19 +12,15 @@ from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.mounts.test_rig.averaging import PhasedCycle, cycle_to, mean_loop, whole_record
-from wirerope_mj.mounts.test_rig.clipping import require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.faults import hum_in, without_hum
-from wirerope_mj.mounts.test_rig.noise import is_noise, no_cycle_text
+from wirerope_mj.mounts.test_rig.passive import is_noise, no_cycle_text, require_falling, require_unclipped
 from wirerope_mj.mounts.test_rig.reading import Samples, read_rows, require_likely, require_nominal
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
-Locate = Callable[[int, int], str]
-"""Text of where the samples from one index to another stand."""
-
+Locate = Callable[[int, int], str]  # Text of where the samples from one index to another stand
+# Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most.
 KEPT = 3
-"""Last cycles whose mean is the loop: noise is halved nearly, and what fades from cycle to cycle has faded most."""
-
 _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
 _ALIKE = 0.05  # ratio by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round

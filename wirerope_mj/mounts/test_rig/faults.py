@@ -12,9 +12,7 @@ from wirerope_mj.mounts.test_rig.lag import lag_in
 from wirerope_mj.mounts.test_rig.reading import read_rows
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points, rms_noise
 
-MAINS = (50.0, 60.0)
-"""Frequencies at which hum is looked for [Hz]."""
-
+MAINS = (50.0, 60.0)  # Frequencies at which hum is looked for [Hz]
 _NEAR, _ASIDE = 0.6, 8.0  # Hz from a mains frequency: where its line is looked for, and where its neighbours are
 _STANDS_OUT = 3.0  # times that a line is above the largest of its neighbours: harmonics of the test fall evenly
 _LEAST = 1e-3  # of half of the force range, below which hum changes no parameter

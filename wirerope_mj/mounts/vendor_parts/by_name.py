@@ -81,6 +81,6 @@ def _fitted(name: str) -> Isolator:
 
 
 def _fit(part: VendorPart) -> Isolator:
-    from wirerope_mj.mounts.vendor_parts.part_fit import fit_part  # fitting loads SciPy, which a file does not need
+    from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_part  # fitting loads SciPy, which a file does not need
 
     return fit_part(part)

@@ -7,10 +7,8 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
 from wirerope_mj.mounts.vendor_parts import law_values
-from wirerope_mj.mounts.vendor_parts.curve_fit import curve_values
-from wirerope_mj.mounts.vendor_parts.curve_sheet import read_curve_sheet
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, StatedValue
-from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.curve_fit import curve_values, read_curve_sheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, StatedValue, read_datasheet
 
 
 def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:

@@ -19,8 +19,7 @@ from wirerope_mj.mounts.laws import LoopBoucWen
 from wirerope_mj.mounts.vendor_parts.comparison import compare
 from wirerope_mj.mounts.vendor_parts.law_values import diagonal_secant, secant
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart, vendor_parts
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, two_stiffnesses
-from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet, two_stiffnesses
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_sheet
 
 AXES, DIAGONAL = ("compression", "shear"), "45 degrees"

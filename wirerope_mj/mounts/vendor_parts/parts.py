@@ -10,9 +10,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 
-MODES = ("compression", "45", "shear")
-"""Loading modes of the tables; shear stands for roll as well."""
-
+MODES = ("compression", "45", "shear")  # Loading modes of the tables; shear stands for roll as well
 _UNITS = {
     "-": 1.0,
     **LENGTH_UNITS,
@@ -39,6 +37,7 @@ class Series:
     damping_range: tuple[float, float]
 
 
+# The tables that ship; the damping ratios are those of the catalogue's fitted isolators.
 SERIES = (
     Series(
         file="enidine_wr.csv",
@@ -53,7 +52,6 @@ SERIES = (
         damping_range=(0.15, 0.20),
     ),
 )
-"""The tables that ship; the damping ratios are those of the catalogue's fitted isolators."""
 
 
 @dataclass(frozen=True, kw_only=True)

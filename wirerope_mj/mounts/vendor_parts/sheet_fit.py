@@ -1,6 +1,6 @@
-"""An isolator from a vendor's data sheet.
+"""An isolator from a vendor's data sheet, or from one row of a vendor's table.
 
-The entries of a sheet are described in `sheet_file`, those of a sheet of curves in `curve_sheet`; sheets of the
+The entries of a sheet are described in `sheet`, those of a sheet of curves in `curve_fit`; sheets of the
 catalogue lie in `models/isolators/datasheets`, and `wirerope isolators fit` fits one. The shape of the elastic force comes from
 the rope loop's geometry, its size and the friction from the vendor's values.
 """
@@ -24,10 +24,19 @@ from wirerope_mj.mounts.rope_loop import (
 )
 from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
-from wirerope_mj.mounts.vendor_parts.fit_rule import RULES, ElasticShape, FitRule, NiLaw, first_state
-from wirerope_mj.mounts.vendor_parts.secants import fit_damped, fit_secants
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue
-from wirerope_mj.mounts.vendor_parts.sheet_file import read_datasheet
+from wirerope_mj.mounts.vendor_parts.parts import VendorPart
+from wirerope_mj.mounts.vendor_parts.secants import (
+    DAMPING_AMPLITUDE,
+    RULES,
+    VIBRATION_AMPLITUDE,
+    ElasticShape,
+    FitRule,
+    NiLaw,
+    first_state,
+    fit_damped,
+    fit_secants,
+)
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, DataSheet, StatedValue, read_datasheet, two_stiffnesses
 
 
 def fit_datasheet(path: str | Path) -> Isolator:
@@ -66,8 +75,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     )  # fmt: skip
     rule = RULES[sheet.scales]
     along = ElasticShape(
-        asymmetry=rule.asymmetry * curves.asymmetry,
-        cubic=rule.asymmetry * curves.axial_cubic * compression.hardening,
+        asymmetry=rule.asymmetry * curves.asymmetry, cubic=rule.asymmetry * curves.axial_cubic * compression.hardening
     )
     axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
@@ -237,3 +245,59 @@ def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
         table[f"{name}_fitted_{units[row.unit]}"] = float(f"{row.fitted:.6g}")
         table[f"{name}_relative_error"] = round(row.error, 4)
     return table
+
+
+# Thickness of a bar in diameters of the rope where the table does not state it: the mean of Enidine's from 9.5 mm of rope on,
+# 1.54 to 1.80.
+BAR = 1.7
+
+
+def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
+    """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
+
+    Args:
+        part: the row.
+        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
+
+    Raises:
+        ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
+        ConvergenceError: no law has all its values.
+    """
+    compression = _axis(part, "compression", part.series.damping)
+    if compression is None:
+        raise ModelError(
+            f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit."
+        )
+    measures = {"height": part.height, "width": part.width, "rope": part.rope}
+    for name, value in measures.items():
+        if value is None:
+            raise ModelError(f"{part.name}: the table does not state its {name}; no rope loop to fit.")
+    height, width, rope = (float(value) for value in measures.values() if value is not None)
+    assumed = () if part.bar is not None else (f"bar of {BAR:g} rope diameters: the table does not state it",)
+    return fit_sheet(
+        DataSheet(
+            name=part.name,
+            source=part.series.source,
+            height=height,
+            width=width,
+            rope=rope,
+            bar=BAR * rope if part.bar is None else part.bar,
+            bar_assumed=part.bar is None,
+            compression=compression,
+            shear=_axis(part, "shear", None),
+            static_load=part.modes["compression"].static_load,
+            damping_amplitude=DAMPING_AMPLITUDE if scales == 1 else VIBRATION_AMPLITUDE * compression.travel,
+            scales=scales,
+            damping_range=part.series.damping_range,
+            assumed=assumed,
+        )
+    )
+
+
+def _axis(part: VendorPart, mode: str, damping: float | None) -> AxisValues | None:
+    """Return the values of one mode; None where they are not stated."""
+    values = part.modes[mode]
+    if values.travel is None or values.vibration is None or values.shock is None:
+        return None
+    stated = two_stiffnesses(values.travel, values.vibration, values.shock)
+    return AxisValues(travel=values.travel, stated=stated, damping=damping)

@@ -17,11 +17,8 @@ from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, measure_names, measures
 from wirerope_mj.studies.responses import packed
 
-UNLOADED = "unloaded"
-"""The start of a variant that does not begin at rest."""
-
-DONE, FAILED = "done", "failed"
-"""Values of `status`."""
+UNLOADED = "unloaded"  # The start of a variant that does not begin at rest
+DONE, FAILED = "done", "failed"  # Values of `status`
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -56,16 +53,13 @@ class Part:
     died: bool = False
 
 
+# `engine(work, chunks, *, workers, address)` yields the parts of chunks, as they are ready, in any order. `chunks` may be
+# long and is read as workers become free. Of a chunk that cannot be computed it yields `died(work, chunk, message)`.
 Engine = Callable[..., Generator[Part, None, None]]
-"""`engine(work, chunks, *, workers, address)` yields the parts of chunks, as they are ready, in any order.
-
-`chunks` may be long and is read as workers become free. Of a chunk that cannot be computed it yields
-`died(work, chunk, message)`.
-"""
 
 
+# Errors that a variant's own numbers lead to, the next time too.
 _RESULTS = (ValueError, ArithmeticError, WireRopeError)
-"""Errors that a variant's own numbers lead to, the next time too."""
 
 
 def schema(work: Work) -> pa.Schema:
@@ -107,8 +101,7 @@ class Accident(str):
     """Message of an error that says nothing about its variant, as of a machine without memory, threads or files."""
 
 
-Outcome = dict[str, float] | str
-"""Measures of a variant, or why it failed."""
+Outcome = dict[str, float] | str  # Measures of a variant, or why it failed
 
 
 def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, bytes] | None) -> list[Outcome]:

@@ -21,23 +21,18 @@ from wirerope_mj.studies.versions import versions
 if TYPE_CHECKING:
     from distributed import Client, Future
 
+# Longest time a scheduler may take to answer [s]: on a network that works it takes a fraction of a second.
 PATIENCE = 5.0
-"""Longest time a scheduler may take to answer [s]: on a network that works it takes a fraction of a second."""
-
+# Chunks handed over per thread of a worker: one is computed, one lies ready, and no more stand in the scheduler's memory.
 AHEAD = 2
-"""Chunks handed over per thread of a worker: one is computed, one lies ready, and no more stand in the scheduler's memory."""
-
+# Further tries of a chunk whose worker died, as the local engine does; a cluster that exists has its own setting.
 ATTEMPTS = 1
-"""Further tries of a chunk whose worker died, as the local engine does; a cluster that exists has its own setting."""
-
+# Longest time in which workers of this machine start, or end without one another [s]: a busy machine imports slowly.
 STARTING = 60.0
-"""Longest time in which workers of this machine start, or end without one another [s]: a busy machine imports slowly."""
-
 _DEATH = (
     "the process that computed this chunk of variants died again and again. It may have run out of memory: go on with "
     "--resume (`resume=True`), which computes it again."
 )
-
 _SILENT: dict[str, Any] = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.DEVNULL)
 
 

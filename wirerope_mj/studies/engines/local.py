@@ -15,8 +15,7 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
 from wirerope_mj.studies.inputs.variants import Work
 
-TRIES = 2
-"""Tries of a chunk whose process dies: the first death may have been an accident."""
+TRIES = 2  # Tries of a chunk whose process dies: the first death may have been an accident
 
 
 class WorkerDiedError(Exception):

@@ -157,8 +157,8 @@ def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
     )  # fmt: skip
 
 
+# By law and parameters: its kernel's parameters, its rates, and its form if it is coupled.
 _Laws = dict[Any, tuple[Array, tuple[float, float, float], tuple[float, float, float, float] | None]]
-"""By law and parameters: its kernel's parameters, its rates, and its form if it is coupled."""
 
 
 def _plain(draft: Draft) -> bool:

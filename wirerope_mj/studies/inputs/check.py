@@ -17,14 +17,10 @@ from wirerope_mj.studies.inputs.column import Draft, InputColumn
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker, Row
 
-BLOCK = 1024
-"""Variants that are checked at once, and, one by one, before what was made of them is forgotten."""
-
+BLOCK = 1024  # Variants that are checked at once, and, one by one, before what was made of them is forgotten
+# Parameters in which the two laws of a rope loop must suit each other; they may differ in all others.
 _SHARED_IN_A_LOOP = {"beta", "gamma", "n"}
-"""Parameters in which the two laws of a rope loop must suit each other; they may differ in all others."""
-
-Check = Callable[[Row], object]
-"""Raises an error if one variant is not valid."""
+Check = Callable[[Row], object]  # Raises an error if one variant is not valid
 
 
 def check_variants(

@@ -20,11 +20,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution
 
-WHOLE = "whole"
-"""Stands in the key of a parameter where a law has its axis: the factor is on all of a mount."""
-
-FAR = 10.0
-"""Factor between the model's value and all of a study's beyond which these may have been meant as factors."""
+WHOLE = "whole"  # Stands in the key of a parameter where a law has its axis: the factor is on all of a mount
+FAR = 10.0  # Factor between the model's value and all of a study's beyond which these may have been meant as factors
 
 
 @dataclass(kw_only=True)

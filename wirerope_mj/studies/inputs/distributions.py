@@ -12,11 +12,10 @@ import scipy
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
 
+# In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1.
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
-"""In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1."""
-
+# Deviations from the mean beyond which nothing of a normal distribution is left that a number could say.
 FARTHEST = 37.0
-"""Deviations from the mean beyond which nothing of a normal distribution is left that a number could say."""
 
 
 @dataclass(frozen=True)

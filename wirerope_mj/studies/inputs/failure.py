@@ -5,8 +5,8 @@ from dataclasses import replace
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import BoucWenBaberNoori, KelvinVoigt, Law, Masing, Parallel, Zener
 
+# Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places.
 FAINT = 1e-6
-"""Stiffness [N/m], damping [N s/m] and slip force [N] of what has failed: it carries nothing, and keeps its states' places."""
 
 
 def acts(isolator: Isolator) -> bool:

@@ -21,8 +21,7 @@ from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Speci
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.shift import WORLD, Shift
 
-STIFFENING = "stiffening"
-"""Stands in a name where a law has its axis."""
+STIFFENING = "stiffening"  # Stands in a name where a law has its axis
 
 
 def _mounts(entry: Entry) -> list[str]:

@@ -28,19 +28,15 @@ from wirerope_mj.studies.inputs.mount_columns import (
     Turn,
 )
 
+# Kinds of quantities, in the order in which a name is held against them.
 KINDS: tuple[type[InputColumn], ...] = (
     Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
     CentreShift, Level, Azimuth, Elevation, Record,
 )  # fmt: skip
-"""Kinds of quantities, in the order in which a name is held against them."""
-
+# Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13; names joined by " & " share a draw.
 FORMS = ", ".join(kind.form for kind in KINDS)
-"""Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13; names joined by " & " share a draw."""
-
 _POSITION = "position"
-
-TOGETHER = " & "
-"""Stands between names that share a draw."""
+TOGETHER = " & "  # Stands between names that share a draw
 
 
 @dataclass(frozen=True, kw_only=True)

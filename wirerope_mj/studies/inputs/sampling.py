@@ -17,16 +17,11 @@ from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.inputs.column import Quantity
 from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Choice, Specimens, Uniform
 
-LISTED = ("grid", "list")
-"""Samplings of values that are listed, and not sampled."""
-
+LISTED = ("grid", "list")  # Samplings of values that are listed, and not sampled
+# Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
+# noise of fits, which is scatter, 1e-4 and more.
 RANK = 1e-9
-"""Eigenvalue of the correlations, of the largest one, below which a direction does not scatter: rounding leaves 1e-15, and the
-noise of fits, which is scatter, 1e-4 and more."""
-
-_OF_A_NUMBER = 24
-"""Bytes that one number of the inputs takes: its probability, its value, and its place in the table."""
-
+_OF_A_NUMBER = 24  # Bytes that one number of the inputs takes: its probability, its value, and its place in the table
 SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
 
 

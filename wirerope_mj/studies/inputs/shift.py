@@ -13,9 +13,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, matching, parts_of
 
 WORLD = ("x", "y", "z")
-
-NEAR = 1e-6
-"""Distance from 0 below which a position is 0 [m]: there a value and a shift are the same."""
+NEAR = 1e-6  # Distance from 0 below which a position is 0 [m]: there a value and a shift are the same
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -8,11 +8,8 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.column import Quantity
 
-SAMPLING = "sobol-indices"
-"""Its name."""
-
-FEWEST = 8
-"""Base rows below which no variance is worth the name."""
+SAMPLING = "sobol-indices"  # Its name
+FEWEST = 8  # Base rows below which no variance is worth the name
 
 
 def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:

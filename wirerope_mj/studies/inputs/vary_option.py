@@ -1,17 +1,110 @@
-"""Quantities that vary, from lines of text: "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"."""
+"""What of a model can vary, and the option that says how it does."""
 
 import ast
 import inspect
-from collections.abc import Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any, get_args
 
+import numpy as np
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system.varied import centre_of_mass
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.laws import Law, Parallel
+from wirerope_mj.mounts.laws.parallel import FACTORS
+from wirerope_mj.studies.inputs.body_columns import bodies_of
 from wirerope_mj.studies.inputs.distributions import Distribution
+from wirerope_mj.studies.inputs.shift import WORLD
+
+_AXES = ", ".join(WORLD)
+
+
+def available_lines(system: System, motion: BaseMotion) -> list[str]:
+    """Return a line for every group of quantities that can vary: its name with NAME in place of mounts or bodies.
+
+    Mounts whose laws have the same parameters stand together, with their values where these are equal.
+    """
+    lines = []
+    for mounts, laws in _identical(system):
+        lines.append(f"mounts {', '.join(mounts)}:")
+        for axis, law in laws.items():
+            if isinstance(law, Parallel):
+                lines.append(f"  {', '.join(f'mount/NAME/{axis}/{one}' for one in FACTORS)}  factor on all its laws")
+                if shared := law.factors[len(FACTORS) :]:
+                    lines.append(f"  mount/NAME/{axis}/PARAMETER  factor in all its laws: {', '.join(shared)}")
+                lines += [_law_line(f"{axis}/laws[{number}].PARAMETER", one) for number, one in enumerate(law.laws)]
+            else:
+                lines.append(_law_line(f"{axis}/PARAMETER", law))
+        devices = [system.mounts[mount].written for mount in mounts]
+        if any(device.stiffening is not None for device in devices):
+            lines.append("  mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50  value or factor")
+        spread = any(device.spread is not None for device in devices)
+        lines += ["  mount/NAME/spread  specimens"] if spread else []
+    if system.mounts:
+        lines.append("all mounts: mount/NAME/fitted, mount/NAME/failed, mount/NAME/isolator (choices)")
+        lines.append("  mount/NAME/stiffness  factor on all its forces; mount/NAME/damping  factor on what dissipates")
+        lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
+        lines.append(f"  mount/NAME/turn/AXIS  angle [°] by which it leans about the world's {_AXES}")
+        lines.append("  several: mount/m01,m05,-m04/position_shift/x, those behind a minus moving the other way")
+    lines += _bodies(system)
+    lines += [f"motion {motion.description}:", "  motion/level  factor"]
+    lines += ["  motion/azimuth, motion/elevation  values [deg]"] if _can_turn(system, motion) else []
+    return lines
+
+
+def _law_line(name: str, law: Law) -> str:
+    """Return the line of one law's parameters."""
+    values = ", ".join(f"{key} = {_text(value)}" for key, value in law.to_dict().items() if key != "law")
+    values += " (what is 0 takes no factors)" if 0.0 in law.to_dict().values() else ""
+    return f"  mount/NAME/{name}  value [SI] or factor; {law.name}: {values}"
+
+
+def _bodies(system: System) -> list[str]:
+    """Return the lines of the bodies that can vary, with the model's masses and centres of mass."""
+    bodies = bodies_of(system)
+    if not bodies:
+        return []
+    lines = ["bodies, with the model's mass and centre of mass from the body's origin:"]
+    for body in bodies:
+        centre = ", ".join(f"{_rounded(value):.4g}" for value in centre_of_mass(system, body))
+        lines.append(f"  {body}: {float(system.model.body(body).mass[0]):.4g} kg, centre ({centre}) m")
+    return [
+        *lines,
+        "  body/NAME/mass  value [kg] or factor",
+        f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
+        f"  body/NAME/centre_shift/AXIS  shift [m] along the world's {_AXES}",
+    ]
+
+
+def _identical(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:
+    """Yield the mounts that have the same laws, and these."""
+    groups: dict[tuple[Law | None, ...], list[str]] = {}
+    for name, mount in system.mounts.items():
+        groups.setdefault(tuple(mount.written.axes.values()), []).append(name)
+    for names in groups.values():
+        axes = system.mounts[names[0]].written.axes
+        yield names, {axis: law for axis, law in axes.items() if law is not None}
+
+
+def _can_turn(system: System, motion: BaseMotion) -> bool:
+    """Return whether the motion is along one line, and the base can be driven along all axes."""
+    one_line = np.linalg.matrix_rank(motion.directions, tol=1e-9) == 1  # 1e-9: rounding of unit vectors
+    return bool(one_line and np.linalg.matrix_rank(system.assembly.tables.drive) == len(WORLD))
+
+
+def _rounded(value: float) -> float:
+    """Return a position without what rounding has left of 0 [m]."""
+    return 0.0 if abs(value) < 1e-9 else value
+
+
+def _text(value: object) -> str:
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_text, value))}]"
+    return f"{value:.4g}" if isinstance(value, int | float) and not isinstance(value, bool) else str(value)
+
 
 EXAMPLE = "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"
-
-_GROUP = "group"
-"""The argument of every distribution that is a string."""
-
+_GROUP = "group"  # The argument of every distribution that is a string
 _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
 
 

@@ -9,15 +9,12 @@ import pyarrow as pa
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import ALL, measures_of, unknown_measure, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE
+from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, measures_of, unknown_measure, values_of
 
+# Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few.
 _WIDE, _BEYOND = 0.25, 0.1
-"""Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few."""
-
+# Of the base rows with replacement: the ends of the intervals are then known to a tenth of their length.
 RESAMPLES = 1000
-"""Of the base rows with replacement: the ends of the intervals are then known to a tenth of their length."""
-
 _BLOCK = 2**22  # numbers of resampled rows that are held at once, 32 MB
 _SEED = 1  # of the resampling, so that the same table says the same again
 

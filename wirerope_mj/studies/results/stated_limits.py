@@ -19,19 +19,22 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import measures_of, unknown_measure, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_in
+from wirerope_mj.studies.results.measure import (
+    CONFIDENCE,
+    Exceedance,
+    exceedance_in,
+    measures_of,
+    unknown_measure,
+    values_of,
+)
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,
     "travel": {"%": 0.01}, "combined_travel": {"%": 0.01}, "static_load": {"%": 0.01}, "fragility": {"%": 0.01},
     "clearance": {"%": 0.01},
 }  # fmt: skip
-KEY = "stated_limits"
-"""Of the list in `summary.json`; it is not there unless somebody has stated a limit."""
-
+KEY = "stated_limits"  # Of the list in `summary.json`; it is not there unless somebody has stated a limit
 _REMEDY = "Remove the file, and go on with --resume (`resume=True`): it is written anew."
-
 _EXAMPLE = '"deflection/*/roll = 35 mm"'
 _TEXT = re.compile(r"\s*(\S+)\s*=\s*([-+.\deE]+)\s*([^\d\s.+-]\S*)\s*")
 

@@ -9,28 +9,25 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.directions import directions_text, fraction_of_directions
-from wirerope_mj.studies.results.effects import Effect, effects
+from wirerope_mj.studies.results.effects import Effect, directions_text, effects, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import (
     DRAWN,
     HEADLINES,
+    Exceedance,
     Measure,
     checked_measure,
+    exceedance,
+    exceedance_of,
     headlines,
     input_names,
     measure_of,
-    values_of,
-)
-from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
-from wirerope_mj.studies.results.statistics import (
-    Exceedance,
-    exceedance,
-    exceedance_of,
     quantiles,
     row_of,
+    values_of,
     worst,
 )
+from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

@@ -13,8 +13,7 @@ from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.results.measure import kinds_of, unknown_measure
 from wirerope_mj.studies.search.evolution import Design
 
-FEWEST = 4
-"""Designs of a generation below which nothing can be crossed."""
+FEWEST = 4  # Designs of a generation below which nothing can be crossed
 
 
 class SearchDefinition:

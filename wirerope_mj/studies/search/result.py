@@ -2,24 +2,25 @@
 
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.simulation.recorder import scene_of
+from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.ended import why_early
+from wirerope_mj.studies.folder import TABLE, read_table
 from wirerope_mj.studies.inputs.failure import acts
+from wirerope_mj.studies.inputs_file import read_inputs
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
-from wirerope_mj.studies.search.front import Mask, feasible, front, nearest, nearest_first
+from wirerope_mj.studies.search.evolution import Mask, feasible, front, nearest, nearest_first
 
-GENERATION = "generation"
-"""Column of the table: in which generation a design was first made."""
-
-_LINE = 1e-9
-"""Distance from the line between the front's ends that is rounding."""
+GENERATION = "generation"  # Column of the table: in which generation a design was first made
+_LINE = 1e-9  # Distance from the line between the front's ends that is rounding
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -142,3 +143,23 @@ def _over(over: float) -> str:
     """Return by how much a limit is exceeded, in per cent to two digits: "0.3 %", "103 %"."""
     value = 100.0 * over
     return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
+
+
+def read_result(folder: Path, study_class: type[StudyDefinition]) -> StudyResult:
+    """Return the result in a folder; its `study` will be of this class.
+
+    Raises:
+        RecordError: the folder is not that of a study, or is damaged.
+    """
+    content = read_inputs(folder)
+    complete = (folder / TABLE).is_file()
+    rows = read_table(folder, ["variant"]).num_rows if complete else 0
+    if "search" in content:
+        return SearchResult(folder=folder, inputs=content, variants=rows, complete=complete, study_class=study_class)
+    variants = int(content["sampling"]["variants"])
+    if complete and rows != variants:
+        raise RecordError(
+            f"{folder / TABLE}: the study has {variants} variants, and this table {rows} rows: it was changed, or is that of "
+            "another study. Put a copy in its place, or compute the study again with --force (`force=True`)."
+        )
+    return StudyResult(folder=folder, inputs=content, variants=variants, complete=complete, study_class=study_class)

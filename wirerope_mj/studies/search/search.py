@@ -1,21 +1,122 @@
-"""A search: designs of one system, made better generation by generation, for the least of some measures within limits."""
+"""A search for designs: asked, run, and resumed where it was interrupted."""
 
-from contextlib import closing
+import queue
+from collections.abc import Generator, Iterator, Sequence
+from contextlib import closing, nullcontext
+from dataclasses import replace
 from pathlib import Path
+from time import perf_counter
 from typing import Any
 
-from wirerope_mj.engine.simulation.progress import share_bar
+import numpy as np
+import pyarrow as pa
+
+from wirerope_mj.engine.simulation.progress import Update, share_bar
 from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.folder import TABLE, computed_alone, finish, prepare
-from wirerope_mj.studies.loading import read_result
-from wirerope_mj.studies.responses import KEPT
-from wirerope_mj.studies.results.summary_file import head
-from wirerope_mj.studies.run import checked_engine
+from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
+from wirerope_mj.studies.engines.local import run_local
+from wirerope_mj.studies.folder import TABLE, computed_alone, finish, part_path, prepare, read_part, write_part
+from wirerope_mj.studies.responses import KEPT, RESPONSES
+from wirerope_mj.studies.results.varied import head
+from wirerope_mj.studies.run import checked_engine, chunk_size
 from wirerope_mj.studies.search.definition import SearchDefinition
-from wirerope_mj.studies.search.evolution import check_installed
-from wirerope_mj.studies.search.result import GENERATION, SearchResult
-from wirerope_mj.studies.search.run import Evolving
+from wirerope_mj.studies.search.evolution import Design, Evolution, check_installed, objectives, violations
+from wirerope_mj.studies.search.result import GENERATION, SearchResult, read_result
+
+
+class Evolving:
+    """A search that runs: `parts` counts those of the table so far, and their numbers go on through the generations."""
+
+    def __init__(
+        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, options: dict[str, Any], update: Update
+    ) -> None:
+        self._search, self._folder, self._keep = search, folder, keep
+        self._engine, self._options, self._update = engine, options, update
+        self._known: dict[tuple[Any, ...], tuple[Array, Array]] = {}
+        self._chunks: queue.SimpleQueue[Chunk | None] = queue.SimpleQueue()
+        self._results: Generator[Part, None, None] | None = None
+        self._began, self._computed = perf_counter(), 0
+        self.parts = 0
+
+    def evolve(self) -> None:
+        """Compute all generations."""
+        search = self._search
+        evolution = Evolution(
+            search.variables, search.first, n_objectives=len(search.minimise), n_limits=len(search.limits),
+            seed=search.study.seed,
+        )  # fmt: skip
+        for generation in range(search.generations):
+            designs = evolution.ask()
+            if not designs:
+                return  # every design that the best can be crossed to is among them
+            new = list(
+                {self._key(design): design for design in designs if self._key(design) not in self._known}.values()
+            )
+            for table in self._tables(new, generation):
+                self._remember(table)
+            results = [self._known[self._key(design)] for design in designs]
+            evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
+            self._report(generation + 1)
+
+    def _key(self, design: Design) -> tuple[Any, ...]:
+        return tuple(design[name] for name in self._search.variables)
+
+    def _remember(self, table: pa.Table) -> None:
+        values = objectives(table, self._search.minimise), violations(table, self._search.limits)
+        for design, *result in zip(table.select(list(self._search.variables)).to_pylist(), *values, strict=True):
+            self._known[self._key(design)] = (result[0], result[1])
+
+    def _tables(self, designs: Sequence[Design], generation: int) -> list[pa.Table]:
+        """Return the rows of new designs: of the parts that are done already, and of those that are computed now."""
+        rows, size = self._search.rows(designs, len(self._known)), chunk_size(self._search.study, self._keep)
+        blocks = {self.parts + n: rows.slice(first, size) for n, first in enumerate(range(0, len(designs), size))}
+        tables = {number: table for number, block in blocks.items() if (table := self._done(number, block)) is not None}
+        missing = [
+            Chunk(number=one, rows=block.to_pylist(), responses=self._keep == RESPONSES)
+            for one, block in blocks.items()
+            if one not in tables
+        ]
+        for part in self._computed_by_engine(missing):
+            numbers = pa.array([generation] * part.table.num_rows, type=pa.int64())
+            table = part.table.append_column(GENERATION, numbers)
+            write_part(self._folder, replace(part, table=table))
+            tables[part.number] = table
+            self._computed += table.num_rows
+            self._report(generation + len(tables) / len(blocks))
+        self.parts += len(blocks)
+        return [tables[number] for number in sorted(blocks)]
+
+    def _computed_by_engine(self, missing: Sequence[Chunk]) -> Iterator[Part]:
+        """Yield the parts of some chunks; processes of this machine wait for the chunks of later generations."""
+        work = self._search.study.work
+        if self._engine is not run_local:
+            with closing(self._engine(work, missing, **self._options)) if missing else nullcontext(()) as results:
+                yield from results
+            return
+        for chunk in missing:
+            self._chunks.put(chunk)
+        if self._results is None:
+            self._results = run_local(work, iter(self._chunks.get, None), **self._options)
+        for _ in missing:
+            yield next(self._results)
+
+    def close(self) -> None:
+        """End the processes of this machine."""
+        if self._results is not None:
+            self._chunks.put(None)  # a thread that waits for a chunk sees that there are no more
+            self._results.close()
+
+    def _done(self, number: int, rows: pa.Table) -> pa.Table | None:
+        """Return a part that is done, if its designs are these: those after a process's death may be others."""
+        path = part_path(self._folder, number)
+        table = read_part(path) if path.is_file() else None
+        return table if table is not None and table.select(rows.column_names).equals(rows) else None
+
+    def _report(self, generations: float) -> None:
+        rate = self._computed / (perf_counter() - self._began)
+        self._update(generations / self._search.generations, rate)
 
 
 class Search(SearchDefinition):

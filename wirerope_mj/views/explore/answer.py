@@ -23,11 +23,8 @@ from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.views.explore.shown import ShownRun
 from wirerope_mj.views.thin import rows_of_extremes
 
-_ROWS = 8
-"""Rows of a table: those that a reader compares; the report of a run has them all."""
-
-_POINTS = 1500
-"""Points of a curve on the page: two for every pixel of its width, so that no peak is lost."""
+_ROWS = 8  # Rows of a table: those that a reader compares; the report of a run has them all
+_POINTS = 1500  # Points of a curve on the page: two for every pixel of its width, so that no peak is lost
 
 
 def answer(now: ShownRun, before: ShownRun | None) -> dict[str, Any]:

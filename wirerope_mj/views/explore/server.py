@@ -18,16 +18,11 @@ from wirerope_mj.views.explore.turns import OvertakenError, Turns
 from wirerope_mj.views.explore.viewer_files import FILES, viewer_files
 
 LOCAL = "127.0.0.1"
-
 _FOLDER = Path(__file__).parent
 _TYPES = {".html": "text/html", ".css": "text/css", ".js": "text/javascript", ".wasm": "application/wasm"}
 _STATIC = ("explore.css", "explore.js", "chart.js", "viewer.html", "viewer.css", "viewer.js")
-_LARGEST = 4096
-"""Request that is read [bytes]: a dozen sliders take a tenth of it."""
-
-_IDLE = 60.0
-"""Time after which a connection that asks nothing is closed [s]."""
-
+_LARGEST = 4096  # Request that is read [bytes]: a dozen sliders take a tenth of it
+_IDLE = 60.0  # Time after which a connection that asks nothing is closed [s]
 # The page loads nothing from elsewhere, whatever its scripts or the viewer's might try: no fonts, no usage data.
 _POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; style-src 'self'; connect-src 'self' data: blob:; "

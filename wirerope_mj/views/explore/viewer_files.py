@@ -9,9 +9,8 @@ from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.views.recording.viewer import free_port, viewer_binary
 
 FILES = ("re_viewer.js", "re_viewer_bg.wasm")
-
+# Time within which the viewer's server must answer [s]; it takes a tenth of one on a machine that is not busy.
 _START = 15.0
-"""Time within which the viewer's server must answer [s]; it takes a tenth of one on a machine that is not busy."""
 
 
 def viewer_files() -> dict[str, bytes]:

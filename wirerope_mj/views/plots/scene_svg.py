@@ -23,12 +23,11 @@ from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.svg_chart import number_text, safe_text
 
+# Disc, square, diamond, triangles and cross about the origin.
 _MARKERS = (
     "M-3 0a3 3 0 1 0 6 0a3 3 0 1 0-6 0", "M-2.8-2.8h5.6v5.6h-5.6z", "M0-3.6L3.6 0L0 3.6L-3.6 0z", "M0-3.4L3.4 2.6H-3.4z",
     "M0 3.4L3.4-2.6H-3.4z", "M-1-3.2h2v2.2h2.2v2h-2.2v2.2h-2v-2.2h-2.2v-2h2.2z",
 )  # fmt: skip
-"""Disc, square, diamond, triangles and cross about the origin."""
-
 _TALLEST, _TALLEST_HALF, _LOWEST = 195.0, 150.0, 50.0  # height of one view, of one of half the width, and of any
 _LEFT, _RIGHT, _TOP, _BOTTOM = 40.0, 10.0, 20.0, 32.0
 _ROOM = 0.05  # around the drawing, of its width
@@ -36,14 +35,9 @@ _STEPS = 10.0  # to a unit, to which corners are rounded
 _LETTER = 0.56  # mean width of a letter, of its height
 _ROW = 15.0  # height of an entry of the key
 _NAME = 7.5  # height of the letters of a mount's name
-
-WIDTH = 600.0
-"""Width of a drawing over the whole page, in its units."""
-
+WIDTH = 600.0  # Width of a drawing over the whole page, in its units
 _COLOURS, _RATED = tuple(map(hexadecimal, LIGHT.series)), hexadecimal(LIGHT.limit)
-
 _INK, _FRAME, _GRID = "#3a4553", "#8b95a1", "#e3e7eb"
-
 Place = Callable[[Array], Array]
 
 

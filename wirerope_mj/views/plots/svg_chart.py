@@ -17,9 +17,7 @@ from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, hexadecimal
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
-WIDTH = 760.0
-"""Width of a chart, in units of about a pixel of a page."""
-
+WIDTH = 760.0  # Width of a chart, in units of about a pixel of a page
 _LEFT, _RIGHT, _GAP = 58.0, 12.0, 66.0
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
 _LETTER = 6.1  # width of a letter of a legend, on the average
@@ -253,7 +251,6 @@ def _points(x: Array, y: Array) -> list[list[float]]:
 
 _DASHES = {"dashed": "6 3", "dotted": "1.5 2.5"}
 _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the others
-
 _LIMIT = f'class="limit" fill="none" stroke="{hexadecimal(LIGHT.limit)}" stroke-width="1.1" stroke-dasharray="5 4"'
 
 

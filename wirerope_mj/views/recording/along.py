@@ -9,9 +9,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.animation import Animation, Strip
 from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
 
+# Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun has no other numbers
+# for a timeline. Where a branch folds, the point tells its motions apart.
 POINT, FREQUENCY = "point", "frequency_mHz"
-"""Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun has no other
-numbers for a timeline. Where a branch folds, the point tells its motions apart."""
 
 
 def at_points(animation: Animation, strip: Strip) -> list[Any]:

@@ -12,11 +12,8 @@ from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
 
-MOST_POINTS = 60
-"""Motions of a branch that are recorded: a step of one is small, and the file stays small too."""
-
-ROWS = 36
-"""Rows of a period of the base: ten degrees each."""
+MOST_POINTS = 60  # Motions of a branch that are recorded: a step of one is small, and the file stays small too
+ROWS = 36  # Rows of a period of the base: ten degrees each
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -21,11 +21,8 @@ from wirerope_mj.views.recording.paths import entity
 from wirerope_mj.views.recording.texts import BANNER, BELOW
 from wirerope_mj.views.recording.views import event_view, layout, loop_view, scene_view, tabs_with, time_axis
 
-_SCENES = (870.0, 720.0)
-"""Width and height of the pane of the scenes on a full-HD screen [points]."""
-
-_TABS = (1040.0, 730.0)
-"""The same of the tabs beside them, without their titles."""
+_SCENES = (870.0, 720.0)  # Width and height of the pane of the scenes on a full-HD screen [points]
+_TABS = (1040.0, 730.0)  # The same of the tabs beside them, without their titles
 
 
 def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> Any:

@@ -47,22 +47,11 @@ from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.views import opening, whole_scene_view
 
 RESPONSE, MOTION, ABOUT = "response", "motion", "about"
-
-PANE = (640.0, 500.0)
-"""Width and height [points] of the pane of loops on a full-HD screen."""
-
-SQUARE = 92.0
-"""Width of the frames of shape and multipliers, whose panes are a little higher than wide."""
-
-AWAY = 1.15
-"""Factor by which the camera stands farther away than for the modelled geometry: motions are drawn larger."""
-
-PER_SECOND = 5.0
-"""Points that are played in a second."""
-
-RESPONSE_WIDTH = 225.0
-"""Width of the frame of the response, so that it fills its pane."""
-
+PANE = (640.0, 500.0)  # Width and height [points] of the pane of loops on a full-HD screen
+SQUARE = 92.0  # Width of the frames of shape and multipliers, whose panes are a little higher than wide
+AWAY = 1.15  # Factor by which the camera stands farther away than for the modelled geometry: motions are drawn larger
+PER_SECOND = 5.0  # Points that are played in a second
+RESPONSE_WIDTH = 225.0  # Width of the frame of the response, so that it fills its pane
 _TIMELINES = (
     "Timeline point: from motion to motion along the branches; frequency_mHz: the same by frequency, all levels at one "
     "frequency; sim_time: one repetition of each motion after the other."

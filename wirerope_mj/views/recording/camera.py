@@ -10,24 +10,13 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.poses import conjugate, multiply, rotate
 
 _LOOK_FROM = np.array([0.46, -0.80, 0.38])
-_TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))
-"""Of half the viewer's angle of view from below to above, less a margin."""
-
-_ASPECT = 1.75
-"""Width over height of the pane of the whole scene on a full-HD screen, where a run is alone."""
-
-_WIDE = 3.0
-"""The same of the pane of the close-up below it."""
-
-_CLOSE = 1.4
-"""Distance over the diagonal of the mount from which what hides it is looked for."""
-
-_MARGIN = 1.3
-"""Size of what the close-up holds over that of the mount."""
-
+_TANGENT = 0.88 * np.tan(np.radians(55.0 / 2))  # Of half the viewer's angle of view from below to above, less a margin
+_ASPECT = 1.75  # Width over height of the pane of the whole scene on a full-HD screen, where a run is alone
+_WIDE = 3.0  # The same of the pane of the close-up below it
+_CLOSE = 1.4  # Distance over the diagonal of the mount from which what hides it is looked for
+_MARGIN = 1.3  # Size of what the close-up holds over that of the mount
 _AZIMUTHS = 24
 _ELEVATIONS = (-30.0, -12.0, 3.0, 10.0, 22.0, 40.0)  # [deg]
-
 CORNERS = np.array([[x, y, z] for x in (-1.0, 1.0) for y in (-1.0, 1.0) for z in (-1.0, 1.0)])
 _GRID = np.array([[x, y, z] for x in (-1.0, 0.0, 1.0) for y in (-1.0, 0.0, 1.0) for z in (-1.0, 0.0, 1.0)])
 

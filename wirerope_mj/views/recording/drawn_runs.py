@@ -26,11 +26,9 @@ from wirerope_mj.views.recording.paths import AXES, root_of
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import ARROW
 
-MOST_MOUNTS = 4
-"""Mounts of an axis whose histories and loops are drawn for several runs: each is a plot of its own."""
-
+MOST_MOUNTS = 4  # Mounts of an axis whose histories and loops are drawn for several runs: each is a plot of its own
+# Of the runs in every view. There are no more runs than colours that can be told apart.
 COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
-"""Of the runs in every view. There are no more runs than colours that can be told apart."""
 
 
 @dataclass(frozen=True, kw_only=True)

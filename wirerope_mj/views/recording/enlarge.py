@@ -8,9 +8,7 @@ from wirerope_mj.views.recording.animation import with_values
 from wirerope_mj.views.recording.mounts import devices_of
 from wirerope_mj.views.recording.poses import conjugate, multiply
 
-FRACTION = 0.3
-"""Fraction of a mount's height that the largest deflection from its mean may take in the picture."""
-
+FRACTION = 0.3  # Fraction of a mount's height that the largest deflection from its mean may take in the picture
 _ROUND = (1.0, 2.0, 5.0)
 
 

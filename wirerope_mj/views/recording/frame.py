@@ -9,20 +9,13 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.colours import DARK
 
-HEIGHT = 100.0
-"""Height of a plot's frame, in units of its view."""
-
-LARGE = 4.5
-"""`lift` for a view that fills half the screen's height."""
-
-GROUND = DARK.ground
-"""Behind every plot, whatever the viewer's theme: the colours of the lines are made for it."""
-
+HEIGHT = 100.0  # Height of a plot's frame, in units of its view
+LARGE = 4.5  # `lift` for a view that fills half the screen's height
+GROUND = DARK.ground  # Behind every plot, whatever the viewer's theme: the colours of the lines are made for it
 _FRAME = (120, 126, 134)
 _GRID = (52, 57, 64)
 _ZERO = (104, 110, 118)
 _TICK = (128, 134, 142)
-
 Color = tuple[int, int, int]
 
 

@@ -16,12 +16,9 @@ from wirerope_mj.views.recording.scene import log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms
 
 ROOT = "ghosts"
-
+# Of a ghost: two of them can be told apart where they overlap, and edges are seen through both; of where one began.
 _OPAQUE, _AT_REST = 0.38, 0.12
-"""Of a ghost: two of them can be told apart where they overlap, and edges are seen through both; of where one began."""
-
-_SEEN = 0.04
-"""Fraction of the scene's size that the largest motion is to have in the picture."""
+_SEEN = 0.04  # Fraction of the scene's size that the largest motion is to have in the picture
 
 
 def ghost_factor(drawn: Drawn) -> float:

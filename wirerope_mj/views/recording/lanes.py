@@ -12,22 +12,17 @@ from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.mounts import CLOSED, changes, closed_at
 from wirerope_mj.views.recording.paths import at, entity
 
-_MOST = 2
-"""Lanes of what uses most of its limits: each is 40 points high."""
-
-_LEGIBLE = 0.04
-"""Fraction of what is shown below which a state's name does not fit its lane."""
-
+_MOST = 2  # Lanes of what uses most of its limits: each is 40 points high
+_LEGIBLE = 0.04  # Fraction of what is shown below which a state's name does not fit its lane
 _QUIET, _MOVING, _NEAR = (58, 66, 76), (48, 84, 110), (150, 100, 10)
 _USED = (("within", (34, 84, 50)), ("80", _NEAR), ("100", tuple(round(0.75 * part) for part in DARK.limit)))
 _STOPS = (("open", _QUIET), ("stop", CLOSED))
 _PHASES = (("at rest", _QUIET), ("moves", _NEAR), ("free", _MOVING))
-
+# Entities at the root of a recording: a mount of such a name has its lane elsewhere.
 _TAKEN = (
     "world", "histories", "loops", "events", "peaks", "scenario", "verdict", "verdicts", "cursor", "state", "plan", "ghosts",
     "frequencies",
 )  # fmt: skip
-"""Entities at the root of a recording: a mount of such a name has its lane elsewhere."""
 
 
 def lane_paths(response: Response, selection: Selection) -> list[str]:

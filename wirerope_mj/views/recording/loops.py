@@ -20,24 +20,15 @@ from wirerope_mj.views.recording.frame import HEIGHT, LARGE, Color, Plot, log_fr
 from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
 from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
+# Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame.
 MOST_TRAIL_ROWS = 1000
-"""Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame."""
-
+# Stretches of a long run whose cycles are drawn beside that of the largest deflection, and rows of each: some cycles.
 _STRETCHES, _STRETCH = 5, 120
-"""Stretches of a long run whose cycles are drawn beside that of the largest deflection, and rows of each: some cycles."""
-
-_SHORT_TRAIL = 80
-"""Rows of the trail where the whole past would be too many: the last few cycles."""
-
-_FINE = 1 / 300
-"""Fraction of a loop's range that its line may be off: a pixel of a small multiple."""
-
-_COARSE = 1 / 100
-"""The same for the cursor, which is a spot of several pixels."""
-
+_SHORT_TRAIL = 80  # Rows of the trail where the whole past would be too many: the last few cycles
+_FINE = 1 / 300  # Fraction of a loop's range that its line may be off: a pixel of a small multiple
+_COARSE = 1 / 100  # The same for the cursor, which is a spot of several pixels
 _RATED = (214, 64, 64)
-_CURSOR = (255, 255, 255)
-"""Of a run alone; among several runs cursors have their colours."""
+_CURSOR = (255, 255, 255)  # Of a run alone; among several runs cursors have their colours
 
 
 @dataclass(frozen=True, kw_only=True)

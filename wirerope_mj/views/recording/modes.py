@@ -24,13 +24,9 @@ from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.views import opening, whole_scene_view
 
-MODE = "mode"
-"""Timeline over the modes, numbered from 1; also the entity of the text about one."""
-
+MODE = "mode"  # Timeline over the modes, numbered from 1; also the entity of the text about one
 ALL = "modes"
-
-_AWAY = 1.12
-"""Factor by which the camera stands farther away than for the modelled geometry: modes are drawn large."""
+_AWAY = 1.12  # Factor by which the camera stands farther away than for the modelled geometry: modes are drawn large
 
 
 def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:

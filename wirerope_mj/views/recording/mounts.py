@@ -20,15 +20,10 @@ from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaterni
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)
-_FLAT = 0.08
-"""Least height of a drawn rope over its modelled height, so that a crushed mount is not turned inside out."""
-
-_MOST_LABELS = 12
-"""With more mounts only those whose loops are shown first get a label."""
-
+_FLAT = 0.08  # Least height of a drawn rope over its modelled height, so that a crushed mount is not turned inside out
+_MOST_LABELS = 12  # With more mounts only those whose loops are shown first get a label
+# Entities of a body that would stand in front of a mount seen from near.
 BESIDE = ("labels", "forces", "acceleration", "stops", "axes", "ring")
-"""Entities of a body that would stand in front of a mount seen from near."""
-
 _NEAR = (240, 180, 40)
 _RING = 48  # corners of the ring about the worst mount
 
@@ -221,7 +216,6 @@ def _log_forces(
 
 
 OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
-
 _COVER = 1.02  # of the radius of a ball that is covered: seen, and too thin to look like another size
 
 

@@ -15,17 +15,12 @@ from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.paths import Rows, at, child, entity
 
 CURSOR, PLAN = "cursor", "plan"
-
-_ROWS, _PLAN_ROWS = 1000, 200
-"""Instants at which the table, and the plan, are made anew."""
-
+_ROWS, _PLAN_ROWS = 1000, 200  # Instants at which the table, and the plan, are made anew
+# Utilisations and the colours of what is used as much; between them colours blend, and nothing is redder than the limit.
 _SCALE: tuple[tuple[float, Color], ...] = (
     (0.0, (132, 142, 156)), (0.5, (96, 170, 190)), (0.8, DARK.series[1]), (1.0, DARK.limit),
 )  # fmt: skip
-"""Utilisations and the colours of what is used as much; between them colours blend, and nothing is redder than the limit."""
-
-_STEP = 0.1
-"""Of utilisations that are told apart by colour."""
+_STEP = 0.1  # Of utilisations that are told apart by colour
 
 
 def log_cursor(rec: Any, run: RunResult) -> None:

@@ -14,20 +14,12 @@ from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
 
-MOST_LOOPS = 4
-"""Loops that are shown: those that take most energy at the highest amplitude."""
-
-SHAPE = "shape"
-"""Entity of the loop whose own ranges fill the frame."""
-
+MOST_LOOPS = 4  # Loops that are shown: those that take most energy at the highest amplitude
+SHAPE = "shape"  # Entity of the loop whose own ranges fill the frame
 _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
 _CURSOR = (255, 255, 255)
-
 MULTIPLIERS = "multipliers"
-
-_LARGEST = 2.0
-"""Modulus beyond which a multiplier is drawn at the edge of the frame, in its direction."""
-
+_LARGEST = 2.0  # Modulus beyond which a multiplier is drawn at the edge of the frame, in its direction
 _CIRCLE, _INSIDE, _OUTSIDE = (150, 158, 168), (110, 200, 130), (240, 80, 80)
 
 

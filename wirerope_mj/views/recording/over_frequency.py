@@ -15,10 +15,7 @@ from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.paths import at, child, entity, known_letters
 
 ROOT = "frequencies"
-
-WIDTH = 320.0
-"""Width of the frame, so that it fills its pane."""
-
+WIDTH = 320.0  # Width of the frame, so that it fills its pane
 _CURSOR: Color = (255, 255, 255)
 _LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it

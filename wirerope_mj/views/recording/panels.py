@@ -14,15 +14,10 @@ from wirerope_mj.views.recording.paths import at, child, known_letters
 from wirerope_mj.views.recording.views import time_axis
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 
-_FINE = 1 / 400
-"""Fraction of a panel's range that a line may be off; below a pixel of a plot of 200."""
-
+_FINE = 1 / 400  # Fraction of a panel's range that a line may be off; below a pixel of a plot of 200
+# Rows of what oscillates too often for a line: as many as pixels of a plot, which fill a band; fewer of the grey others.
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
-"""Rows of what oscillates too often for a line: as many as pixels of a plot, which fill a band; fewer of the grey others."""
-
-_OTHERS = (104, 110, 118)
-"""Darker than a text must be, so that what is named stands in front."""
-
+_OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
 _COLUMNS = 90
 _CORNERS = {
     "RightTop": (True, True),

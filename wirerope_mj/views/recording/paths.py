@@ -11,11 +11,8 @@ from wirerope_mj.views.thin import Rows as Rows
 
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
-EVENT = "event"
-"""Timeline of a few instants alone: the viewer's key for the next event jumps from one to the next."""
-
+EVENT = "event"  # Timeline of a few instants alone: the viewer's key for the next event jumps from one to the next
 FILE = "run.rrd"
-
 AXIAL = AXES.index("axial")
 
 
@@ -99,13 +96,13 @@ def at(time: npt.ArrayLike) -> list[Any]:
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
 
+# What one of the two fonts of rerun 0.41 lacks, beyond Latin, Greek and Cyrillic.
 _UNKNOWN = re.compile(
     "[^\n\u0020-\u007e\u00a0-\u00ac\u00ae-\u0148\u014a-\u017f\u0386\u0388-\u038a\u038c\u038e-\u03a1\u03a3-\u03ce"
     "\u0401-\u040c\u040e-\u044f\u0451-\u045c\u045e\u045f\u2010\u2013\u2014\u2018-\u2022\u2026\u2030\u2032\u2033"
     "\u2070\u2074-\u207a\u2080-\u2089\u20ac\u2116\u2122\u2190-\u2193\u2202\u2206\u2211\u2212\u221a\u221e\u2248\u2260"
     "\u2264\u2265]"
 )
-"""What one of the two fonts of rerun 0.41 lacks, beyond Latin, Greek and Cyrillic."""
 
 
 def known_letters(text: str) -> str:

@@ -9,9 +9,8 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.paths import child, entity
 
+# Bodies are fixed to each other if they move less than this [m], per metre of arm for rotations; far below a pixel.
 _SAME = 1e-6
-"""Bodies are fixed to each other if they move less than this [m], per metre of arm for rotations; far below a pixel."""
-
 _CHECKED_ROWS = 1000
 
 

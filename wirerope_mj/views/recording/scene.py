@@ -15,17 +15,10 @@ from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.thin import rows_of_steps
 
-_STILL = 1 / 50
-"""Poses are drawn anew when something has moved by this fraction of the largest travel."""
-
-_MOST_POSES = 3000
-"""Poses of a long run at the most; those of all peaks are among them."""
-
-_AXES = [(232, 110, 100), (120, 200, 110), (110, 160, 240)]
-"""Colours of x, y and z."""
-
-ARROW = (255, 196, 60)
-"""Colour of the acceleration of the base of a run alone."""
+_STILL = 1 / 50  # Poses are drawn anew when something has moved by this fraction of the largest travel
+_MOST_POSES = 3000  # Poses of a long run at the most; those of all peaks are among them
+_AXES = [(232, 110, 100), (120, 200, 110), (110, 160, 240)]  # Colours of x, y and z
+ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
 
 
 def log_scene(

@@ -12,11 +12,8 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.views.recording.paths import APPLICATION, FILE, KnownLetters
 
-_BLOCK = 2**20
-"""Of a recording, written at once [bytes]."""
-
-_OPEN_FILES = Path("/dev/fd")
-"""Folder in which Linux and macOS give an open pipe a path."""
+_BLOCK = 2**20  # Of a recording, written at once [bytes]
+_OPEN_FILES = Path("/dev/fd")  # Folder in which Linux and macOS give an open pipe a path
 
 
 def target_of(path: str | Path, *, file: str = FILE) -> Path:

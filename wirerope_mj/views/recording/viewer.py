@@ -11,14 +11,10 @@ from urllib.parse import quote
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.views.recording.paths import FILE
 
+# In the folder of a study: what it is known by, its worst variants, and their recording.
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
-"""In the folder of a study: what it is known by, its worst variants, and their recording."""
-
-_BEGINNING = b"RRF"
-"""First bytes of every recording."""
-
-_LOCAL = "127.0.0.1"
-"""The viewer listens on this machine only; its own default is every network."""
+_BEGINNING = b"RRF"  # First bytes of every recording
+_LOCAL = "127.0.0.1"  # The viewer listens on this machine only; its own default is every network
 
 
 def show(path_or_folder: str | Path, *, web: bool = False) -> None:

@@ -9,8 +9,7 @@ from wirerope_mj.views.recording.frame import GROUND, HEIGHT
 from wirerope_mj.views.recording.paths import TIMELINE, entity, known_letters
 from wirerope_mj.views.recording.poses import Frame
 
-SLOW_MOTION = 0.05
-"""Playback speed for a shock: an event of half a second takes ten."""
+SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second takes ten
 
 
 def layout(content: Any, window: tuple[float, float]) -> Any:

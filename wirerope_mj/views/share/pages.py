@@ -5,9 +5,7 @@ from pathlib import Path
 
 from wirerope_mj.views.explore.viewer_files import viewer_files
 
-VIEWER = "viewer"
-"""Folder of the viewer, beside the report."""
-
+VIEWER = "viewer"  # Folder of the viewer, beside the report
 _FOLDER = Path(__file__).parent
 _INSTANT = re.compile(r'(<td class="[^"]*" data-instant="([0-9.eE+-]+)">)([^<]*)(</td>)')
 

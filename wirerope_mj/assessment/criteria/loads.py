@@ -1,22 +1,21 @@
-"""Forces of mounts: static loads against their rating, and the largest force of a run."""
+"""Loads of mounts against their ratings, and contacts and stops of mounts: whether they were struck, and how hard."""
 
 import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD, Criterion
-from wirerope_mj.assessment.criteria.limits import payload_bodies
+from wirerope_mj.assessment.criteria.criterion import CONTACT, STATIC_LOAD, STOP, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_start
-from wirerope_mj.assessment.criteria.verdict import Verdict
-from wirerope_mj.engine.response import Response
+from wirerope_mj.assessment.criteria.verdict import CLEAR, STRUCK, TOUCHING, Verdict, payload_bodies
+from wirerope_mj.engine.response import ContactPeak, Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.mounts.isolator.static_rating import static_load_unjudged
+from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
+# Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
 AT_REST = 1e-3 * STANDARD_GRAVITY
-"""Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g."""
 
 
 def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -106,3 +105,43 @@ def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None =
             )
         )
     return tuple(verdicts)
+
+
+def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
+    """Return what became of every pair of geoms that may touch and of every stop, with the largest force [N].
+
+    () where none was recorded. No limit is stated for a contact: that a stop is struck is the finding, since the
+    accelerations depend on its stiffness and damping from then on.
+    """
+    return tuple(_verdict(name, contact) for name, contact in (response.peaks.contacts or {}).items())
+
+
+def _verdict(name: str, contact: ContactPeak) -> Verdict:
+    return Verdict(
+        criterion=STOP if contact.mount else CONTACT,
+        subject=name,
+        value=contact.force,
+        limit=None,
+        unit="N",
+        time=contact.force_time,
+        note=contact_text(contact),
+        contact=STRUCK if contact.struck else TOUCHING if contact.touches else CLEAR,
+    )
+
+
+def contact_text(contact: ContactPeak) -> str:
+    """Return when a pair or a stop touched first, how often, how deep and for how long; "" for one that never did."""
+    if not contact.touches:
+        return ""
+    strikes = contact.touches - int(contact.from_start)
+    begin = "touching from the start" if contact.from_start else f"first at {contact.first_touch:.4f} s"
+    again = "again " if contact.from_start else ""
+    often = f", struck {again}{'once' if strikes == 1 else f'{strikes} times'}" if strikes else ""
+    return f"{begin}{often}, {1e3 * contact.duration:.3g} ms in all, {1e3 * contact.penetration:.3g} mm deep"
+
+
+def closing_text(name: str, contact: ContactPeak) -> str:
+    """Return when a stop of a mount closed first and its largest force, "stop s3 closed at 61.2 ms, 4.1 kN"."""
+    time = contact.first_touch or 0.0
+    when = f"{1e3 * time:.1f} ms" if time < 1.0 else f"{time:.4f} s"
+    return f"{contact.called(name)} closed at {when}, {1e-3 * contact.force:.3g} kN"

@@ -1,6 +1,7 @@
-"""A frequency response as one folder: settings, summary, tables, pictures, the recording, and the model as it was used."""
+"""Modes and frequency responses as folders: settings, summary, pictures, and the model as it was used."""
 
 import json
+from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -13,6 +14,8 @@ from wirerope_mj.content.panels import Chart
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.result import save_tables
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_summary
+from wirerope_mj.dynamics.modes import Modes
+from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.directions import plain_direction
 from wirerope_mj.foundation.tables import Table
@@ -20,25 +23,46 @@ from wirerope_mj.runs.folder import atomic_run
 from wirerope_mj.runs.page import REPORT
 
 FORMAT = 1
-SETTINGS, SUMMARY = "settings.toml", "frequency_response.json"
-KIND, MARKS = "frequency response", (SETTINGS, SUMMARY)
-"""Name of such a folder in messages, and the files by which one is known."""
-
+SETTINGS = "settings.toml"
+# Names of such folders in messages, and the files by which they are known.
+MODES_KIND, MODES_MARKS = "folder of modes", (SETTINGS, "modes.json")
+KIND, MARKS = "frequency response", (SETTINGS, "frequency_response.json")
+# Files of the charts, by their ids.
 PICTURES = {
     "amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png",
 }  # fmt: skip
-"""Files of the charts, by their ids."""
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
-_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "pyarrow", "rerun-sdk", "matplotlib")
+
+def write_modes(system: System, name: str, results: Sequence[Modes], folder: Path, *, force: bool = False) -> None:
+    """Write the modes of a system as `folder`, atomically.
+
+    Args:
+        system: the system.
+        name: of the model.
+        results: modes of small cycles, which are recorded, and those of larger ones.
+        folder: must not exist, or be empty, or hold modes that `force` replaces.
+        force: whether those that are there are replaced.
+
+    Raises:
+        RecordError: the folder exists and must not be replaced.
+    """
+    with atomic_run(folder, force=force, kind=MODES_KIND, marks=MODES_MARKS) as temporary:
+        question = {
+            "history": results[0].history,
+            "amplitudes": [modes.amplitude for modes in results if modes.amplitude is not None],
+        }
+        _write_settings(temporary, name, system, {"question": question})
+        _write_json(temporary / MODES_MARKS[1], {"results": [modes.to_dict() for modes in results]})
+        # Here, because rerun takes longer to import than checking the options.
+        from wirerope_mj.dynamics.modes.animation import animated_modes
+        from wirerope_mj.views.recording.modes import record_modes
+
+        record_modes(animated_modes(system, results[0]), temporary / "run.rrd", title=name, larger=results[1:])
 
 
 def write_frequency_response(
-    result: FrequencyResponse,
-    findings: list[LevelSummary],
-    content: Content,
-    folder: Path,
-    *,
-    force: bool = False,
+    result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path, *, force: bool = False
 ) -> None:
     """Write a frequency response as `folder`, atomically.
 
@@ -53,29 +77,38 @@ def write_frequency_response(
         RecordError: the folder exists and must not be replaced.
     """
     with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
-        model = write_model(result.system, temporary / "model")
-        settings = _settings(result, model_table(result.system, model))
-        (temporary / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
+        _write_settings(temporary, result.name, result.system, _question(result), "pyarrow", "matplotlib")
         tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
         levels = [plain_summary(one) for one in findings]
-        summary_content = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
-        (temporary / SUMMARY).write_text(
-            json.dumps(summary_content, indent=2, allow_nan=False) + "\n", encoding="utf-8"
-        )
+        _write_json(temporary / MARKS[1], {"headline": content.verdict.text, "levels": levels, "tables": tables})
         save_tables(result, temporary)
         _write_views(result, findings, content, temporary)
 
 
-def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any]:
-    """Return every input with nothing left open, and the versions that computed it."""
+def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, Any], *packages: str) -> None:
+    """Write the model as it was used, every input with nothing left open, and the versions that computed it."""
+    settings = {
+        "format": FORMAT,
+        "name": name,
+        "written": datetime.now(UTC).replace(microsecond=0),
+        "model": model_table(system, write_model(system, folder / "model")),
+        **tables,
+        "versions": {package: version(package) for package in (*_PACKAGES, *packages)},
+    }
+    (folder / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
+
+
+def _write_json(path: Path, content: Mapping[str, Any]) -> None:
+    text = json.dumps({"format": FORMAT, **content}, indent=2, allow_nan=False)
+    path.write_text(text + "\n", encoding="utf-8")
+
+
+def _question(result: FrequencyResponse) -> dict[str, Any]:
+    """Return what was asked: the tables of the options that count for the method."""
     options = result.options
     start, stop = options.range
     assert options.response_direction is not None
     content: dict[str, Any] = {
-        "format": FORMAT,
-        "name": result.name,
-        "written": datetime.now(UTC).replace(microsecond=0),
-        "model": model,
         "question": {
             "accelerations": list(options.accelerations),
             "method": options.method,
@@ -85,7 +118,7 @@ def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any
             "start": start,
             "stop": stop,
             "range_from": options.range_from,
-        },
+        }
     }
     if options.method != "sweep":
         parts = ("periods", "largest_step", "smallest_step")
@@ -94,7 +127,7 @@ def _settings(result: FrequencyResponse, model: dict[str, str]) -> dict[str, Any
             content["continuation"]["smoothing"] = options.smoothing
     if options.method != "continuation":
         content["sweep"] = {"rate": options.rate}
-    return content | {"versions": {name: version(name) for name in _PACKAGES}}
+    return content
 
 
 def _write_views(result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path) -> None:

@@ -1,0 +1,212 @@
+"""The rope loop in the terms of a mount's laws: curves of its axes, and the energy that couples roll and axial direction."""
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+import scipy
+
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.laws import LoopCoupling
+from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
+from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
+
+# Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
+# coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where
+# the rope is slack so far.
+ROLL_TERMS, AXIAL_TERMS = 3, 6
+# Distance of a half loop's ends over its rope up to which the polynomial is fitted: nearer to the taut rope the force grows
+# without bound, which no polynomial follows and no inextensible model should be believed in.
+SLACK_REACH = 0.85
+# Of a half loop: their forces are within 1e-6 of those of four times as many, far below what the polynomial misses.
+ELEMENTS = 9
+_POINTS = 9
+
+
+@dataclass(frozen=True, kw_only=True)
+class CouplingFit:
+    """A coupling energy and how well it has the forces of the elastica.
+
+    Attributes:
+        coupling: the polynomial.
+        force_error: largest error of a coupling force over the box, over the largest coupling force there [-].
+        whole_force_error: the same error over the largest force of the whole loop in the box [-].
+    """
+
+    coupling: LoopCoupling
+    force_error: float
+    whole_force_error: float
+
+
+def fit_coupling(
+    shape: LoopShape,
+    *,
+    bending_stiffness: float,
+    loops: float,
+    roll: float,
+    compression: float,
+    tension: float,
+    terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
+) -> CouplingFit:
+    """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as a polynomial, and its error.
+
+    The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box; the error is
+    measured at 10 x 10 others, its edges included.
+
+    Args:
+        shape: of the half loop.
+        bending_stiffness: EI of the rope [N m^2].
+        loops: their number.
+        roll: end of the box on both sides [m].
+        compression: end of the box in compression [m].
+        tension: end of the box in tension [m]; it ends where the rope of a half loop at full roll would be stretched to more
+            than 85 % of its length (`SLACK_REACH`).
+        terms: I and J.
+
+    Raises:
+        ValueError: an argument is not a finite number > 0, or full roll leaves no tension.
+        ConvergenceError: the elastica has no equilibrium in some corner.
+    """
+    values = {"bending_stiffness": bending_stiffness, "loops": loops, "roll": roll, "compression": compression}
+    for name, value in (values | {"tension": tension}).items():
+        positive(name, value)
+    tension = min(tension, _slack_tension(shape, roll))
+    loop, scale = RopeLoop(shape, ELEMENTS), bending_stiffness * loops
+
+    def polynomial(coefficients: npt.NDArray[np.floating[Any]]) -> LoopCoupling:
+        return LoopCoupling(roll=roll, compression=compression, tension=tension, coefficients=coefficients.tolist())
+
+    knots = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS))
+    points, target, _ = _coupling_forces(loop, roll * knots, -compression + (compression + tension) * knots)
+    units = np.eye(terms[0] * terms[1]).reshape(-1, *terms)
+    columns = np.stack([polynomial(unit).force(points).ravel() for unit in units], axis=1)
+    solution = np.linalg.lstsq(columns, target.ravel(), rcond=None)[0].reshape(terms)
+    between = np.linspace(0.0, 1.0, _POINTS + 1)
+    points, exact, whole = _coupling_forces(loop, roll * between, -compression + (compression + tension) * between)
+    miss = np.linalg.norm(polynomial(solution).force(points) - exact, axis=-1).max()
+    return CouplingFit(
+        coupling=polynomial(scale * solution),
+        force_error=float(miss / np.linalg.norm(exact, axis=-1).max()),
+        whole_force_error=float(miss / np.linalg.norm(whole, axis=-1).max()),
+    )
+
+
+def _coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array, Array]:
+    """Return all pairs (u, w) of two lists of deflections [m], (n, 2), and the forces there for EI = 1 N m^2, (n, 2).
+
+    First those beyond what (u, 0) and (0, w) have alone, then the whole ones.
+    """
+    u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
+    state = loop.state(u, w)
+    across = np.repeat(loop.state(roll, 0.0).roll_force, len(axial))
+    along = np.tile(loop.state(0.0, axial).axial_force, len(roll))
+    whole = np.stack([state.roll_force, state.axial_force], axis=-1)
+    return np.stack([u, w], axis=-1), whole - np.stack([across, along], axis=-1), whole
+
+
+def _slack_tension(shape: LoopShape, roll: float) -> float:
+    """Return the largest tension [m] that leaves a half loop slack at full roll; ValueError if there is none."""
+    across, along = shape.span
+    rest = (SLACK_REACH * shape.length) ** 2 - (abs(across) + roll) ** 2
+    if rest <= along**2:
+        raise ValueError(
+            f"`roll` of {roll:.6g} m stretches the rope of a half loop to more than {100.0 * SLACK_REACH:g} % of its length; "
+            "its coupling is not fitted so far."
+        )
+    return math.sqrt(rest) - along
+
+
+# Tension up to which the curves are followed, as a fraction of the rated compression: beyond, some loops come near to taut.
+TENSION = 0.5
+
+
+@dataclass(frozen=True, kw_only=True)
+class AxisCurves:
+    """Shape of a loop's elastic force along one axis while the other one rests; the stiffness k is left open.
+
+        axial  F = k exp(asymmetry x) (x + axial_cubic x^3),  x positive in tension
+        roll   F = k (x + roll_cubic x^3)
+
+    Attributes:
+        asymmetry: exponent lambda = c ln b of Ni's F2 [1/m].
+        axial_cubic: k3 / k1 of the axial law [1/m^2].
+        roll_cubic: k3 / k1 of the roll law [1/m^2].
+        asymmetry_deviation: standard deviation of the asymmetry [1/m]: half of what it changes if the bars hold the rope on
+            their whole thickness instead of in their middle, which no vendor states.
+        misfit: largest relative difference of the axial secants from the loop's own [-].
+        axial_stiffness, roll_stiffness: of one loop of EI = 1 N m^2 at rest [N/m].
+    """
+
+    asymmetry: float
+    axial_cubic: float
+    roll_cubic: float
+    asymmetry_deviation: float
+    misfit: float
+    axial_stiffness: float
+    roll_stiffness: float
+
+
+def axis_curves(
+    *, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None
+) -> AxisCurves:
+    """Return the curves of an isolator's loop from its envelope.
+
+    Args:
+        height: unloaded, over both bars [m].
+        width: over the ropes [m].
+        bar: thickness of one bar [m].
+        rope: diameter [m].
+        compression: rated travel [m], as far as the axial curve is followed; in tension to `TENSION` of it.
+        roll: rated travel [m]; None where it is not known: as far as the compression.
+
+    Raises:
+        ValueError: no loop has these measures, or its rope is taut within the travel.
+    """
+    shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
+    loop = RopeLoop(shape, ELEMENTS)
+    asymmetry, cubic, misfit = _axial(loop, compression)
+    stiffness = loop.stiffness()
+    clamped = _axial(RopeLoop(_held(shape, 0.5 * bar), ELEMENTS), compression)[0]
+    return AxisCurves(
+        asymmetry=asymmetry,
+        axial_cubic=cubic,
+        roll_cubic=_roll(loop, compression if roll is None else roll),
+        asymmetry_deviation=0.5 * abs(clamped - asymmetry),
+        misfit=misfit,
+        axial_stiffness=float(stiffness[1, 1]),
+        roll_stiffness=float(stiffness[0, 0]),
+    )
+
+
+def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
+    """Return asymmetry, cubic term and largest relative misfit of the secants."""
+    x = np.concatenate([np.linspace(-1.0, -0.1, 10), np.linspace(0.1, TENSION, 5)])  # over the rated compression
+    secant = loop.state(0.0, x * compression).axial_force / (x * compression)
+    secant /= loop.stiffness()[1, 1]
+
+    def misses(parameters: Array) -> Array:
+        return np.exp(parameters[0] * x) * (1.0 + parameters[1] * x**2) / secant - 1.0
+
+    fit = scipy.optimize.least_squares(misses, [0.3, 0.1])
+    exponent, cubic = fit.x.tolist()
+    return exponent / compression, cubic / compression**2, float(np.abs(fit.fun).max())
+
+
+def _roll(loop: RopeLoop, travel: float) -> float:
+    """Return the cubic term of roll, by least squares of the secants."""
+    x = np.linspace(0.1, 1.0, 10) * travel
+    growth = loop.state(x, 0.0).roll_force / x / loop.stiffness()[0, 0] - 1.0
+    return float(growth @ x**2 / (x**2 @ x**2))
+
+
+def _held(shape: LoopShape, length: float) -> LoopShape:
+    """Return the shape whose level segments at both bars are shorter by a length [m], as far as there is a level segment."""
+    segments = list(shape.segments)
+    for end in (0, -1):
+        whole, bend = segments[end]
+        if bend == 0.0:
+            segments[end] = (max(whole - length, 0.05 * whole), bend)
+    return replace(shape, segments=tuple(segments))
