@@ -19,7 +19,8 @@ from wirerope_mj.content.study_tables import effects_table, indices_tables
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
-from wirerope_mj.studies.results.measure import exceedance, values_of
+from wirerope_mj.studies.results.measure import values_of
+from wirerope_mj.studies.results.statistics import exceedance
 from wirerope_mj.studies.results.study_summary import StudySummary
 
 SINGLE = [[0], [1], [2]]

@@ -13,7 +13,8 @@ from wirerope_mj.content.study_statements import travel_statements
 from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, row_of, values_of
+from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of
+from wirerope_mj.studies.results.statistics import row_of
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
 _SHOWN, _EMPTY = 24, 12  # designs that are read at once; names of mounts that are not fitted and listed

@@ -19,17 +19,8 @@ from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect
 from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import (
-    DRAWN,
-    Measure,
-    exceedance_of,
-    finite,
-    headlines,
-    input_names,
-    measure_of,
-    quantiles,
-    values_of,
-)
+from wirerope_mj.studies.results.measure import DRAWN, Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.statistics import exceedance_of, finite, quantiles
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary
 
 # Inputs in one chart: those below explain next to nothing; inputs that are drawn with all their variants.

@@ -17,22 +17,16 @@ from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
-from wirerope_mj.studies.results.measure import (
-    COMBINED,
+from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.stated_limits import StatedLimit
+from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
-    DRAWN,
     Exceedance,
-    Measure,
     exceedance_of,
-    headlines,
-    input_names,
-    measure_of,
     row_of,
     struck_variants,
-    values_of,
     worst,
 )
-from wirerope_mj.studies.results.stated_limits import StatedLimit
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers

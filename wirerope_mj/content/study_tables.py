@@ -8,7 +8,8 @@ from wirerope_mj.content.study_statements import exceedance_text
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, measure_of
+from wirerope_mj.studies.results.measure import ALL, measure_of
+from wirerope_mj.studies.results.statistics import CONFIDENCE
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
 from wirerope_mj.studies.results.varied import varied_of
 

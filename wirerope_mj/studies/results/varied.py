@@ -15,17 +15,13 @@ from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
-from wirerope_mj.studies.results.measure import (
-    ALL,
+from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
+from wirerope_mj.studies.results.statistics import (
     CONFIDENCE,
-    STRUCK,
     exceedance_of,
     finite,
-    known_measures,
-    measure_of,
     quantiles,
     struck_variants,
-    values_of,
     worst,
 )
 
