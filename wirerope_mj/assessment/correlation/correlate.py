@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from wirerope_mj.assessment.correlation.iso18571 import Rating, iso_rating
+from wirerope_mj.assessment.correlation.iso18571 import INNER, Rating, iso_rating
 from wirerope_mj.assessment.correlation.magnitude_phase import MagnitudePhase, russell, sprague_geers
 from wirerope_mj.assessment.correlation.over_frequency import (
     Band,
@@ -30,6 +30,8 @@ from wirerope_mj.mounts.isolator import AXES
 
 # Samples a second that ISO/TS 18571 asks for, and the most of them that are rated: warping takes the square of their number
 _ISO_RATE, _ISO_MOST = 1e4, 4000
+
+_LEAST_MARGIN = 8  # samples
 
 _ALIKE = 0.5  # correlation from which a delay is taken for that of the clock
 _SAME_INPUT = 0.15  # Russell's comprehensive error of the base from which it is called another motion: excellent below
@@ -81,10 +83,22 @@ class ChannelCorrelation:
         return russell(self.pair.measured, self.pair.model)
 
     @cached_property
+    def event(self) -> slice:
+        """Samples between which either history is above the inner corridor, 5 % of the measured peak, and a tenth more."""
+        measured, model = self.pair.measured, self.pair.model
+        above = np.flatnonzero(np.maximum(np.abs(measured), np.abs(model)) > INNER * np.abs(measured).max())
+        margin = (above[-1] - above[0]) // 10 + _LEAST_MARGIN
+        return slice(max(int(above[0] - margin), 0), min(int(above[-1] + margin) + 1, measured.size))
+
+    @cached_property
     def rating(self) -> Rating:
-        """After ISO/TS 18571, at 10 000 samples a second or as many as make 4000 of the interval."""
-        rate = min(_ISO_RATE, (_ISO_MOST - 1) / float(self.pair.time[-1] - self.pair.time[0]))
-        return iso_rating(*(_at_rate(values, self.pair.rate, rate) for values in (self.pair.measured, self.pair.model)))
+        """After ISO/TS 18571, of the event alone, at 10 000 samples a second or as many as make 4000 of it.
+
+        What rests before and after the event is noise, which would be rated, too.
+        """
+        measured, model = self.pair.measured[self.event], self.pair.model[self.event]
+        rate = min(_ISO_RATE, (_ISO_MOST - 1) * self.pair.rate / (measured.size - 1))
+        return iso_rating(*(_at_rate(values, self.pair.rate, rate) for values in (measured, model)))
 
     @cached_property
     def shock(self) -> SpectrumRatio | None:

@@ -8,7 +8,7 @@ from wirerope_mj.foundation.arrays import Array
 
 # Parameters of ISO/TS 18571:2014, table of clause 5: inner and outer corridor as fractions of the measured peak, and the
 # exponent between them
-_INNER, _OUTER, _CORRIDOR_POWER = 0.05, 0.5, 2
+INNER, _OUTER, _CORRIDOR_POWER = 0.05, 0.5, 2
 _LARGEST_SHIFT = 0.2  # of the interval, from which the phase rating is zero
 _LARGEST_MAGNITUDE, _LARGEST_SLOPE = 0.5, 2.0  # errors from which their ratings are zero
 _WARP = 0.1  # half width of the band of the time warping, of the interval
@@ -60,7 +60,7 @@ def iso_rating(measured: Array, computed: Array) -> Rating:
 
 def _corridor(measured: Array, computed: Array) -> float:
     peak = float(np.abs(measured).max())
-    inner, outer = _INNER * peak, _OUTER * peak
+    inner, outer = INNER * peak, _OUTER * peak
     inside = np.clip((outer - np.abs(measured - computed)) / (outer - inner), 0.0, 1.0)
     return float((inside**_CORRIDOR_POWER).mean())
 

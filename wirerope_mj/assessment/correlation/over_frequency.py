@@ -20,6 +20,7 @@ _LINES = 12  # of a shock response spectrum to an octave
 _HIGHEST = 0.4  # of the rate: what the filter before passes
 _DECAYED = 0.3  # rms of the last quarter over that of all, below which a history is a transient
 _POWER = 1e-3  # of the largest density, below which there is nothing but noise
+_DRIVEN = 1e-2  # of the base's largest density, below which it does not drive: less is noise in tests
 _PER_OCTAVE = 6  # bands over which densities are averaged
 _SEGMENTS = 8  # of a coherence, at least: that of a single segment is always one
 _NOTABLE = 0.1  # deviation of a ratio from which it is worth a sentence
@@ -190,7 +191,7 @@ def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
         inputs.append(power.real)
         functions.append(across / np.where(power.real > 0.0, power.real, np.inf))
     lowest, highest = _range(pair)
-    kept = (frequency >= lowest) & (frequency <= highest) & (inputs[0] > _POWER * inputs[0].max())
+    kept = (frequency >= lowest) & (frequency <= highest) & (inputs[0] > _DRIVEN * inputs[0].max())
     if np.count_nonzero(kept) < 8:
         return None
     return Transmissibility(frequency=frequency[kept], measured=functions[0][kept], model=functions[1][kept])
