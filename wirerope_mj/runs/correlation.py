@@ -41,13 +41,13 @@ def write_correlation(
     response = load_response(folder)
     measured = [load_measured(file, name=name, **options) for name, file in files.items()]
     tests = tuple(correlate(response, one) for one in measured)
+    for one in measured:
+        store_test(folder, one, force=force)
     content = correlation_content(folder.resolve().name, tests)
     with atomic_file(page) as beside:
         beside.write_text(report_html(content), encoding="utf-8")
     recording = page.with_suffix(".rrd")
     run = RunResult(response=response, verdicts=run_verdicts(folder, response))
     record_run(run, recording, title=content.title, scenario_text=content.verdict.text, tests=tests)
-    for one in measured:
-        store_test(folder, one, force=force)
     update_checksums(folder, [page, recording])
     return tests
