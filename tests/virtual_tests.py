@@ -1,0 +1,155 @@
+"""Twenty virtual tests that calibrations must not be fooled by: noise, clipping, delay, gain, and truths of another law.
+
+    python tests/virtual_tests.py 20 --seed 1
+
+The truth is a system whose isolators have other numbers than the model's, in every second test another law as well. It is
+shaken, measured with 2 % noise, clipped at 95 % of the peak, 0.3 ms late and 2 % too large, and the model is calibrated to that;
+then another level and another pulse are predicted. Coverage of the 90 % intervals and bands is counted.
+"""
+
+import argparse
+import time
+import warnings
+from dataclasses import dataclass
+
+import numpy as np
+from house import sdof
+
+import wirerope_mj as wr
+from wirerope_mj.studies.calibration import MeasuredTest, calibrate
+from wirerope_mj.studies.calibration.predict import predict
+
+RATE = 10_000.0
+
+
+@dataclass
+class Channel:
+    subject: str
+    quantity: str
+    axis: str
+    time: np.ndarray
+    values: np.ndarray
+
+
+def measured(response, subject, axis, rng, *, noise=0.02, gain=1.02, delay=3e-4, clip=0.95):
+    """Return the acceleration of a body or point as a poor chain measures it."""
+    kind, name = subject.split("/")
+    history = getattr(response, {"body": "bodies", "point": "points"}[kind])[name].acceleration[:, "xyz".index(axis)]
+    values = gain * np.interp(response.time - delay, response.time, history)
+    values = values + noise * np.abs(values).max() * rng.standard_normal(values.size)
+    limit = clip * np.abs(values).max()
+    return Channel(subject, "acceleration", axis, response.time, np.clip(values, -limit, limit))
+
+
+CHAIN = ["channel/*/gain = Normal(1, 0.02)", "channel/*/delay = Normal(0, 0.0005)"]
+
+
+def single_mass(rng, other_law):
+    """A mass on one vertical isolator: system, its truth, what varies, the true values of it, body, direction."""
+    nominal = wr.AsymmetricBoucWen(alpha=1e5, beta=150.0, gamma=30.0, n=1.0, k1=8e4, k2=1e5, k3=2e7, b=2.0, c=6.0)
+    stiffness, damping = rng.uniform(0.8, 1.25, 2)
+    system = sdof(nominal, mass=20.0, gravity=9.80665)
+    if other_law:
+        slip = np.array([30.0, 70.0, 150.0, 250.0])
+        law = wr.Masing(stiffness=list(stiffness * np.array([5e4, 3e4, 2e4, 1.5e4])), slip_force=list(damping * slip), k=5e4 * stiffness)
+        truth, values = sdof(law, mass=20.0, gravity=9.80665), {}
+    else:
+        isolator = system.mounts["m1"].written.scaled(stiffness).with_damping(damping)
+        truth = wr.varied(system, isolators={"m1": isolator})
+        values = {"mount/*/stiffness": stiffness, "mount/*/damping": damping}
+    vary = ["mount/*/stiffness = Uniform(0.5, 1.7)", "mount/*/damping = Uniform(0.4, 1.8)"]
+    return system, truth, vary, values, "body/mass", "z"
+
+
+def shipped(name, body, direction):
+    """Return the maker of a shipped model's test, its isolators' stiffness, damping and the payload's mass unknown."""
+
+    def make(rng, other_law):
+        system = wr.load_system(name)
+        stiffness, damping, mass = rng.uniform(0.8, 1.25), rng.uniform(0.8, 1.25), rng.uniform(0.92, 1.08)
+        changed = {}
+        for mount, one in system.mounts.items():
+            if not one.isolator.is_stop:
+                changed[mount] = one.written.scaled(stiffness).with_damping(damping)
+        truth = wr.varied(system, isolators=changed, masses={body: mass})
+        values = {"mount/*/stiffness": stiffness, "mount/*/damping": damping, f"body/{body}/mass": mass}
+        vary = [
+            "mount/*/stiffness = Uniform(0.5, 1.7)",
+            "mount/*/damping = Uniform(0.4, 1.8)",
+            f"body/{body}/mass = Normal(1, 0.03, relative)",
+        ]
+        return system, truth, vary, values, f"body/{body}", direction
+
+    return make
+
+
+def one_test(number, seed, make, other_law, levels):
+    """Run one virtual test and return what is covered: (name, inside) of parameters and of predictions."""
+    rng = np.random.default_rng([seed, number])
+    system, truth, vary, values, body, axis = make(rng, other_law)
+    tests = []
+    for level in levels:
+        motion = wr.HalfSine(peak=level, duration=0.011, direction=axis, start=0.02)
+        response = wr.simulate(truth, motion, duration=0.6, sample_rate=RATE, accuracy=1e-3)
+        tests.append(MeasuredTest(name=f"{level:g}", motion=motion, channels=[measured(response, body, axis, rng)]))
+    begin = time.perf_counter()
+    found = calibrate(system, tests, vary=[*vary, *CHAIN])
+    took = time.perf_counter() - begin
+    values = values | {"channel/*/gain": 1.02, "channel/*/delay": 3e-4}
+    rows = []
+    for name, (low, high), value in zip(found.names, found.intervals(), found.values, strict=True):
+        if name in values:
+            rows.append((name, low <= values[name] <= high, value / values[name] - 1.0, (high - low) / 2 / values[name]))
+    predictions = []
+    for motion in (
+        wr.HalfSine(peak=1.6 * max(levels), duration=0.011, direction=axis, start=0.02),
+        wr.Sawtooth(peak=max(levels), duration=0.02, direction=axis, start=0.02),
+    ):
+        expected = predict(found, motion, duration=0.4)
+        peaks = wr.simulate(truth, motion, duration=0.4, accuracy=1e-3).peaks
+        worst = max(system.mounts, key=lambda m: peaks.mounts[m].deflection.value if not system.mounts[m].isolator.is_stop else 0.0)
+        true = {
+            f"acceleration/{body.split('/')[1]}": peaks.bodies[body.split("/")[1]].acceleration.value,
+            f"force/{worst}": peaks.mounts[worst].force.value,
+        }
+        mount = peaks.mounts[worst].deflection
+        true[f"deflection/{worst}/compression"] = max(-float(mount.minimum[2]), 0.0)
+        for name, value in true.items():
+            low, high = expected.band(name)
+            middle = 0.5 * (low + high)
+            predictions.append((name, low <= value <= high, middle / value - 1.0, (high - low) / 2 / value))
+    return found, took, rows, predictions
+
+
+CASES = [
+    (single_mass, (60.0, 150.0)),
+    (shipped("shock_table", "table", "z"), (80.0, 200.0)),
+    (shipped("cabinet", "rack", "x"), (60.0,)),
+]
+
+
+def main():
+    """Print every test and the coverage of all."""
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("tests", type=int)
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--first", type=int, default=0)
+    parser.add_argument("--case", type=int, default=None)
+    asked = parser.parse_args()
+    warnings.simplefilter("ignore")
+    parameters, predicted = [], []
+    for number in range(asked.first, asked.first + asked.tests):
+        make, levels = CASES[number % len(CASES) if asked.case is None else asked.case]
+        other = number % 2 == 1
+        found, took, rows, predictions = one_test(number, asked.seed, make, other, levels)
+        print(f"test {number}, {'another law' if other else 'same law'}: {took:.1f} s, {found.message}")
+        for name, inside, error, half in (*rows, *predictions):
+            print(f"  {name:28s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half width {100 * half:.2f} %")
+        parameters += [inside for _, inside, *_ in rows]
+        predicted += [inside for _, inside, *_ in predictions]
+    for name, inside in (("parameters", parameters), ("predictions", predicted)):
+        print(f"{name} within their 90 % intervals: {sum(inside)} of {len(inside)}, {100 * np.mean(inside):.0f} %")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,59 @@
+"""A system and its tests to what varies, with its uncertainty."""
+
+from collections.abc import Mapping, Sequence
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.studies.calibration.fit import Forward, Problem, fit
+from wirerope_mj.studies.calibration.forward import SystemForward
+from wirerope_mj.studies.calibration.measured_test import MeasuredTest
+from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.calibration.posterior import sample
+from wirerope_mj.studies.calibration.prior import Prior
+from wirerope_mj.studies.calibration.result import Calibrated, Calibration
+from wirerope_mj.studies.inputs.distributions import Distribution
+from wirerope_mj.studies.inputs.vary_option import read_vary
+
+
+def calibrate(
+    system: System,
+    tests: Sequence[MeasuredTest],
+    *,
+    vary: Mapping[str, Distribution] | Sequence[str],
+    draws: int = 1000,
+    seed: int = 1,
+) -> Calibration:
+    """Return what varies of a system as its tests tell it: values, covariance, draws, and the system with them.
+
+    A coarse design of the prior, computed in lanes, gives the best points from which least squares begin. Noise and the model's
+    own error are estimated for every channel with the unknowns integrated out; draws are emcee's on a quadratic emulator that is
+    checked against runs.
+
+    Args:
+        system: as far as it is known.
+        tests: with the base's motion and the measured channels of each.
+        vary: priors of what is to be found, by the names that a study takes, and of channels as "channel/NAME/gain", "delay" or
+            "offset"; or the same as lines of text.
+        draws: of the posterior.
+        seed: of design and sampler.
+
+    Raises:
+        ValueError: a prior is missing, or is none that can be calibrated.
+        ModelError: a name stands for nothing in the system.
+        RecordError: a channel is not of this system, is too short or dead.
+        ConvergenceError: the model cannot be computed within the priors.
+    """
+    if not tests:
+        raise ValueError("`tests` must name one measured test at least, got none.")
+    distributions = dict(vary) if isinstance(vary, Mapping) else read_vary(vary)
+    forward = SystemForward(system, tests, distributions)
+    own = calibrate_model(forward, [one.series for one in forward.channels], forward.prior, draws=draws, seed=seed)
+    return Calibration(problem=own.problem, fit=own.fit, posterior=own.posterior, forward=forward)
+
+
+def calibrate_model(
+    forward: Forward, series: Sequence[Series], prior: Prior, *, draws: int = 1000, seed: int = 1
+) -> Calibrated:
+    """Return the unknowns of any forward model as measured series tell them; arguments as those of `calibrate`."""
+    problem = Problem(forward, series, prior)
+    found = fit(problem, seed=seed)
+    return Calibrated(problem=problem, fit=found, posterior=sample(problem, found, draws=draws, seed=seed))

@@ -1,0 +1,205 @@
+"""A measured test: what moved the base, what was measured, and the same series of a response."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.studies.calibration.noise import Series
+
+SAMPLES = 400
+"""Samples of a channel that a fit compares at most: the covariance of their errors is a matrix."""
+
+SMOOTH = 0.6
+"""Standard deviation of the smoothing before samples are thinned, in intervals of the thinned ones."""
+
+QUIET = 0.01
+"""Part of a channel's largest value below which what comes before and after it is left out."""
+
+FEWEST = 30
+"""Samples of a channel that a test must have."""
+
+CLIPPED = 3
+"""Equal samples in a row at the largest or smallest value that say that the channel was clipped there."""
+
+_QUANTITIES = {
+    "body": ("acceleration", "velocity", "position"),
+    "point": ("acceleration", "velocity", "relative_displacement"),
+    "mount": ("deflection", "force"),
+}
+_XYZ = ("x", "y", "z")
+
+
+class Channel(Protocol):
+    """A measured channel: whose and what it is, its instants [s] and values [SI], (n,)."""
+
+    @property
+    def subject(self) -> str:
+        """Body, point or mount: "body/rack", "point/top", "mount/m1"."""
+
+    @property
+    def quantity(self) -> str:
+        """The attribute of a response that it is: "acceleration", "deflection" or another one."""
+
+    @property
+    def axis(self) -> str:
+        """Axis: "x", "y", "z", of a mount also "roll", "shear", "axial"."""
+
+    @property
+    def time(self) -> Array:
+        """Instants [s], (n,)."""
+
+    @property
+    def values(self) -> Array:
+        """Values [SI], (n,)."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredTest:
+    """One test of the system.
+
+    Attributes:
+        name: in tables and in names of quantities.
+        motion: of the base.
+        channels: that were measured.
+        initial: the state in which it began, as `simulate` takes it.
+    """
+
+    name: str
+    motion: BaseMotion
+    channels: Sequence[Channel]
+    initial: str = "settled"
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparable:
+    """A channel brought to few samples, and the same of a response.
+
+    Attributes:
+        channel: as measured.
+        name: "TEST/body/rack/acceleration/z".
+        series: the measured samples that are compared.
+        width: standard deviation of the smoothing [s].
+        clipped: samples of the channel that were left out because they were clipped.
+    """
+
+    channel: Channel
+    name: str
+    series: Series
+    width: float
+    clipped: int
+
+    @classmethod
+    def of(cls, test: str, channel: Channel) -> "Comparable":
+        """Bring a measured channel to few samples, without what was clipped and before and after it moves.
+
+        Raises:
+            RecordError: it is too short, or does not move.
+        """
+        name = f"{test}/{channel.subject}/{channel.quantity}/{channel.axis}"
+        time, values = np.asarray(channel.time, dtype=np.float64), np.asarray(channel.values, dtype=np.float64)
+        if time.size < FEWEST:
+            raise RecordError(f"{name}: a calibration needs {FEWEST} samples of a channel at least, got {time.size}.")
+        bad = clipped_samples(values) | ~np.isfinite(values)
+        moved = np.abs(values - np.median(values))
+        largest = float(moved[~bad].max(initial=0.0))
+        if largest == 0.0:
+            raise RecordError(f"{name}: all samples are the same; a dead channel says nothing. Leave it out.")
+        loud = np.flatnonzero(moved > QUIET * largest)
+        first, last = max(int(loud[0]) - 2, 0), min(int(loud[-1]) + 2, time.size - 1)
+        step = max((time[last] - time[first]) / SAMPLES, float(np.median(np.diff(time))))
+        at = np.arange(time[first], time[last] + 0.5 * step, step)
+        weights = _smoothing(time, at, SMOOTH * step)
+        at, weights = at[weights @ bad < 1e-3], weights[weights @ bad < 1e-3]
+        if at.size < FEWEST:
+            raise RecordError(
+                f"{name}: {at.size} samples are left of it without what was clipped and what stands still; a calibration needs "
+                f"{FEWEST}. Measure longer, or leave the channel out."
+            )
+        smooth = weights @ np.where(bad, 0.0, values)
+        frequency = _dominant(at, smooth)
+        size = _local_size(at, smooth - np.median(values), 0.5 / frequency)
+        series = Series(name=name, at=at, values=smooth, size=size, frequency=frequency)
+        return cls(channel=channel, name=name, series=series, width=SMOOTH * step, clipped=int(bad.sum()))
+
+    def of_response(self, time: Array, values: Array, delay: float) -> Array:
+        """Return what the channel would have shown of a simulated history (n_t,), later by `delay` [s]."""
+        key = (time[0], time[-1], time.size)
+        if key not in self._weights:
+            # beyond the response's ends the smoothing sees its last value
+            self._weights[key] = _smoothing(time, self.series.at, self.width)
+        return self._weights[key] @ (np.interp(time - delay, time, values) if delay else values)
+
+    @cached_property
+    def _weights(self) -> dict[tuple[float, float, int], Array]:
+        return {}
+
+    def taken_from(self, response: Response) -> Array:
+        """Return the history of a response that the channel measures, (n_t,)."""
+        kind, _, name = self.channel.subject.partition("/")
+        parts = {"body": response.bodies, "point": response.points, "mount": response.mounts}[kind]
+        axes = AXES if self.channel.axis in AXES else _XYZ
+        return np.asarray(getattr(parts[name], self.channel.quantity)[:, axes.index(self.channel.axis)])
+
+
+def check_channel(system: System, name: str, channel: Channel) -> None:
+    """Raise RecordError unless a system has what a channel measures."""
+    kind, _, subject = channel.subject.partition("/")
+    subjects = system.assembly.subjects
+    there = {"body": subjects.body_names, "point": subjects.point_names, "mount": list(system.mounts)}
+    if kind not in there or subject not in there[kind]:
+        names = ", ".join(f"{kind}/{one}" for kind, names in there.items() for one in names)
+        raise RecordError(
+            f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It has: {names}."
+        )
+    axes = (*_XYZ, *AXES) if kind == "mount" else _XYZ
+    if channel.quantity not in _QUANTITIES[kind] or channel.axis not in axes:
+        raise RecordError(
+            f"{name}: a {kind} has {', '.join(_QUANTITIES[kind])} along {', '.join(axes)}, got {channel.quantity!r} along "
+            f"{channel.axis!r}."
+        )
+
+
+def clipped_samples(values: Array) -> npt.NDArray[np.bool_]:
+    """Return which samples stand at a channel's ends for so long that it was clipped, (n,)."""
+    bad = np.zeros(values.size, dtype=bool)
+    for end in (np.nanmax(values), np.nanmin(values)):
+        at = np.abs(values - end) <= 1e-9 * abs(end)
+        runs = np.flatnonzero(np.diff(np.concatenate([[0], at.astype(int), [0]])))
+        for first, last in zip(runs[::2], runs[1::2], strict=True):
+            if last - first >= CLIPPED:
+                bad[first:last] = True
+    return bad
+
+
+def _smoothing(time: Array, at: Array, width: float) -> Array:
+    """Return the weights by which samples at `time` are smoothed to `at`, (n_at, n_t)."""
+    weights = np.exp(-0.5 * ((at[:, np.newaxis] - time) / width) ** 2) * np.gradient(time)
+    total = weights.sum(axis=1)
+    alone = total <= 1e-12 * width  # outside the samples: the nearest one
+    weights[alone, np.abs(at[alone, np.newaxis] - time).argmin(axis=1)] = 1.0
+    return np.asarray(weights / np.where(alone, 1.0, total)[:, np.newaxis])
+
+
+def _dominant(at: Array, values: Array) -> float:
+    """Return the frequency about which a series swings [1 / unit of `at`]: the root mean square of its spectrum's."""
+    even = np.linspace(at[0], at[-1], at.size)
+    moved = np.interp(even, at, values)
+    power = np.abs(np.fft.rfft((moved - moved.mean()) * np.hanning(at.size))) ** 2
+    frequencies = np.fft.rfftfreq(at.size, float(np.mean(np.diff(even))))
+    return max(float(frequencies[np.argmax(power)]), 1.0 / float(np.ptp(at)))
+
+
+def _local_size(at: Array, values: Array, width: float) -> Array:
+    """Return the local amplitude of a series, sqrt(2) times its rms over about a period, (n,)."""
+    return np.sqrt(2.0 * np.maximum(_smoothing(at, at, width) @ values**2, math.ulp(1.0)))
