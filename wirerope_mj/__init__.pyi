@@ -74,6 +74,8 @@ from .motions import DoubleTriangle as DoubleTriangle
 from .motions import ForceTable as ForceTable
 from .motions import HalfSine as HalfSine
 from .motions import HarmonicForce as HarmonicForce
+from .motions import Measured as Measured
+from .motions import MeasuredChannel as MeasuredChannel
 from .motions import PayloadForce as PayloadForce
 from .motions import RandomVibration as RandomVibration
 from .motions import Sawtooth as Sawtooth
@@ -89,6 +91,7 @@ from .motions import VelocityStep as VelocityStep
 from .motions import VibrationLines as VibrationLines
 from .motions import ac156_spectrum as ac156_spectrum
 from .motions import en1998_spectrum as en1998_spectrum
+from .motions import load_measured as load_measured
 from .motions import load_record as load_record
 from .motions import match_spectrum as match_spectrum
 from .motions.spectra import PowerSpectralDensity as PowerSpectralDensity

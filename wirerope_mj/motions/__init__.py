@@ -7,6 +7,7 @@ from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce, Payloa
 from wirerope_mj.motions.psd_lines import psd_from_g, psd_level, psd_rms
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
+from wirerope_mj.motions.records.measured import Measured, MeasuredChannel, load_measured
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.restore import motion_from_dict
 from wirerope_mj.motions.scaled import Scaled, Turned
@@ -18,8 +19,9 @@ from wirerope_mj.motions.vibration_lines import VibrationLines, banded_lines
 
 __all__ = [
     "EN1998_TYPE_1", "BaseMotion", "DecayingSine", "DesignSpectrum", "DoubleHalfSine", "DoubleTriangle", "ForceTable",
-    "HalfSine", "HarmonicForce", "PayloadForce", "RandomVibration", "Record", "Sawtooth", "Scaled",
+    "HalfSine", "HarmonicForce", "Measured", "MeasuredChannel", "PayloadForce", "RandomVibration", "Record", "Sawtooth",
+    "Scaled",
     "ShockTableImpact", "Sine", "SpectrumMatch", "SumOfMotions", "Sweep", "Trapezoid", "Turned", "Unbalance",
-    "VelocityStep", "VibrationLines", "ac156_spectrum", "banded_lines", "en1998_spectrum", "load_record",
+    "VelocityStep", "VibrationLines", "ac156_spectrum", "banded_lines", "en1998_spectrum", "load_measured", "load_record",
     "match_spectrum", "motion_from_dict", "psd_from_g", "psd_level", "psd_rms",
 ]  # fmt: skip

@@ -2,16 +2,13 @@
 
 import math
 import re
-import zipfile
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.from_tables.layout import MassProperties
-from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.foundation.csv_units import (
     Header,
     header_of_cells,
@@ -20,10 +17,11 @@ from wirerope_mj.foundation.csv_units import (
     require_cells,
     rows_below,
 )
-from wirerope_mj.foundation.errors import BudgetError, RecordError, why_unread
+from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.xlsx_rows import xlsx_rows
 
 _POUND = 0.45359237
 # units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
@@ -42,8 +40,6 @@ UNITS: dict[str, Mapping[str, float]] = {
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
 }  # fmt: skip
 
-# bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list
-_UNPACKED = 20.0
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 
 _MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": 0.45359237}
@@ -156,7 +152,7 @@ def _require_distinct(rows: list[Row]) -> None:
 
 def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tuple[str, list[str]]]]:
     """Return header and rows of an XLSX file's first sheet, as texts; empty rows and those that begin with # are skipped."""
-    filled = _filled(path)
+    filled = xlsx_rows(path)
     if not filled:
         raise RecordError(f"{path}: the first sheet is empty. A {kind} has a header such as {example}.")
     (first, names), *below = filled
@@ -174,39 +170,6 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
             yield location, row
 
     return header, rows()
-
-
-def _filled(path: Path) -> list[tuple[int, list[str]]]:
-    """Read number and texts of the rows that hold something and do not begin with #."""
-    try:
-        import openpyxl
-    except ImportError:
-        raise RecordError(
-            f"{path}: XLSX files are read by openpyxl, which is not installed: pip install 'wirerope-mj[xlsx]', "
-            "or save the sheet as CSV."
-        ) from None
-    try:
-        with regular(path).open("rb") as file:
-            with zipfile.ZipFile(file) as parts:
-                size = sum(part.file_size for part in parts.infolist())
-            require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save its first sheet as CSV.")
-            sheet = openpyxl.load_workbook(file, read_only=True, data_only=True).worksheets[0]
-            sheet.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
-            rows = enumerate(sheet.iter_rows(values_only=True), start=1)
-            texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
-            return [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
-    except BudgetError:
-        raise
-    except OSError as error:
-        raise RecordError(f"{path}: the table cannot be read: {why_unread(error)}") from None
-    except Exception:  # openpyxl raises what its parsers of zip and XML raise
-        raise RecordError(f"{path}: this is no XLSX file that can be read. Save it again, or as CSV.") from None
-
-
-def _as_text(value: Any) -> str:
-    if value is None:
-        return ""
-    return repr(value) if isinstance(value, float) else str(value).strip()
 
 
 def read_cad_text(path: Path, *, sign: float) -> MassProperties:

@@ -60,8 +60,8 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
         if high > low:
             yield from _wrong_unit(axis, quiet_level(a), reading.units, corrected)
             yield from _cut_off(axis, a, offset_of(a))
-            yield from _clipped(axis, a, low, high)
-            yield from resolution_warnings(axis, a, offset_of(a), rate)
+            yield from (clipped_text(f"along {axis}", *top) for top in flat_tops(a))
+            yield from resolution_warnings(f"along {axis}", a, offset_of(a), rate)
 
 
 def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iterator[str]:
@@ -196,11 +196,11 @@ def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
             )
 
 
-def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
-    """Yield warnings about flat tops at the extreme values, with flanks that a smooth top does not have."""
-    middle = float(np.median(a))
+def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
+    """Yield the extremes of a signal (n,) with flat tops whose flanks no smooth top has, and how many samples stand there."""
+    low, high, middle = float(a.min()), float(a.max()), float(np.median(a))
     for extreme in (high, low):
-        if abs(extreme - middle) < 0.1 * (high - low):
+        if abs(extreme - middle) <= 0.1 * (high - low):
             continue  # a record that never leaves its rest on this side
         first, length = _longest(a == extreme)
         if length < _TOP or length > a.size // 2 or _is_rectangle(a, first, length, middle):
@@ -208,10 +208,15 @@ def _clipped(axis: str, a: Array, low: float, high: float) -> Iterator[str]:
         flanks = [i for i in (first - length, first + 2 * length - 1) if 0 <= i < a.size]
         fall = min((abs(float(a[i]) - extreme) for i in flanks), default=0.0)
         if fall > max(_FALL * (high - low), _STEPS * _converter_step(a)):
-            yield (
-                f"along {axis} {length} samples in a row stand at exactly {extreme:.5g} m/s^2 with steep flanks beside: the "
-                "sensor or its amplifier may have been saturated, and the true peak be higher."
-            )
+            yield extreme, length
+
+
+def clipped_text(where: str, extreme: float, length: int, unit: str = "m/s^2") -> str:
+    """Return the warning about a flat top."""
+    return (
+        f"{where} {length} samples in a row stand at exactly {extreme:.5g} {unit} with steep flanks beside: the "
+        "sensor or its amplifier may have been saturated, and the true peak be higher."
+    )
 
 
 def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:

@@ -18,8 +18,8 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
-from wirerope_mj.motions.records.csv import csv_channels, read_csv
 from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
+from wirerope_mj.motions.records.table import read_record_table, table_channels
 from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
@@ -186,7 +186,7 @@ def load_record(
     file = Path(path).absolute()
 
     fill = gaps == "fill"
-    reading = read_uff(file, directions, unit) if is_uff(file) else read_csv(file, directions, unit, fill=fill)
+    reading = read_uff(file, directions, unit) if is_uff(file) else read_record_table(file, directions, unit, fill=fill)
     reading = even(file, reading, gaps=gaps)
     reading = reading.warned(*reading_warnings(reading, corrected=baseline != "none"))
     if rate is not None:
@@ -227,7 +227,7 @@ def record_channels(path: str | Path) -> tuple[str, ...]:
         RecordError: the file is no record.
     """
     file = Path(path).absolute()
-    return uff_channels(file) if is_uff(file) else csv_channels(file)
+    return uff_channels(file) if is_uff(file) else table_channels(file)
 
 
 def _require_scale(samples: Array, scale: float) -> None:

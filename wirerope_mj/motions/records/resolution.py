@@ -24,15 +24,26 @@ _WIDE = 1.0 - 2.0 * math.asin(_FOOT) / math.pi  # part of a half-sine's length i
 _FAST, _ERRORS = 2.4, 4.0
 
 
-def resolution_warnings(axis: str, a: Array, rest: float, rate: float) -> Iterator[str]:
-    """Yield warnings about a signal (n,) along an axis that rests at a value, sampled at `rate` [Hz]."""
+def resolution_warnings(
+    where: str, a: Array, rest: float, rate: float, *, unit: str = "m/s^2", played: bool = True
+) -> Iterator[str]:
+    """Yield warnings about a signal (n,) that rests at a value.
+
+    Args:
+        where: how a sentence about it begins: "along x".
+        a: the signal.
+        rest: its value at rest.
+        rate: of its samples [Hz].
+        unit: of its values.
+        played: whether it drives a base, in straight lines between samples.
+    """
     alone = _lone_samples(a)
     if alone:
-        yield _spike(axis, a, alone, rate)
+        yield _spike(where, a, alone, rate, unit)
     elif is_pulse(a, rest):
-        yield from _coarse(axis, a, rest, rate)
+        yield from _coarse(where, a, rest, rate, unit)
     else:
-        yield from _fast(axis, a - rest, rate)
+        yield from _fast(where, a - rest, rate, played)
 
 
 def _lone_samples(a: Array) -> list[int]:
@@ -54,20 +65,20 @@ def _lone_samples(a: Array) -> list[int]:
     return found
 
 
-def _spike(axis: str, a: Array, alone: list[int], rate: float) -> str:
+def _spike(where: str, a: Array, alone: list[int], rate: float, unit: str) -> str:
     first = alone[0]
     rest = np.delete(a, alone)
     others = max(float(rest.max()), -float(rest.min()))
     more = f", and {len(alone) - 1} more like it" if len(alone) > 1 else ""
     return (
-        f"along {axis} one sample of {a[first]:.4g} m/s^2, {first / rate:.6g} s after the first, stands alone{more}: its "
-        f"neighbours are {a[first - 1]:.4g} and {a[first + 1]:.4g} m/s^2, and nothing else is beyond {others:.4g}. That is a "
+        f"{where} one sample of {a[first]:.4g} {unit}, {first / rate:.6g} s after the first, stands alone{more}: its "
+        f"neighbours are {a[first - 1]:.4g} and {a[first + 1]:.4g} {unit}, and nothing else is beyond {others:.4g}. That is a "
         f"spike of the measuring chain, or a pulse that {rate:.4g} samples a second cannot hold, and its peak is not known. "
         "Take a spike out of the file; measure a pulse at a higher rate."
     )
 
 
-def _coarse(axis: str, a: Array, rest: float, rate: float) -> Iterator[str]:
+def _coarse(where: str, a: Array, rest: float, rate: float, unit: str) -> Iterator[str]:
     """Yield a warning about a pulse of so few samples that its peak may lie between them."""
     first, last = _shortest(a - rest, peak_from(a, rest))
     samples = last - first
@@ -81,10 +92,10 @@ def _coarse(axis: str, a: Array, rest: float, rate: float) -> Iterator[str]:
         off = f"if it is a half-sine, its true peak may be up to {100.0 * (most - 1.0):.0f} % higher"
     elif samples == 2:
         about = 0.5 * math.pi * float(values.sum()) * _WIDE / samples  # velocity change: 2/pi peak x length
-        off += f", and of a half-sine with its velocity change would be about {about:.4g} m/s^2"
+        off += f", and of a half-sine with its velocity change would be about {about:.4g} {unit}"
     count = "one sample" if samples == 1 else f"{samples} samples"
     yield (
-        f"along {axis} its shortest pulse, of {values.max():.4g} m/s^2, has {count} at {rate:.4g} samples a second: {off}. "
+        f"{where} its shortest pulse, of {values.max():.4g} {unit}, has {count} at {rate:.4g} samples a second: {off}. "
         "Measure at a higher rate, ten samples across the shortest pulse or more."
     )
 
@@ -101,7 +112,7 @@ def _shortest(a: Array, peak: float) -> tuple[int, int]:
     return min(waves, key=lambda wave: wave[1] - wave[0])
 
 
-def _fast(axis: str, a: Array, rate: float) -> Iterator[str]:
+def _fast(where: str, a: Array, rate: float, played: bool) -> Iterator[str]:
     """Yield a warning about a vibration faster than what straight lines between samples play."""
     squares = a**2
     ratio = float(np.mean(np.diff(a) ** 2) / squares.mean())
@@ -109,9 +120,10 @@ def _fast(axis: str, a: Array, rate: float) -> Iterator[str]:
     if ratio <= max(_FAST, 2.0 + _ERRORS * 2.0 / math.sqrt(count)):
         return
     part = math.acos(max(1.0 - 0.5 * ratio, -1.0)) / (2.0 * math.pi)  # of the sampling rate, if it were a sine
-    played = (math.sin(math.pi * part) / (math.pi * part)) ** 2
+    shown = (math.sin(math.pi * part) / (math.pi * part)) ** 2
+    lines = f"straight lines between samples play {100.0 * shown:.0f} % of such a vibration, and " if played else ""
+    remedy = ", or resample it (--resample)" if played else ""
     yield (
-        f"along {axis} its energy lies about {part * rate:.4g} Hz, near the {0.5 * rate:.4g} Hz that {rate:.4g} samples a "
-        f"second can hold: straight lines between samples play {100.0 * played:.0f} % of such a vibration, and its peaks lie "
-        "between them. Measure at a higher rate, or resample it (--resample)."
+        f"{where} its energy lies about {part * rate:.4g} Hz, near the {0.5 * rate:.4g} Hz that {rate:.4g} samples a "
+        f"second can hold: {lines}its peaks lie between the samples. Measure at a higher rate{remedy}."
     )

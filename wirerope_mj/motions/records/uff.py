@@ -1,6 +1,6 @@
 """A measured record from a universal file: functions at nodal degrees of freedom, dataset 58, as text or binary."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,7 +11,7 @@ from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, VELOCITY_UNITS
 from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
@@ -19,6 +19,18 @@ _VECTORS: dict[str, Direction] = {"-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0)
 
 _TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
 _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
+# specific data types of an ordinate that are measured: word behind the name of a channel, and its unit in SI
+_MEASURED = {
+    _ACCELERATION: ("", "m/s^2"),
+    11: ("velocity", "m/s"),
+    8: ("displacement", "m"),
+    13: ("force", "N"),
+    9: ("force", "N"),
+}
+# units as they are spelled, by their small letters
+_SPELLED = {
+    unit.lower(): unit for units in (ACCELERATION_UNITS, VELOCITY_UNITS, LENGTH_UNITS, FORCE_UNITS) for unit in units
+}
 _REAL = (2, 4)
 _SI = 1  # code of the system of units
 
@@ -79,6 +91,40 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     return reading.warned("the end of this universal file is missing; what was cut off is not read.")
 
 
+def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[str | None, ...]]:
+    """Read time histories of a universal file as they are, (n, n_columns), and the unit of each, None where none is stated.
+
+    Histories of acceleration, and those of unknown kind, are called as `uff_channels` does; others have their quantity behind
+    that, as in `12:z displacement`.
+    """
+    histories, systems = _all_histories(path)
+    names_there = [_name_with_quantity(head) for _, head in histories]
+    columns, units, time = list[Array](), list[str | None](), np.zeros(0)
+    for name in names:
+        if names_there.count(name) != 1:
+            fault = (
+                f'there is no history "{name}"' if name not in names_there else f'several histories are called "{name}"'
+            )
+            raise RecordError(f"{path}: {fault}; the file holds {', '.join(names_there)}.")
+        number, head = histories[names_there.index(name)]
+        clock, values = _values(path, number, name)
+        if columns and not _same_clock(time, clock):
+            raise RecordError(f"{path}: {name} is sampled at other instants than {names[0]}. Read them as two tests.")
+        time = time if columns else clock
+        columns.append(values)
+        label = _label(head, "ordinate")
+        unit: str | None = _SPELLED.get(label, label) or None
+        kind = int(head.get("ordinate_spec_data_type", 0))
+        if unit is None and kind in _MEASURED and systems and int(systems[-1]["units_code"]) == _SI:
+            unit = _MEASURED[kind][1]
+        units.append(unit)
+    return Reading(time, np.column_stack(columns), ()), tuple(units)
+
+
+def _name_with_quantity(head: Mapping[str, Any]) -> str:
+    return " ".join([_name(head), _MEASURED.get(int(head.get("ordinate_spec_data_type", 0)), ("",))[0]]).strip()
+
+
 def _open(path: Path) -> Any:
     import pyuff  # here, because few records are universal files
 
@@ -87,15 +133,7 @@ def _open(path: Path) -> Any:
 
 def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
     """Return number and header of each history of acceleration, and the datasets 164 with their system of units."""
-    try:
-        file = _open(path)
-        kinds = [int(kind) for kind in file.get_set_types()]
-        heads = [(n, file.read_sets(n, header_only=True)) for n, kind in enumerate(kinds) if kind == 58]
-        systems = [file.read_sets(n) for n, kind in enumerate(kinds) if kind == 164]
-    except Exception:  # the reader knows no other class, and does not say what it met
-        raise RecordError(f"{path}: this universal file cannot be read, it has a dataset{_DAMAGED}") from None
-    if not kinds:
-        raise RecordError(f"{path}: this universal file holds no complete dataset{_CUT}")
+    kinds, heads, systems = _datasets(path)
     histories = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
     if not histories and not _is_complete(path):
         raise RecordError(f"{path}: this universal file holds no complete time history of an acceleration{_CUT}")
@@ -108,13 +146,40 @@ def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, 
     return histories, systems
 
 
-def _is_acceleration(head: Mapping[str, Any], unit: str | None) -> bool:
-    kind, over, of = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type", "ordinate_spec_data_type"))
+def _all_histories(path: Path) -> tuple[list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
+    """Return number and header of each time history of any quantity, and the datasets 164."""
+    _, heads, systems = _datasets(path)
+    histories = [(n, head) for n, head in heads if _is_in_time(head)]
+    if not histories:
+        raise RecordError(f"{path}: this universal file holds no complete time history (dataset 58, function type 1).")
+    return histories, systems
+
+
+def _datasets(path: Path) -> tuple[list[int], list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
+    """Return the types of all datasets, number and header of each dataset 58, and the datasets 164."""
+    try:
+        file = _open(path)
+        kinds = [int(kind) for kind in file.get_set_types()]
+        heads = [(n, file.read_sets(n, header_only=True)) for n, kind in enumerate(kinds) if kind == 58]
+        systems = [file.read_sets(n) for n, kind in enumerate(kinds) if kind == 164]
+    except Exception:  # the reader knows no other class, and does not say what it met
+        raise RecordError(f"{path}: this universal file cannot be read, it has a dataset{_DAMAGED}") from None
+    if not kinds:
+        raise RecordError(f"{path}: this universal file holds no complete dataset{_CUT}")
+    return kinds, heads, systems
+
+
+def _is_in_time(head: Mapping[str, Any]) -> bool:
+    kind, over = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type"))
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
-    has_unit = unit is not None or _label(head, "ordinate") in ACCELERATION_UNITS
     turns = abs(int(head.get("rsp_dir", 0))) > 3
-    real = int(head.get("ord_data_type", 0)) in _REAL
-    return in_time and real and not turns and (of == _ACCELERATION or (of in _UNKNOWN and has_unit))
+    return in_time and int(head.get("ord_data_type", 0)) in _REAL and not turns
+
+
+def _is_acceleration(head: Mapping[str, Any], unit: str | None) -> bool:
+    of = int(head.get("ordinate_spec_data_type", 0))
+    has_unit = unit is not None or _label(head, "ordinate") in ACCELERATION_UNITS
+    return _is_in_time(head) and (of == _ACCELERATION or (of in _UNKNOWN and has_unit))
 
 
 def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:

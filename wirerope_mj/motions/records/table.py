@@ -1,4 +1,4 @@
-"""A measured record from a CSV file: its channels, and their numbers on the three axes, read in blocks.
+"""A measured record from a CSV file, read in blocks, or from another table: its channels, its numbers on the three axes.
 
 There is a fast path for files that are right, and a slow one to name the line that is wrong.
 """
@@ -17,6 +17,7 @@ from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS
 from wirerope_mj.motions.records.reading import Reading, axes_of
+from wirerope_mj.motions.records.whole_tables import check_whole_table, is_whole_table, read_whole_table
 
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
 
@@ -118,13 +119,15 @@ def _number_or_nan(cell: str) -> float:
     return parse_number(cell) if cell.strip() else math.nan
 
 
-def csv_channels(path: Path) -> tuple[str, ...]:
+def table_channels(path: Path) -> tuple[str, ...]:
     """Return the names of all columns but the time."""
-    return _header(path).names[1:]
+    return _opened(path)[0].names[1:]
 
 
-def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False) -> Reading:
-    """Return the accelerations in the columns of a CSV file.
+def read_record_table(
+    path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False
+) -> Reading:
+    """Return the accelerations in the columns of a table: a CSV, MATLAB, XLSX or Parquet file.
 
     Args:
         path: of the file.
@@ -132,40 +135,65 @@ def read_csv(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
         unit: of the accelerations, in place of what the header says; None: the header's.
         fill: whether empty cells and NaN are filled with straight lines; else they are an error.
     """
-    header = _header(path)
+    header, numbers = _opened(path)
     directions = _axis_columns(header) if channels is None else _named_columns(header, channels)
-    columns, axes = [0, *directions], axes_of(directions.values())
-    time_factor = header.factor(0, TIME_UNITS)
     units = [unit if unit is not None else _unit(header, column) for column in directions]
     factors = np.array([ACCELERATION_UNITS[name] for name in units])
+    axes = axes_of(directions.values())
+    time, samples, messages = _in_si(header, numbers, list(directions), factors[:, np.newaxis] * axes, fill=fill)
+    return Reading(time, samples, tuple(dict.fromkeys(units)), tuple(messages))
 
-    most = most_rows(path)  # memory that is not written to costs nothing: a long record stands in memory once
-    time, samples, size = np.empty(most), np.empty((most, 3)), 0
-    blocks: Iterable[Array] = read_blocks(header, columns, missing=fill)
+
+def read_columns(path: Path, names: Sequence[str], *, fill: bool) -> tuple[Reading, tuple[str | None, ...]]:
+    """Read columns of a table as they are, (n, n_columns), and the unit that its header gives each, None without one."""
+    header, numbers = _opened(path)
+    columns = list(_named_columns(header, dict.fromkeys(names, "x")))
+    time, samples, messages = _in_si(header, numbers, columns, np.eye(len(columns)), fill=fill)
+    units = tuple(header.units[column] for column in columns)
+    return Reading(time, samples, (), tuple(messages)), units
+
+
+def _in_si(
+    header: Header, numbers: Array | None, chosen: Sequence[int], matrix: Array, *, fill: bool
+) -> tuple[Array, Array, list[str]]:
+    """Return instants [s], (n,), the chosen columns times a matrix (n_columns, k), and what had to be filled."""
+    path, columns = header.path, [0, *chosen]
+    time_factor = header.factor(0, TIME_UNITS)
+    blocks: Iterable[Array]
+    if numbers is None:
+        most = most_rows(path)  # memory that is not written to costs nothing: a long record stands in memory once
+        blocks = read_blocks(header, columns, missing=fill)
+    else:
+        most, blocks = len(numbers), [numbers[:, columns]]
+        names = tuple(header.names[column] for column in columns)
+        check_whole_table(path, names, blocks[0], missing=fill)
+    time, samples, size = np.empty(most), np.empty((most, matrix.shape[1])), 0
     messages: list[str] = []
     if fill:
         blocks, messages = _filled(header, columns, list(blocks))
-    for numbers in blocks:
-        rows = slice(size, size + len(numbers))
-        np.multiply(numbers[:, 0], time_factor, out=time[rows])
-        np.matmul(numbers[:, 1:] * factors, axes, out=samples[rows])
+    for block in blocks:
+        rows = slice(size, size + len(block))
+        np.multiply(block[:, 0], time_factor, out=time[rows])
+        np.matmul(block[:, 1:], matrix, out=samples[rows])
         size = rows.stop
     if size < 2:
         raise RecordError(f"{path}: a record needs at least 2 rows of numbers, this one has {size}.")
     time, samples = time[:size], samples[:size]
     if np.any(time[1:] <= time[:-1]):
         name_bad_line(header, columns, missing=fill)
-    return Reading(time, samples, tuple(dict.fromkeys(units)), tuple(messages))
+    return time, samples, messages
 
 
-def _header(path: Path) -> Header:
-    """Return the header of a record, or raise RecordError if its first column is not time."""
+def _opened(path: Path) -> tuple[Header, Array | None]:
+    """Return the header of a table, and its numbers if it is read whole; RecordError if its first column is not time."""
+    if is_whole_table(path):
+        return read_whole_table(path)
     header = read_header(path, kind="record", example='"time [s], z [g]"')
     if header.names[0].lower() not in ("time", "t"):
         raise RecordError(
             f'{header.location}: the first column must be time, as in "time [s], z [g]"; the columns are {header.listed()}.'
         )
-    return header
+    return header, None
 
 
 def _filled(header: Header, columns: Sequence[int], blocks: list[Array]) -> tuple[list[Array], list[str]]:

@@ -1,0 +1,50 @@
+"""Rows of the first sheet of an XLSX file, as texts; openpyxl is imported where it is used."""
+
+import zipfile
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.foundation.budget import require_memory
+from wirerope_mj.foundation.errors import BudgetError, RecordError, why_unread
+from wirerope_mj.foundation.regular_files import regular
+
+# bytes of memory for one of a sheet's XML: a cell of five bytes becomes a text and its place in a list
+_UNPACKED = 20.0
+
+
+def xlsx_rows(path: Path) -> list[tuple[int, list[str]]]:
+    """Read number and texts of the rows of an XLSX file's first sheet that hold something and do not begin with #.
+
+    Raises:
+        RecordError: openpyxl is not installed, or the file is none that it reads.
+        BudgetError: unpacked, it is too large for the memory.
+    """
+    try:
+        import openpyxl
+    except ImportError:
+        raise RecordError(
+            f"{path}: XLSX files are read by openpyxl, which is not installed: pip install 'wirerope-mj[xlsx]', "
+            "or save the sheet as CSV."
+        ) from None
+    try:
+        with regular(path).open("rb") as file:
+            with zipfile.ZipFile(file) as parts:
+                size = sum(part.file_size for part in parts.infolist())
+            require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save its first sheet as CSV.")
+            sheet = openpyxl.load_workbook(file, read_only=True, data_only=True).worksheets[0]
+            sheet.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
+            rows = enumerate(sheet.iter_rows(values_only=True), start=1)
+            texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
+            return [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
+    except BudgetError:
+        raise
+    except OSError as error:
+        raise RecordError(f"{path}: the table cannot be read: {why_unread(error)}") from None
+    except Exception:  # openpyxl raises what its parsers of zip and XML raise
+        raise RecordError(f"{path}: this is no XLSX file that can be read. Save it again, or as CSV.") from None
+
+
+def _as_text(value: Any) -> str:
+    if value is None:
+        return ""
+    return repr(value) if isinstance(value, float) else str(value).strip()

@@ -1,0 +1,264 @@
+"""Measured responses: what sensors on base, bodies, points and mounts recorded, by channel, in SI on one clock."""
+
+import warnings
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.foundation.arguments import finite, one_of, positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.foundation.summary import Summarised, quantity
+from wirerope_mj.motions.records.channel_map import SI, UNITS, Axis, ChannelPhrase, Quantity, parse_channel
+from wirerope_mj.motions.records.checks import clipped_text, flat_tops
+from wirerope_mj.motions.records.reading import offset_of, quiet_level
+from wirerope_mj.motions.records.record import Record, load_record
+from wirerope_mj.motions.records.resolution import resolution_warnings
+from wirerope_mj.motions.records.sampling import even
+from wirerope_mj.motions.records.table import read_columns
+from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
+
+BASELINES = ("none", "rest", "mean")
+
+_FEWEST = 16  # samples below which nothing can be said of a response
+_OFFSET = 0.02  # level at rest, as a fraction of a channel's range, from which it is warned of
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredChannel:
+    """What one sensor measured.
+
+    Attributes:
+        subject: "base", "body/NAME", "point/NAME" or "mount/NAME".
+        quantity: "acceleration", "velocity" or "displacement"; of a mount "deflection" or "force".
+        axis: "x", "y" or "z" of the world; of a mount x is roll, y shear, z axial, with the signs of its response.
+        time: instants on the run's clock [s], evenly spaced, (n,).
+        values: in SI, with the sign of the axis, (n,).
+        saturated: samples at which the sensor was at the end of its range: the true value lies beyond, (n,).
+        absolute: of a displacement of a body or a point: that in space; else relative to the base.
+        column: of the file.
+        unit: in which the file gives it.
+    """
+
+    subject: str
+    quantity: Quantity
+    axis: Axis
+    time: Array = field(repr=False)
+    values: Array = field(repr=False)
+    saturated: NDArray[np.bool_] = field(repr=False)
+    absolute: bool = False
+    column: str
+    unit: str
+
+    @property
+    def key(self) -> str:
+        """For instance "point/rack_top acceleration z"."""
+        reference = "absolute " if self.absolute else ""
+        return f"{self.subject} {reference}{self.quantity} {self.axis}"
+
+    @property
+    def rate(self) -> float:
+        """Samples per second [Hz]."""
+        return (self.time.size - 1) / float(self.time[-1] - self.time[0])
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Measured(Summarised):
+    """A test's measured channels; made by `load_measured`.
+
+    Attributes:
+        name: of the test: its file's name without the ending, or as it was given.
+        channels: in the order of the map.
+        warnings: what had to be done to the samples, and what looks wrong about them.
+        path: of the file.
+        phrases: what each column is, by column, as `load_measured` takes them.
+        start, clock, baseline, gaps: as `load_measured` takes them.
+    """
+
+    name: str
+    channels: tuple[MeasuredChannel, ...]
+    warnings: tuple[str, ...] = ()
+    path: Path
+    phrases: Mapping[str, str]
+    start: float = 0.0
+    clock: float = 1.0
+    baseline: str = "none"
+    gaps: str = "refuse"
+
+    def __getitem__(self, key: str) -> MeasuredChannel:
+        """Return the channel with a key, such as "point/rack_top acceleration z", or of a column."""
+        for channel in self.channels:
+            if key in (channel.key, channel.column):
+                return channel
+        raise KeyError(f"{self.name} has no channel {key!r}; it has {', '.join(one.key for one in self.channels)}.")
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        first = self.channels[0]
+        return f"Measured {self.name}: {first.time[-1] - first.time[0]:.4g} s at {first.rate:.6g} Hz", {
+            one.key: f"peak {quantity(float(np.abs(one.values).max()), SI[one.quantity])}" for one in self.channels
+        }
+
+    @cached_property
+    def base(self) -> Record:
+        """Measured acceleration of the base as a motion, as `load_record` reads it from the same file with the same start.
+
+        Raises:
+            RecordError: the map names no acceleration of the base, or the clock is not the file's.
+        """
+        parts = {one.column: one for one in self.channels if one.subject == "base" and one.quantity == "acceleration"}
+        if not parts:
+            raise RecordError(
+                f"{self.path}: no column is mapped to the base's acceleration. Map one, for instance "
+                f'channels={{"A0": "base z g"}} (--map "A0=base z g").'
+            )
+        units = {one.unit for one in parts.values()}
+        if self.clock != 1.0 or len(units) > 1:
+            fault = (
+                f"its clock is changed by {self.clock!r}" if len(units) == 1 else f"its units are {', '.join(units)}"
+            )
+            raise RecordError(
+                f"{self.path}: the base cannot be played from this file, {fault}; a base is played on its file's own clock, "
+                "with one unit for all axes."
+            )
+        directions: dict[str, Direction] = {}
+        for column, one in parts.items():
+            x, y, z = (self._phrase(column).sign * (one.axis == axis) for axis in ("x", "y", "z"))
+            directions[column] = (x, y, z) if self._phrase(column).sign < 0.0 else one.axis
+        return load_record(
+            self.path, channels=directions, baseline=self.baseline, start=self.start, gaps=self.gaps, unit=units.pop()
+        )
+
+    def _phrase(self, column: str) -> ChannelPhrase:
+        return parse_channel(column, self.phrases[column])
+
+
+def load_measured(
+    path: str | Path,
+    *,
+    channels: Mapping[str, str],
+    name: str | None = None,
+    start: float = 0.0,
+    clock: float = 1.0,
+    baseline: str = "none",
+    gaps: str = "refuse",
+) -> Measured:
+    """Read measured responses from a CSV, MATLAB, XLSX or Parquet file, or a universal file (dataset 58).
+
+    A phrase says what each column is: what it was measured at ("base", "body/floor", "point/rack_top", "mount/m1"), its axis
+    and sign ("z", "-x"; of a mount "roll", "shear", "axial"), and its unit where the file's header does not state it. The unit
+    says the quantity: an acceleration, velocity, displacement; of a mount a deflection or a force. A displacement of a body or
+    a point is relative to the base unless its phrase says "absolute". Signs are those of a run: a mount's axial deflection and
+    force are positive in tension.
+
+    What had to be done, and what looks wrong (a saturated sensor, an offset, a spike, too few samples, a dead channel), is a
+    `RecordWarning`, and one of `warnings`.
+
+    Args:
+        path: of the file; its first column, or the one called time or t, is the time.
+        channels: what each column is, for instance `{"A1": "point/rack_top z g"}`; other columns are not used. Of a universal
+            file `{"12:z": ..}`, `{"12:z displacement": ..}`.
+        name: of the test; None: the file's.
+        start: instant of the run at which the first sample was taken [s], whatever the file's own clock says.
+        clock: seconds of the run in a second of the file's clock.
+        baseline: `"none"`: as measured. `"rest"`: the level of the quiet part that a channel begins or ends with is taken
+            off, as `load_record` does; `"mean"`: the mean.
+        gaps: `"refuse"`: missing samples are an error. `"fill"`: they are filled with straight lines.
+
+    Raises:
+        RecordError: the file does not hold the columns, a unit is not stated, or there are too few samples.
+        ValueError: a phrase cannot be understood, or an argument is out of its range.
+    """
+    start, clock = finite("start", start), positive("clock", clock)
+    one_of("baseline", baseline, BASELINES)
+    one_of("gaps", gaps, ("refuse", "fill"))
+    if not channels:
+        raise ValueError(
+            '`channels` must say what at least one column is, such as {"A1": "point/rack_top z g"}, got none.'
+        )
+    phrases = {column: parse_channel(column, phrase) for column, phrase in channels.items()}
+    file = Path(path).absolute()
+    names = list(channels)
+    reading, units = read_uff_columns(file, names) if is_uff(file) else read_columns(file, names, fill=gaps == "fill")
+    if reading.time.size < _FEWEST:
+        raise RecordError(
+            f"{file}: a measured response needs at least {_FEWEST} samples, this one has {reading.time.size}."
+        )
+    reading = even(file, reading, gaps=gaps)
+    time = (reading.time - reading.time[0]) * clock + start
+    time.flags.writeable = False
+    found, messages = [], list(reading.warnings)
+    for (column, phrase), unit, samples in zip(phrases.items(), units, reading.samples.T, strict=True):
+        known, unit = _quantity_of(file, column, phrase, unit)
+        values = samples * (phrase.sign * UNITS[known][unit])
+        tops = list(flat_tops(values)) if np.ptp(values) else []
+        messages += _warnings(f'in column "{column}"', values, tops, 1.0 / float(time[1] - time[0]), known, baseline)
+        saturated = np.isin(values, [extreme for extreme, _ in tops])
+        values -= {"none": 0.0, "rest": offset_of(values), "mean": float(values.mean())}[baseline]
+        for array in (values, saturated):
+            array.flags.writeable = False
+        found.append(
+            MeasuredChannel(
+                subject=phrase.subject,
+                quantity=known,
+                axis=phrase.axis,
+                time=time,
+                values=values,
+                saturated=saturated,
+                absolute=phrase.absolute,
+                column=column,
+                unit=unit,
+            )  # fmt: skip
+        )
+    _require_distinct(found)
+    for message in messages:
+        warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)
+    return Measured(
+        name=name or file.stem, channels=tuple(found), warnings=tuple(f"{file.name}: {text}" for text in messages), path=file,
+        phrases=dict(channels), start=start, clock=clock, baseline=baseline, gaps=gaps,
+    )  # fmt: skip
+
+
+def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | None) -> tuple[Quantity, str]:
+    """Return quantity and unit of a column, of its phrase or else of the file's header; RecordError if neither says it."""
+    unit = phrase.unit or header
+    known = None if unit is None else phrase.quantity_of(unit)
+    if known is not None and unit is not None:
+        return known, unit
+    wanted = phrase.quantity or ("deflection" if phrase.subject.startswith("mount/") else "acceleration")
+    listed = ", ".join(UNITS[wanted])
+    fault = "has no unit" if unit is None else f'has the unit "{unit}", which is none of what {phrase.subject} can have'
+    raise RecordError(
+        f'{file}: column "{column}" {fault}. State it in the header, "{column} [{next(iter(UNITS[wanted]))}]", or in the map, '
+        f'"{column}={phrase.subject} {phrase.axis} {next(iter(UNITS[wanted]))}"; units of {wanted}: {listed}.'
+    )
+
+
+def _warnings(
+    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str
+) -> Iterator[str]:
+    """Yield what looks wrong about a channel as it was measured [SI]."""
+    unit, spread = SI[known], float(np.ptp(values))
+    if spread == 0.0:
+        yield f"{where} all samples are {values[0]:.4g} {unit}: the channel is dead, or was not connected."
+        return
+    yield from (clipped_text(where, *top, unit) for top in tops)
+    rest = quiet_level(values)
+    if rest is not None and abs(rest) > _OFFSET * spread and baseline == "none":
+        yield (
+            f"{where} it rests at {rest:.4g} {unit} and not at zero. If that is an offset, "
+            'baseline="rest" takes it off (--baseline rest).'
+        )
+    yield from resolution_warnings(where, values, offset_of(values), rate, unit=unit, played=False)
+
+
+def _require_distinct(channels: list[MeasuredChannel]) -> None:
+    keys = [one.key for one in channels]
+    for one in channels:
+        if keys.count(one.key) > 1:
+            columns = [other.column for other in channels if other.key == one.key]
+            raise ValueError(f"`channels` must be different measurements, got {one.key!r} for {' and '.join(columns)}.")
