@@ -3,32 +3,24 @@
     python tests/virtual_tests.py 20 --seed 1
 
 The truth is a system whose isolators have other numbers than the model's, in every second test another law as well. It is
-shaken, measured with 2 % noise, clipped at 95 % of the peak, 0.3 ms late and 2 % too large, and the model is calibrated to that;
-then another level and another pulse are predicted. Coverage of the 90 % intervals and bands is counted.
+shaken, measured with 2 % noise, clipped at 95 % of the peak, 0.3 ms late and 2 % too large, and the model is calibrated to
+that; then another level and another pulse are predicted. Coverage of the 90 % intervals and bands is counted.
 """
 
 import argparse
 import time
 import warnings
-from dataclasses import dataclass
 
 import numpy as np
 from house import sdof
 
 import wirerope_mj as wr
+from wirerope_mj.motions.records.checks import flat_tops
+from wirerope_mj.motions.records.measured import MeasuredChannel
 from wirerope_mj.studies.calibration import MeasuredTest, calibrate
 from wirerope_mj.studies.calibration.predict import predict
 
 RATE = 10_000.0
-
-
-@dataclass
-class Channel:
-    subject: str
-    quantity: str
-    axis: str
-    time: np.ndarray
-    values: np.ndarray
 
 
 def measured(response, subject, axis, rng, *, noise=0.02, gain=1.02, delay=3e-4, clip=0.95):
@@ -38,7 +30,11 @@ def measured(response, subject, axis, rng, *, noise=0.02, gain=1.02, delay=3e-4,
     values = gain * np.interp(response.time - delay, response.time, history)
     values = values + noise * np.abs(values).max() * rng.standard_normal(values.size)
     limit = clip * np.abs(values).max()
-    return Channel(subject, "acceleration", axis, response.time, np.clip(values, -limit, limit))
+    values = np.clip(values, -limit, limit)
+    return MeasuredChannel(
+        subject=subject, quantity="acceleration", axis=axis, time=response.time, values=values,
+        saturated=np.isin(values, [extreme for extreme, _ in flat_tops(values)]), column=subject, unit="m/s^2",
+    )  # fmt: skip
 
 
 CHAIN = ["channel/*/gain = Normal(1, 0.02)", "channel/*/delay = Normal(0, 0.0005)"]
@@ -51,7 +47,11 @@ def single_mass(rng, other_law):
     system = sdof(nominal, mass=20.0, gravity=9.80665)
     if other_law:
         slip = np.array([30.0, 70.0, 150.0, 250.0])
-        law = wr.Masing(stiffness=list(stiffness * np.array([5e4, 3e4, 2e4, 1.5e4])), slip_force=list(damping * slip), k=5e4 * stiffness)
+        law = wr.Masing(
+            stiffness=list(stiffness * np.array([5e4, 3e4, 2e4, 1.5e4])),
+            slip_force=list(damping * slip),
+            k=5e4 * stiffness,
+        )
         truth, values = sdof(law, mass=20.0, gravity=9.80665), {}
     else:
         isolator = system.mounts["m1"].written.scaled(stiffness).with_damping(damping)
@@ -99,7 +99,9 @@ def one_test(number, seed, make, other_law, levels):
     rows = []
     for name, (low, high), value in zip(found.names, found.intervals(), found.values, strict=True):
         if name in values:
-            rows.append((name, low <= values[name] <= high, value / values[name] - 1.0, (high - low) / 2 / values[name]))
+            rows.append(
+                (name, low <= values[name] <= high, value / values[name] - 1.0, (high - low) / 2 / values[name])
+            )
     predictions = []
     for motion in (
         wr.HalfSine(peak=1.6 * max(levels), duration=0.011, direction=axis, start=0.02),
@@ -107,7 +109,10 @@ def one_test(number, seed, make, other_law, levels):
     ):
         expected = predict(found, motion, duration=0.4)
         peaks = wr.simulate(truth, motion, duration=0.4, accuracy=1e-3).peaks
-        worst = max(system.mounts, key=lambda m: peaks.mounts[m].deflection.value if not system.mounts[m].isolator.is_stop else 0.0)
+        worst = max(
+            system.mounts,
+            key=lambda m: peaks.mounts[m].deflection.value if not system.mounts[m].isolator.is_stop else 0.0,
+        )
         true = {
             f"acceleration/{body.split('/')[1]}": peaks.bodies[body.split("/")[1]].acceleration.value,
             f"force/{worst}": peaks.mounts[worst].force.value,
@@ -144,7 +149,9 @@ def main():
         found, took, rows, predictions = one_test(number, asked.seed, make, other, levels)
         print(f"test {number}, {'another law' if other else 'same law'}: {took:.1f} s, {found.message}")
         for name, inside, error, half in (*rows, *predictions):
-            print(f"  {name:28s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half width {100 * half:.2f} %")
+            print(
+                f"  {name:28s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half width {100 * half:.2f} %"
+            )
         parameters += [inside for _, inside, *_ in rows]
         predicted += [inside for _, inside, *_ in predictions]
     for name, inside in (("parameters", parameters), ("predictions", predicted)):

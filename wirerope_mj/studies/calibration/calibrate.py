@@ -25,8 +25,8 @@ def calibrate(
     """Return what varies of a system as its tests tell it: values, covariance, draws, and the system with them.
 
     A coarse design of the prior, computed in lanes, gives the best points from which least squares begin. Noise and the model's
-    own error are estimated for every channel with the unknowns integrated out; draws are emcee's on a quadratic emulator that is
-    checked against runs.
+    own error are estimated for every channel with the unknowns integrated out; draws are emcee's on a quadratic emulator that
+    is checked against runs.
 
     Args:
         system: as far as it is known.

@@ -12,7 +12,7 @@ from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise,
 from wirerope_mj.studies.calibration.prior import Prior
 
 Forward = Callable[[Array], Array]
-"""Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); a row is NaN where there is none."""
+"""Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any."""
 
 DESIGN, STARTS = 64, 2
 """Points of the coarse design, and how many of the best begin a search."""
@@ -116,9 +116,7 @@ def fit(problem: Problem, *, seed: int = 1) -> Fit:
         jacobian = problem.jacobian(found.x)
         model = problem.model(found.x[np.newaxis])[0]
         linear = problem.measured - model + jacobian @ found.x
-        noises = estimate_noise(
-            problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear)
-        )
+        noises = estimate_noise(problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear))
         before = found.x
         found = _searched(problem, noises, before)
         if np.abs(found.x - before).max() < 1e-3:
@@ -127,7 +125,7 @@ def fit(problem: Problem, *, seed: int = 1) -> Fit:
     white = problem.whitened(problem.jacobian(found.x), roots)
     return Fit(
         normals=found.x,
-        covariance=np.linalg.inv(white.T @ white + np.eye(found.x.size)),
+        covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(found.x.size)), dtype=np.float64),
         noises=tuple(noises),
         model=model,
         residual=problem.whitened(model - problem.measured, roots),

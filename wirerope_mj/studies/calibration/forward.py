@@ -14,7 +14,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.calibration.measured_test import Comparable, MeasuredTest, check_channel
-from wirerope_mj.studies.calibration.nuisance import UNITS, Nuisance, chains, nuisances
+from wirerope_mj.studies.calibration.nuisance import UNITS, chains, nuisances
 from wirerope_mj.studies.calibration.prior import Prior
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic
 from wirerope_mj.studies.inputs.quantities import quantities
@@ -48,7 +48,9 @@ class SystemForward:
         own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
         for name, one in vary.items():
             if isinstance(one, Choice | Isotropic):
-                raise ValueError(f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}.")
+                raise ValueError(
+                    f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}."
+                )
         resolved = quantities(own, system, [test.motion for test in tests])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
         self._nuisances = nuisances(vary, [one.name for one in self.channels])
@@ -61,7 +63,7 @@ class SystemForward:
             return np.stack([*system_values, *chain], axis=1)
 
         self.prior = Prior(
-            names=tuple(one.name for one in (*self.columns, *self._nuisances)),
+            names=(*(column.name for column in self.columns), *(one.name for one in self._nuisances)),
             units=tuple([*(column.unit for column in self.columns), *(UNITS[one.kind] for one in self._nuisances)]),
             quantiles=quantiles,
         )

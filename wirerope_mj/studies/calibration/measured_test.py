@@ -4,17 +4,16 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Protocol
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.studies.calibration.noise import Series
 
 SAMPLES = 400
@@ -29,39 +28,7 @@ QUIET = 0.01
 FEWEST = 30
 """Samples of a channel that a test must have."""
 
-CLIPPED = 3
-"""Equal samples in a row at the largest or smallest value that say that the channel was clipped there."""
-
-_QUANTITIES = {
-    "body": ("acceleration", "velocity", "position"),
-    "point": ("acceleration", "velocity", "relative_displacement"),
-    "mount": ("deflection", "force"),
-}
 _XYZ = ("x", "y", "z")
-
-
-class Channel(Protocol):
-    """A measured channel: whose and what it is, its instants [s] and values [SI], (n,)."""
-
-    @property
-    def subject(self) -> str:
-        """Body, point or mount: "body/rack", "point/top", "mount/m1"."""
-
-    @property
-    def quantity(self) -> str:
-        """The attribute of a response that it is: "acceleration", "deflection" or another one."""
-
-    @property
-    def axis(self) -> str:
-        """Axis: "x", "y", "z", of a mount also "roll", "shear", "axial"."""
-
-    @property
-    def time(self) -> Array:
-        """Instants [s], (n,)."""
-
-    @property
-    def values(self) -> Array:
-        """Values [SI], (n,)."""
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -77,8 +44,23 @@ class MeasuredTest:
 
     name: str
     motion: BaseMotion
-    channels: Sequence[Channel]
+    channels: Sequence[MeasuredChannel]
     initial: str = "settled"
+
+    @classmethod
+    def of(cls, measured: Measured, motion: BaseMotion | None = None, *, initial: str = "settled") -> "MeasuredTest":
+        """Make a test of measured channels, moved by `motion`, or by what was measured at the base.
+
+        Raises:
+            RecordError: there is no motion, or nothing but the base was measured.
+        """
+        moved = measured.base if motion is None else motion
+        channels = [one for one in measured.channels if one.subject != "base"]
+        if not channels:
+            raise RecordError(
+                f"{measured.path}: nothing but the base was measured; map a column to a body, a point or a mount."
+            )
+        return cls(name=measured.name, motion=moved, channels=channels, initial=initial)
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -90,27 +72,22 @@ class Comparable:
         name: "TEST/body/rack/acceleration/z".
         series: the measured samples that are compared.
         width: standard deviation of the smoothing [s].
-        clipped: samples of the channel that were left out because they were clipped.
     """
 
-    channel: Channel
+    channel: MeasuredChannel
     name: str
     series: Series
     width: float
-    clipped: int
 
     @classmethod
-    def of(cls, test: str, channel: Channel) -> "Comparable":
+    def of(cls, test: str, channel: MeasuredChannel) -> "Comparable":
         """Bring a measured channel to few samples, without what was clipped and before and after it moves.
 
         Raises:
             RecordError: it is too short, or does not move.
         """
         name = f"{test}/{channel.subject}/{channel.quantity}/{channel.axis}"
-        time, values = np.asarray(channel.time, dtype=np.float64), np.asarray(channel.values, dtype=np.float64)
-        if time.size < FEWEST:
-            raise RecordError(f"{name}: a calibration needs {FEWEST} samples of a channel at least, got {time.size}.")
-        bad = clipped_samples(values) | ~np.isfinite(values)
+        time, values, bad = channel.time, channel.values, channel.saturated
         moved = np.abs(values - np.median(values))
         largest = float(moved[~bad].max(initial=0.0))
         if largest == 0.0:
@@ -123,14 +100,14 @@ class Comparable:
         at, weights = at[weights @ bad < 1e-3], weights[weights @ bad < 1e-3]
         if at.size < FEWEST:
             raise RecordError(
-                f"{name}: {at.size} samples are left of it without what was clipped and what stands still; a calibration needs "
-                f"{FEWEST}. Measure longer, or leave the channel out."
+                f"{name}: {at.size} samples are left of it without what was saturated and what stands still; a calibration "
+                f"needs {FEWEST}. Measure longer, or leave the channel out."
             )
         smooth = weights @ np.where(bad, 0.0, values)
         frequency = _dominant(at, smooth)
         size = _local_size(at, smooth - np.median(values), 0.5 / frequency)
         series = Series(name=name, at=at, values=smooth, size=size, frequency=frequency)
-        return cls(channel=channel, name=name, series=series, width=SMOOTH * step, clipped=int(bad.sum()))
+        return cls(channel=channel, name=name, series=series, width=SMOOTH * step)
 
     def of_response(self, time: Array, values: Array, delay: float) -> Array:
         """Return what the channel would have shown of a simulated history (n_t,), later by `delay` [s]."""
@@ -148,11 +125,17 @@ class Comparable:
         """Return the history of a response that the channel measures, (n_t,)."""
         kind, _, name = self.channel.subject.partition("/")
         parts = {"body": response.bodies, "point": response.points, "mount": response.mounts}[kind]
-        axes = AXES if self.channel.axis in AXES else _XYZ
-        return np.asarray(getattr(parts[name], self.channel.quantity)[:, axes.index(self.channel.axis)])
+        part: Any = parts[name]
+        quantity = self.channel.quantity
+        if quantity != "displacement":
+            values = getattr(part, quantity)
+        else:
+            values = part.position - part.position[0]
+            values = values if self.channel.absolute else values - response.base.displacement
+        return np.asarray(values[:, _XYZ.index(self.channel.axis)])
 
 
-def check_channel(system: System, name: str, channel: Channel) -> None:
+def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
     """Raise RecordError unless a system has what a channel measures."""
     kind, _, subject = channel.subject.partition("/")
     subjects = system.assembly.subjects
@@ -160,26 +143,9 @@ def check_channel(system: System, name: str, channel: Channel) -> None:
     if kind not in there or subject not in there[kind]:
         names = ", ".join(f"{kind}/{one}" for kind, names in there.items() for one in names)
         raise RecordError(
-            f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It has: {names}."
+            f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It "
+            f"has: {names}."
         )
-    axes = (*_XYZ, *AXES) if kind == "mount" else _XYZ
-    if channel.quantity not in _QUANTITIES[kind] or channel.axis not in axes:
-        raise RecordError(
-            f"{name}: a {kind} has {', '.join(_QUANTITIES[kind])} along {', '.join(axes)}, got {channel.quantity!r} along "
-            f"{channel.axis!r}."
-        )
-
-
-def clipped_samples(values: Array) -> npt.NDArray[np.bool_]:
-    """Return which samples stand at a channel's ends for so long that it was clipped, (n,)."""
-    bad = np.zeros(values.size, dtype=bool)
-    for end in (np.nanmax(values), np.nanmin(values)):
-        at = np.abs(values - end) <= 1e-9 * abs(end)
-        runs = np.flatnonzero(np.diff(np.concatenate([[0], at.astype(int), [0]])))
-        for first, last in zip(runs[::2], runs[1::2], strict=True):
-            if last - first >= CLIPPED:
-                bad[first:last] = True
-    return bad
 
 
 def _smoothing(time: Array, at: Array, width: float) -> Array:

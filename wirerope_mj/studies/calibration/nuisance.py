@@ -52,7 +52,11 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
         if match is None:
             raise ModelError(f"`vary`: there is no quantity {name!r} of a channel; there is {FORM}.")
         pattern, kind = match.groups()
-        matched = [k for k, one in enumerate(channels) if fnmatchcase(one, pattern) or fnmatchcase(one.partition("/")[2], pattern)]
+        matched = [
+            k
+            for k, one in enumerate(channels)
+            if fnmatchcase(one, pattern) or fnmatchcase(one.partition("/")[2], pattern)
+        ]
         if not matched:
             raise ModelError(f"`vary`: {name!r}: there is no channel {pattern!r}. There is: {', '.join(channels)}.")
         if not isinstance(distribution, Normal | Uniform) or distribution.relative:

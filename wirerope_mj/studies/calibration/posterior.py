@@ -4,6 +4,7 @@ from dataclasses import dataclass
 
 import emcee
 import numpy as np
+import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.calibration.fit import Fit, Problem
@@ -37,7 +38,7 @@ class Posterior:
     values: Array
     emulator_error: float
     acceptance: float
-    checked: Array
+    checked: npt.NDArray[np.int64]
     series: Array
 
 
@@ -45,11 +46,12 @@ def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) ->
     """Return draws of the posterior.
 
     The whitened residual is a quadratic of s = (u - u*) / root of the covariance, made from runs about the fit, and its sum of
-    squares a form of the coefficients' Gram matrix: a thousand steps of the sampler cost less than a run. The model is run again
-    at draws; where the emulator misses there, these runs join it.
+    squares a form of the coefficients' Gram matrix: a thousand steps of the sampler cost less than a run. The model is run
+    again at draws; where the emulator misses there, these runs join it.
     """
     generator = np.random.default_rng(seed)
-    root, roots = np.linalg.cholesky(found.covariance), problem.roots(found.noises)
+    root = np.asarray(np.linalg.cholesky(found.covariance), dtype=np.float64)
+    roots = problem.roots(found.noises)
     size = found.normals.size
     count = _terms(np.zeros((1, size))).shape[1]
     points = REACH * generator.standard_normal((max(2 * count, 24), size))

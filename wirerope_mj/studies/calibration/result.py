@@ -123,7 +123,8 @@ class Calibrated(Summarised):
         """How the calibration ended."""
         ended = "converged" if self.fit.converged else "NOT CONVERGED"
         emulator = self.posterior.emulator_error
-        text = f"{ended}; {self.problem.runs} runs of the model; model error {100.0 * self.discrepancies.max():.2g} % of the response"
+        error = 100.0 * self.discrepancies.max()
+        text = f"{ended}; {self.problem.runs} runs of the model; model error {error:.2g} % of the response"
         return text if emulator < GOOD else f"{text}; the sampler's quadratic misses log likelihoods by {emulator:.2g}"
 
 
