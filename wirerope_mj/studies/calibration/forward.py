@@ -10,9 +10,10 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.calibration.measured_test import Comparable, MeasuredTest, check_channel
 from wirerope_mj.studies.calibration.nuisance import UNITS, chains, nuisances
 from wirerope_mj.studies.calibration.prior import Prior
@@ -95,7 +96,7 @@ class SystemForward:
         found: list[Response | None] = [None] * len(rows)
         systems, motions, places = [], [], []
         for place, row in enumerate(rows):
-            named: dict[str, Any] = {column.name: float(value) for column, value in zip(self.columns, row, strict=True)}
+            named = self._row(row)
             try:
                 systems.append(maker.system(named))
                 motions.append(maker.motion(named))
@@ -114,8 +115,18 @@ class SystemForward:
 
     def system_at(self, values: Array) -> System:
         """Return the system with values of the unknowns, (d,)."""
-        named = {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
-        return self._makers[0].system(named)
+        return self._makers[0].system(self._row(values))
+
+    def isolators_at(self, values: Array) -> Mapping[str, Isolator]:
+        """Return the isolators that values of the unknowns (d,) change, by mount; equal ones are one object."""
+        return self._makers[0].changes(self._row(values)).isolators
+
+    def moves_at(self, values: Array) -> Changes:
+        """Return the changes of masses, centres and positions at values of the unknowns, (d,)."""
+        return self._makers[0].moves(self._makers[0].draft(self._row(values)), {})
+
+    def _row(self, values: Array) -> dict[str, Any]:
+        return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
 
 
 class _Steps:
