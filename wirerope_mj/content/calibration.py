@@ -15,7 +15,9 @@ from wirerope_mj.studies.calibration.predict import Prediction
 from wirerope_mj.studies.calibration.result import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 
-_SI = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N"}
+_ACROSS = {
+    "time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": "",
+}  # fmt: skip
 
 _DRAWN = 8
 """Channels that are drawn, those that the model follows least first."""
@@ -154,23 +156,13 @@ def _channel_table(result: Calibration) -> Table:
     """Tabulate for each channel what the fit leaves: error, noise, and the model's own error."""
     rows: list[list[Cell]] = []
     model = result.problem.split(result.fit.model)
-    for one, noise, own, channel in zip(
-        result.problem.series, result.fit.noises, model, result.forward.channels, strict=True
-    ):
-        unit = _SI[channel.channel.quantity]
-        error = float(np.sqrt(np.mean((own - one.values) ** 2))) / float(np.sqrt(np.mean(one.values**2)))
-        peak = float(np.abs(own).max() / np.abs(one.values).max())
-        rows.append(
-            [
-                one.name,
-                peak,
-                error,
-                with_unit(noise.white, unit, digits=2),
-                noise.discrepancy,
-                noise.length,
-                one.frequency,
-            ]
-        )
+    for one, noise, own in zip(result.problem.series, result.fit.noises, model, strict=True):
+        in_time = one.across == "time"
+        error = float(np.sqrt(np.mean((own - one.values) ** 2))) / one.rms
+        peak = float(np.abs(own).max() / np.abs(one.values).max()) if in_time else None
+        white = with_unit(noise.white, one.unit, digits=2) if one.unit else f"{100.0 * noise.white:.2g} %"
+        length = noise.length if in_time else None
+        rows.append([one.name, peak, error, white, noise.discrepancy, length, one.frequency or None])
     return Table(
         id="channels",
         title="Channels: calculated over measured peak, what is left, and its parts",
@@ -187,30 +179,31 @@ def _channel_table(result: Calibration) -> Table:
 def _charts(result: Calibration) -> Iterator[Chart]:
     """Yield measured and calculated histories with their bands, the worst channels first."""
     draws = [result.problem.split(one) for one in result.posterior.series]
-    order = np.argsort(-result.discrepancies)[:_DRAWN]
     middle = result.problem.split(np.median(result.posterior.series, axis=0))
-    for k in order.tolist():
+    for k in np.argsort(-result.discrepancies)[:_DRAWN].tolist():
         one, noise = result.problem.series[k], result.fit.noises[k]
-        unit = shown_in(_SI[result.forward.channels[k].channel.quantity])[0]
+        unit = shown_in(one.unit)[0]
         spread = np.std([own[k] for own in draws], axis=0)
         half = _NORMAL * np.sqrt(spread**2 + noise.deviation(one) ** 2)
         y = [in_unit(values, unit) for values in (one.values, middle[k], middle[k] - half, middle[k] + half)]
+        x, what = one.at, _ACROSS[one.across]
+        ylabel, log = f"{one.name.split('/')[-2]} [{unit}]" if unit else "", ""
+        if one.across == "logarithm of frequency":
+            x, y, ylabel, log = np.exp(x), [np.exp(values) for values in y], "transmissibility", "xy"
         panel = Panel(
             curves=(
-                Curve(x=one.at, y=y[1], name="calculated", kind=0),
-                Curve(x=one.at, y=y[2], name="90 % band", kind=0, dash="dotted"),
-                Curve(x=one.at, y=y[3], name="", kind=0, dash="dotted"),
-                Curve(x=one.at, y=y[0], name="measured", kind=OTHERS),
+                Curve(x=x, y=y[0], name="measured", kind=OTHERS, marks=one.across != "time"),
+                Curve(x=x, y=y[1], name="calculated", kind=0),
+                Curve(x=x, y=y[2], name="90 % band", kind=0, dash="dotted"),
+                Curve(x=x, y=y[3], name="", kind=0, dash="dotted"),
             ),
-            ylabel=f"{result.forward.channels[k].channel.quantity} [{unit}]",
-            xlabel="time [s]",
-            unit=unit,
-        )
+            ylabel=ylabel, xlabel=what, unit=unit, log=log,
+        )  # fmt: skip
         yield Chart(
             rows=((panel,),), height=170.0, id=f"history-{k}",
-            caption=f"{short(one.name)}: measured and calculated with the medians; the band holds what the values and the "
-            "model's own error leave open.",
-            alt=f"{one.name}, measured and calculated over time",
+            caption=f"{one.name}: measured and calculated with the medians; the band holds what the values and the model's own "
+            "error leave open.",
+            alt=f"{one.name}, measured and calculated",
         )  # fmt: skip
 
 
@@ -228,7 +221,7 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
             chance = prediction.exceedance(name, limit.limit)
             worst = max(worst, chance)
             said = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.2g} %"
-            items.append(f"{name}: {limit.text} is exceeded with a probability of {said}")
+            items.append(f"{name}: {limit.text.partition('=')[2].strip()} is exceeded with a probability of {said}")
     if items:
         tone = "exceeded" if worst > 0.5 else "near" if worst > 1.0 - LEVEL else "within"
         yield Statement(id="exceedance", text=f"{prediction.motion}:", items=tuple(items), tone=tone)

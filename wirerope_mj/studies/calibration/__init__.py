@@ -2,6 +2,8 @@
 
 from wirerope_mj.studies.calibration.calibrate import calibrate as calibrate
 from wirerope_mj.studies.calibration.calibrate import calibrate_model as calibrate_model
+from wirerope_mj.studies.calibration.frequency_test import FrequencyTest as FrequencyTest
+from wirerope_mj.studies.calibration.loop_test import LoopTest as LoopTest
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest as MeasuredTest
 from wirerope_mj.studies.calibration.noise import Series as Series
 from wirerope_mj.studies.calibration.prior import Prior as Prior

@@ -4,8 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.studies.calibration.fit import Forward, Problem, fit
-from wirerope_mj.studies.calibration.forward import SystemForward
-from wirerope_mj.studies.calibration.measured_test import MeasuredTest
+from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.posterior import sample
 from wirerope_mj.studies.calibration.prior import Prior
@@ -16,7 +15,7 @@ from wirerope_mj.studies.inputs.vary_option import read_vary
 
 def calibrate(
     system: System,
-    tests: Sequence[MeasuredTest],
+    tests: Sequence[Test],
     *,
     vary: Mapping[str, Distribution] | Sequence[str],
     draws: int = 1000,
@@ -30,7 +29,7 @@ def calibrate(
 
     Args:
         system: as far as it is known.
-        tests: with the base's motion and the measured channels of each.
+        tests: measured channels with the base's motion, frequency responses, loops of an isolator in a rig.
         vary: priors of what is to be found, by the names that a study takes, and of channels as "channel/NAME/gain", "delay" or
             "offset"; or the same as lines of text.
         draws: of the posterior.
@@ -46,7 +45,7 @@ def calibrate(
         raise ValueError("`tests` must name one measured test at least, got none.")
     distributions = dict(vary) if isinstance(vary, Mapping) else read_vary(vary)
     forward = SystemForward(system, tests, distributions)
-    own = calibrate_model(forward, [one.series for one in forward.channels], forward.prior, draws=draws, seed=seed)
+    own = calibrate_model(forward, forward.series, forward.prior, draws=draws, seed=seed)
     return Calibration(problem=own.problem, fit=own.fit, posterior=own.posterior, forward=forward)
 
 

@@ -9,10 +9,14 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
+from wirerope_mj.engine.simulation.stepper import initial_state
+from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.channel_map import SI
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.studies.calibration.noise import Series
 
@@ -27,6 +31,12 @@ QUIET = 0.01
 
 FEWEST = 30
 """Samples of a channel that a test must have."""
+
+ACCURACY = 1e-3
+"""Error of the peaks for which steps are chosen: a tenth of what a good channel measures."""
+
+SAMPLED = 3.0
+"""Samples of a simulation in one width of the smoothing of the samples that are compared."""
 
 _XYZ = ("x", "y", "z")
 
@@ -106,7 +116,9 @@ class Comparable:
         smooth = weights @ np.where(bad, 0.0, values)
         frequency = _dominant(at, smooth)
         size = _local_size(at, smooth - np.median(values), 0.5 / frequency)
-        series = Series(name=name, at=at, values=smooth, size=size, frequency=frequency)
+        series = Series(
+            name=name, at=at, values=smooth, size=size, frequency=frequency, unit=SI[channel.quantity], across="time"
+        )
         return cls(channel=channel, name=name, series=series, width=SMOOTH * step)
 
     def of_response(self, time: Array, values: Array, delay: float) -> Array:
@@ -133,6 +145,39 @@ class Comparable:
             values = part.position - part.position[0]
             values = values if self.channel.absolute else values - response.base.displacement
         return np.asarray(values[:, _XYZ.index(self.channel.axis)])
+
+
+class TransientRuns:
+    """Responses of systems to the motion of a test, brought to what its channels compare."""
+
+    def __init__(self, system: System, test: MeasuredTest) -> None:
+        for channel in test.channels:
+            check_channel(system, test.name, channel)
+        self.test = test
+        self.channels = [Comparable.of(test.name, one) for one in test.channels]
+        self.series = [one.series for one in self.channels]
+        self._sample_rate = SAMPLED / min(one.width for one in self.channels)
+        end = max(one.series.at[-1] + 6.0 * one.width for one in self.channels)
+        self._duration = math.ceil(self._sample_rate * end) / self._sample_rate
+        self._time = np.zeros(0)
+        self._timestep = choose_timestep(
+            system, test.motion, initial_state(system, test.motion, test.initial), duration=self._duration,
+            sample_rate=self._sample_rate, accuracy=ACCURACY,
+        ).timestep  # fmt: skip
+
+    def __call__(self, systems: Sequence[System]) -> list[list[Array] | None]:
+        """Return the histories of systems, of every channel, (n_t,) each; None where one failed."""
+        done = simulate_batch(
+            systems, self.test.motion, duration=self._duration, timestep=self._timestep, sample_rate=self._sample_rate,
+            initial=self.test.initial, responses=True,
+        )  # fmt: skip
+        responses = [None if isinstance(one, BatchFailure) else one.response for one in done]
+        self._time = next((one.time for one in responses if one is not None), self._time)
+        return [None if one is None else [channel.taken_from(one) for channel in self.channels] for one in responses]
+
+    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+        """Return the series of a history as a chain with gain [-], delay [s] and offset [SI] shows it."""
+        return gain * self.channels[number].of_response(self._time, raw, delay) + offset
 
 
 def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:

@@ -8,6 +8,7 @@ and O'Hagan 2014). So a wrong model gets wide bands, and a right one narrow ones
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import Literal
 
 import numpy as np
 import scipy
@@ -37,6 +38,8 @@ class Series:
         values: (n,).
         size: local size of the response, relative to which the discrepancy is, (n,).
         frequency: about which the discrepancy oscillates [1 / unit of `at`]; 0 for none.
+        unit: of the values; "" for logarithms and what has none.
+        across: what `at` is.
     """
 
     name: str
@@ -44,6 +47,8 @@ class Series:
     values: Array
     size: Array
     frequency: float = 0.0
+    unit: str = ""
+    across: Literal["time", "logarithm of frequency", "loop", "other"] = "other"
 
     @cached_property
     def rms(self) -> float:

@@ -1,6 +1,6 @@
 """Peaks under another motion of the base, as a calibration predicts them, with bands."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.studies.calibration.forward import ACCURACY
+from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
 from wirerope_mj.studies.calibration.result import LEVEL, Calibration
 from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
 from wirerope_mj.studies.inputs.variants import Work
@@ -35,12 +35,14 @@ class Prediction(Summarised):
         names: of the measures, as `Study` has them.
         samples: with the model's own error, (n, n_measures), SI.
         discrepancy: the model's own error over the response [-].
+        beyond: largest deflection over that in the tests, at least 1.
         motion: of the base, in words.
     """
 
     names: tuple[str, ...]
     samples: Array
     discrepancy: float
+    beyond: float
     motion: str
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -79,7 +81,8 @@ def predict(
     """Return the measures of draws of the posterior under a motion of the base.
 
     Every draw is multiplied by 1 + e with e normal, of the size of the model's own error in the tests: a model that did not
-    follow them is not believed elsewhere.
+    follow them is not believed elsewhere. Where the mounts deflect farther than in the tests, that error grows with the square
+    of the ratio.
 
     Raises:
         ConvergenceError: no draw could be simulated.
@@ -95,16 +98,34 @@ def predict(
         sample_rate=SAMPLE_RATE, initial=initial, corners=motion.corners,
     )  # fmt: skip
     chosen = calibration.samples[generator.choice(len(calibration.samples), count, replace=False)]
-    names = [column.name for column in forward.columns]
-    rows = [{"variant": k, **dict(zip(names, row.tolist(), strict=False))} for k, row in enumerate(chosen)]
+    samples = _measures(work, chosen)
+    measures = tuple(measure_names(forward.system))
+    tested = [
+        _measures(replace(work, motions=(test.motion,), initial=test.initial), calibration.values[np.newaxis])
+        for test in forward.tests
+        if isinstance(test, MeasuredTest)
+    ]
+    reached = [k for k, name in enumerate(measures) if name.startswith("deflection/")]
+    beyond = (
+        float(np.median(samples[:, reached].max(axis=1)) / max(np.max(one[:, reached]) for one in tested))
+        if tested
+        else 1.0
+    )
+    beyond = max(beyond, 1.0)
+    discrepancy = float(calibration.discrepancies.max()) * beyond**2
+    error = 1.0 + discrepancy * generator.standard_normal(len(samples))
+    samples[:, [name not in UNSCALED for name in measures]] *= error[:, np.newaxis]
+    return Prediction(
+        names=measures, samples=samples, discrepancy=discrepancy, beyond=beyond, motion=motion.description
+    )
+
+
+def _measures(work: Work, values: Array) -> Array:
+    """Return the measures of a study at values of the unknowns (n, d), of those that can be simulated, (n, n_measures)."""
+    names = [column.name for column in work.columns]
+    rows = [{"variant": k, **dict(zip(names, row.tolist(), strict=False))} for k, row in enumerate(values)]
     table = compute(work, Chunk(number=0, rows=rows)).table
     done = np.array(table["status"]) == DONE
     if not done.any():
         raise ConvergenceError(f"no draw of the posterior can be simulated: {table['message'][0]}")
-    measures = tuple(measure_names(forward.system))
-    samples = np.stack([table[name].to_numpy() for name in measures], axis=1)[done]
-    discrepancy = float(calibration.discrepancies.max())
-    error = 1.0 + discrepancy * generator.standard_normal(len(samples))
-    scaled = [name not in UNSCALED for name in measures]
-    samples[:, scaled] *= error[:, np.newaxis]
-    return Prediction(names=measures, samples=samples, discrepancy=discrepancy, motion=motion.description)
+    return np.stack([table[name].to_numpy() for name in measure_names(work.system)], axis=1)[done]
