@@ -7,7 +7,6 @@ import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.calibration.frequency_test import FrequencyRuns, FrequencyTest
 from wirerope_mj.studies.calibration.loop_test import LoopRuns, LoopTest
@@ -15,6 +14,7 @@ from wirerope_mj.studies.calibration.measured_test import MeasuredTest, Transien
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.nuisance import UNITS, chains, nuisances
 from wirerope_mj.studies.calibration.prior import Prior
+from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic
 from wirerope_mj.studies.inputs.quantities import quantities
 from wirerope_mj.studies.inputs.sampling import values_at
@@ -24,12 +24,12 @@ Test = MeasuredTest | FrequencyTest | LoopTest
 
 
 class Runs(Protocol):
-    """Runs of one test with many systems: raw channels, and the series that a measuring chain makes of each."""
+    """Runs of one test with many values: raw channels, and the series that a measuring chain makes of each."""
 
     series: list[Series]
 
-    def __call__(self, systems: Sequence[System]) -> list[list[Array] | None]:
-        """Return the raw channels of systems; None where one failed."""
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the raw channels with the values of each row; None where one failed."""
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         """Return the series of a raw channel as a chain with gain [-], delay [s] and offset [SI] shows it."""
@@ -48,8 +48,6 @@ class SystemForward:
 
     def __init__(self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution]) -> None:
         self.system, self.tests = system, tuple(tests)
-        self._runs = [_runs_of(system, test) for test in tests]
-        self.series = [one for runs in self._runs for one in runs.series]
         own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
         for name, one in vary.items():
             if isinstance(one, Choice | Isotropic):
@@ -58,6 +56,8 @@ class SystemForward:
                 )
         resolved = quantities(own, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
+        self._runs = [_runs_of(system, test, self.columns) for test in tests]
+        self.series = [one for runs in self._runs for one in runs.series]
         self._nuisances = nuisances(vary, [one.name for one in self.series])
         counts = np.cumsum([len(quantity.columns) for quantity in resolved])
 
@@ -78,23 +78,15 @@ class SystemForward:
         """Return the series of values (n, d), one behind the other, (n, n_samples)."""
         cut = len(self.columns)
         rows, which = np.unique(values[:, :cut], axis=0, return_inverse=True)  # a channel's fault needs no run
-        systems: list[System] = []
-        places: dict[int, int] = {}
-        for place, row in enumerate(rows):
-            try:
-                systems.append(self.system_at(row))
-                places[place] = len(systems) - 1
-            except (ValueError, WireRopeError):
-                continue
-        self._maker.forget()
+        named = [self._row(row) for row in rows]
         chain = chains(self._nuisances, values[:, cut:], len(self.series))
         parts, k = [], 0
         for runs in self._runs:
-            done = runs(systems) if systems else []
+            done = runs(named)
             for number, one in enumerate(runs.series):
                 out = np.full((len(values), one.at.size), np.nan)
                 for i, place in enumerate(which.ravel().tolist()):
-                    raw = done[places[place]] if place in places else None
+                    raw = done[place]
                     if raw is not None:
                         out[i] = runs.seen(number, raw[number], *(float(chain[kind][i, k]) for kind in UNITS))
                 parts.append(out)
@@ -117,7 +109,7 @@ class SystemForward:
         return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
 
 
-def _runs_of(system: System, test: Test) -> Runs:
+def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...]) -> Runs:
     if isinstance(test, FrequencyTest):
-        return FrequencyRuns(system, test)
-    return LoopRuns(system, test) if isinstance(test, LoopTest) else TransientRuns(system, test)
+        return FrequencyRuns(system, test, columns)
+    return LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns)

@@ -2,22 +2,22 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from functools import partial
+from typing import Any
 
 import numpy as np
 
-from wirerope_mj.engine.simulation import BatchResult, simulate_batch
-from wirerope_mj.engine.simulation.stepper import initial_state
-from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import Sine
+from wirerope_mj.studies.calibration.measured_test import work_of
 from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.inputs.column import InputColumn
 
-SETTLED, MEASURED = 30, 2
-"""Cycles before the amplitude is taken, and in which it is: of a damping ratio of 4 % a two-thousandth is left."""
+SETTLED, MEASURED = 20, 12
+"""Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside."""
 
 FEWEST = 5
 """Frequencies that a response must have."""
@@ -25,12 +25,12 @@ FEWEST = 5
 _STEPS = 16.0
 """Samples of a cycle at which steps end."""
 
-_ACCURACY = 1e-3
-
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class FrequencyTest:
-    """A transmissibility measured with a steady or slowly swept sine, largest absolute acceleration over the base's amplitude.
+    """A transmissibility measured with a steady or slowly swept sine.
+
+    It is the amplitude of the absolute acceleration at the base's frequency, as a tracking filter shows it, over the base's.
 
     Attributes:
         name: in tables and in names of quantities.
@@ -63,7 +63,7 @@ class FrequencyTest:
 class FrequencyRuns:
     """Transmissibilities of systems at the frequencies of a test; the series is their logarithm over that of frequency."""
 
-    def __init__(self, system: System, test: FrequencyTest) -> None:
+    def __init__(self, system: System, test: FrequencyTest, columns: tuple[InputColumn, ...]) -> None:
         if test.payload not in system.assembly.subjects.body_names:
             raise RecordError(
                 f"{test.name}: this model has no body {test.payload!r}, so that the response is another model's. It has: "
@@ -74,36 +74,32 @@ class FrequencyRuns:
         at = np.log(np.asarray(test.frequency, dtype=np.float64))
         values = np.log(np.asarray(test.transmissibility, dtype=np.float64))
         self.series = [Series(name=name, at=at, values=values, size=np.ones(at.size), across="logarithm of frequency")]
-        self._sines = [
-            Sine(frequency=float(one), acceleration=test.acceleration, direction=test.direction)
+        self._works = [
+            work_of(
+                system, columns, Sine(frequency=float(one), acceleration=test.acceleration, direction=test.direction),
+                duration=(SETTLED + MEASURED) / float(one), sample_rate=_STEPS * float(one), initial=test.initial,
+            )
             for one in test.frequency
-        ]
-        self._steps = [
-            choose_timestep(
-                system, sine, initial_state(system, sine, test.initial), duration=4.0 / sine.frequency,
-                sample_rate=_STEPS * sine.frequency, accuracy=_ACCURACY,
-            ).timestep
-            for sine in self._sines
         ]  # fmt: skip
 
-    def __call__(self, systems: Sequence[System]) -> list[list[Array] | None]:
-        """Return the transmissibilities of systems, (n,) each; None where one failed."""
-        found = np.full((len(systems), len(self._sines)), np.nan)
-        axis = "xyz".index(self.test.direction)
-        for k, (sine, step) in enumerate(zip(self._sines, self._steps, strict=True)):
-            run = partial(simulate_batch, motions=sine, timestep=step, sample_rate=_STEPS * sine.frequency)
-            begun = run(systems, duration=SETTLED / sine.frequency, initial=self.test.initial)
-            good = [i for i, one in enumerate(begun) if isinstance(one, BatchResult)]
-            states = [one.final_state for one in begun if isinstance(one, BatchResult)]
-            if not good:
-                continue
-            ended = run([systems[i] for i in good], duration=MEASURED / sine.frequency, initial=states)
-            for i, one in zip(good, ended, strict=True):
-                if isinstance(one, BatchResult):
-                    peak = one.peaks.bodies[self.test.payload].acceleration
-                    found[i, k] = max(-peak.minimum[axis], peak.maximum[axis]) / self.test.acceleration
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the transmissibilities with the values of each row, (n,); None where one failed."""
+        found = np.full((len(rows), len(self._works)), np.nan)
+        column = f"bodies/{self.test.payload}/acceleration/{self.test.direction}"
+        for k, (work, frequency) in enumerate(zip(self._works, self.test.frequency, strict=True)):
+            time, done = histories(work, rows, [column])
+            last = time >= SETTLED / frequency
+            for i, one in enumerate(done):
+                if one is not None:
+                    found[i, k] = _tracked(time[last], one[last, 0], frequency) / self.test.acceleration
         return [[row] if np.isfinite(row).all() else None for row in found]
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         """Return the series of raw transmissibilities as a chain with a gain shows them."""
         return np.log(gain * raw)
+
+
+def _tracked(time: Array, values: Array, frequency: float) -> float:
+    """Return the amplitude of a history at a frequency [Hz], as a tracking filter shows it."""
+    window = np.hanning(time.size)
+    return float(2.0 * abs(np.sum(window * values * np.exp(-2j * np.pi * frequency * time))) / window.sum())

@@ -2,15 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.inputs.column import InputColumn
+from wirerope_mj.studies.inputs.variants import Maker
 
 SAMPLES = 120
 """Samples of a loop that are compared at most."""
@@ -36,12 +39,13 @@ class LoopTest:
 class LoopRuns:
     """Forces of the laws of systems along measured loops, each without its mean: a load cell's zero drifts."""
 
-    def __init__(self, system: System, test: LoopTest) -> None:
+    def __init__(self, system: System, test: LoopTest, columns: tuple[InputColumn, ...]) -> None:
         if test.mount not in system.mounts:
             raise RecordError(f"{test.name}: there is no mount {test.mount!r}. There is: {', '.join(system.mounts)}.")
         if system.mounts[test.mount].isolator.axes.get(test.axis) is None:
             raise RecordError(f"{test.name}: mount {test.mount!r} has no law on axis {test.axis!r}.")
-        self.test = test
+        self.test, self._written = test, system.mounts[test.mount].written
+        self._maker = Maker(system, (), columns)
         self._loops = [one.thinned(SAMPLES) for one in prepare(test.loops)]
         self.series = []
         for number, loop in enumerate(self._loops):
@@ -51,16 +55,22 @@ class LoopRuns:
             size = np.full(values.size, 0.5 * float(np.ptp(values)))
             self.series.append(Series(name=name, at=along, values=values, size=size, unit="N", across="loop"))
 
-    def __call__(self, systems: Sequence[System]) -> list[list[Array] | None]:
-        """Return the forces of systems' laws along every loop [N]; None where one is not finite."""
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the forces of the laws of each row along every loop [N]; None where one is not finite or cannot be."""
         found: list[list[Array] | None] = []
-        for system in systems:
-            law = system.mounts[self.test.mount].isolator.axes[self.test.axis]
+        for row in rows:
+            try:
+                isolator = self._maker.changes(row).isolators.get(self.test.mount, self._written)
+            except (ValueError, WireRopeError):
+                found.append(None)
+                continue
+            law = isolator.conditioned.axes[self.test.axis]
             assert law is not None  # a variant has the laws of its system
             forces = [loop.model_force(law) for loop in self._loops]
             found.append(
                 [one - one.mean() for one in forces] if all(np.isfinite(one).all() for one in forces) else None
             )
+        self._maker.forget()
         return found
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:

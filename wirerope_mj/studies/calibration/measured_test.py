@@ -8,8 +8,6 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
@@ -18,9 +16,13 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.channel_map import SI
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
+from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.inputs.column import InputColumn
+from wirerope_mj.studies.inputs.variants import Work
 
-SAMPLES = 400
+SAMPLES = 250
 """Samples of a channel that a fit compares at most: the covariance of their errors is a matrix."""
 
 SMOOTH = 0.6
@@ -133,47 +135,60 @@ class Comparable:
     def _weights(self) -> dict[tuple[float, float, int], Array]:
         return {}
 
-    def taken_from(self, response: Response) -> Array:
-        """Return the history of a response that the channel measures, (n_t,)."""
+    @property
+    def column(self) -> str:
+        """The column of a response that the channel measures."""
         kind, _, name = self.channel.subject.partition("/")
-        parts = {"body": response.bodies, "point": response.points, "mount": response.mounts}[kind]
-        part: Any = parts[name]
-        quantity = self.channel.quantity
-        if quantity != "displacement":
-            values = getattr(part, quantity)
-        else:
-            values = part.position - part.position[0]
-            values = values if self.channel.absolute else values - response.base.displacement
-        return np.asarray(values[:, _XYZ.index(self.channel.axis)])
+        axes, quantity = (AXES, self.channel.quantity) if kind == "mount" else (_XYZ, self.channel.quantity)
+        part = "position" if quantity == "displacement" else quantity
+        groups = {"body": "bodies", "point": "points", "mount": "mounts"}
+        return f"{groups[kind]}/{name}/{part}/{axes[_XYZ.index(self.channel.axis)]}"
+
+    def of_column(self, values: Array, base: Array) -> Array:
+        """Return what the channel measures of its column (n_t,); `base`: displacement of the base [m], (n_t, 3)."""
+        if self.channel.quantity != "displacement":
+            return values
+        moved = values - values[0]
+        return moved if self.channel.absolute else moved - base[:, _XYZ.index(self.channel.axis)]
+
+
+def work_of(
+    system: System, columns: tuple[InputColumn, ...], motion: BaseMotion, *, duration: float, sample_rate: float, initial: str
+) -> Work:  # fmt: skip
+    """Return what all runs under one motion share, with a step for `ACCURACY`."""
+    start = initial_state(system, motion, initial)
+    chosen = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=ACCURACY)
+    return Work(
+        system=system, motions=(motion,), columns=columns, duration=duration, timestep=chosen.timestep,
+        sample_rate=sample_rate, initial=initial, corners=motion.corners,
+    )  # fmt: skip
 
 
 class TransientRuns:
     """Responses of systems to the motion of a test, brought to what its channels compare."""
 
-    def __init__(self, system: System, test: MeasuredTest) -> None:
+    def __init__(self, system: System, test: MeasuredTest, columns: tuple[InputColumn, ...]) -> None:
         for channel in test.channels:
             check_channel(system, test.name, channel)
-        self.test = test
+        self.test, self._time = test, np.zeros(0)
         self.channels = [Comparable.of(test.name, one) for one in test.channels]
         self.series = [one.series for one in self.channels]
-        self._sample_rate = SAMPLED / min(one.width for one in self.channels)
+        rate = SAMPLED / min(one.width for one in self.channels)
         end = max(one.series.at[-1] + 6.0 * one.width for one in self.channels)
-        self._duration = math.ceil(self._sample_rate * end) / self._sample_rate
-        self._time = np.zeros(0)
-        self._timestep = choose_timestep(
-            system, test.motion, initial_state(system, test.motion, test.initial), duration=self._duration,
-            sample_rate=self._sample_rate, accuracy=ACCURACY,
-        ).timestep  # fmt: skip
+        self._work = work_of(
+            system, columns, test.motion, duration=math.ceil(rate * end) / rate, sample_rate=rate, initial=test.initial
+        )
 
-    def __call__(self, systems: Sequence[System]) -> list[list[Array] | None]:
-        """Return the histories of systems, of every channel, (n_t,) each; None where one failed."""
-        done = simulate_batch(
-            systems, self.test.motion, duration=self._duration, timestep=self._timestep, sample_rate=self._sample_rate,
-            initial=self.test.initial, responses=True,
-        )  # fmt: skip
-        responses = [None if isinstance(one, BatchFailure) else one.response for one in done]
-        self._time = next((one.time for one in responses if one is not None), self._time)
-        return [None if one is None else [channel.taken_from(one) for channel in self.channels] for one in responses]
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the histories of every channel with the values of each row, (n_t,) each; None where one failed."""
+        self._time, done = histories(self._work, rows, [one.column for one in self.channels])
+        base = self.test.motion.displacement(self._time)
+        return [
+            None
+            if one is None
+            else [channel.of_column(values, base) for channel, values in zip(self.channels, one.T, strict=True)]
+            for one in done
+        ]
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         """Return the series of a history as a chain with gain [-], delay [s] and offset [SI] shows it."""

@@ -81,8 +81,7 @@ def predict(
     """Return the measures of draws of the posterior under a motion of the base.
 
     Every draw is multiplied by 1 + e with e normal, of the size of the model's own error in the tests: a model that did not
-    follow them is not believed elsewhere. Where the mounts deflect farther than in the tests, that error grows with the square
-    of the ratio.
+    follow them is not believed elsewhere. Where the mounts deflect farther than in the tests, that error grows in proportion.
 
     Raises:
         ConvergenceError: no draw could be simulated.
@@ -112,7 +111,7 @@ def predict(
         else 1.0
     )
     beyond = max(beyond, 1.0)
-    discrepancy = float(calibration.discrepancies.max()) * beyond**2
+    discrepancy = float(calibration.discrepancies.max()) * beyond
     error = 1.0 + discrepancy * generator.standard_normal(len(samples))
     samples[:, [name not in UNSCALED for name in measures]] *= error[:, np.newaxis]
     return Prediction(
