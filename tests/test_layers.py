@@ -29,7 +29,7 @@ HOUSE = {
     "motions": (("spectra",), ("records",)),
     "engine": (("response", "control"), ("system", "from_tables"), ("kernel",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
-    "assessment": (("criteria",), ("comparison", "selection", "durability")),
+    "assessment": (("criteria",), ("comparison", "correlation", "selection", "durability")),
     "studies": (("inputs",), ("engines",), ("results",), ("search", "calibration")),
     "content": (),
     "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),

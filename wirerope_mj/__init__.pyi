@@ -7,6 +7,8 @@ from . import mounts as mounts
 from . import runs as runs
 from . import studies as studies
 from . import views as views
+from .assessment.correlation import Correlation as Correlation
+from .assessment.correlation import correlate as correlate
 from .assessment.criteria import Verdict as Verdict
 from .assessment.criteria import judge as judge
 from .assessment.criteria import judge_random as judge_random

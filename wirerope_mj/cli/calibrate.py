@@ -1,8 +1,7 @@
 """`wirerope calibrate`: measured tests and a model to the values that they tell, a page, and a calibrated model."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -49,8 +48,8 @@ def calibrate(
     Args:
         model: path of a model, the name of one that ships with the package, or the folder of a run.
         test: file of a test: CSV, MATLAB, XLSX, Parquet or a universal file; several may be given.
-        map: what each column of the tests is, COLUMN=PHRASE, such as "A1=body/rack z g". Tests whose base was not measured move
-            as the run does.
+        map: what each column of the tests is, COLUMN=PHRASE, such as "A1=body/rack z g", or a TOML file. Tests whose base was
+            not measured move as the run does.
         vary: what is to be found, with its prior: "mount/*/stiffness = Uniform(0.7, 1.4)".
         out: folder of the calibration.
         predict: another motion that is predicted with bands, its kind first: "half-sine 15 g 11 ms z".
@@ -70,6 +69,7 @@ def calibrate(
     from wirerope_mj.motions.records.measured import load_measured
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
     from wirerope_mj.runs.folder import check_target
+    from wirerope_mj.runs.measured import read_map
     from wirerope_mj.studies.calibration import MeasuredTest
     from wirerope_mj.studies.calibration import calibrate as calibrated
     from wirerope_mj.studies.calibration.predict import predict as predicted
@@ -91,9 +91,12 @@ def calibrate(
         raise ValueError(
             "`--limit` is on a prediction; say of which motion, for instance --predict 'half-sine 15 g 11 ms z'."
         )
-    channels = _map(map or ())
-    measured = [load_measured(file, channels=channels, baseline=baseline, start=start) for file in test]
-    moved = any(phrase.split()[:1] == ["base"] for phrase in channels.values())
+    if not map:
+        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
+    said = read_map(map)
+    settings: dict[str, Any] = {"baseline": baseline, "start": start} | said
+    measured = [load_measured(file, **settings) for file in test]
+    moved = any(phrase.split()[:1] == ["base"] for phrase in said["channels"].values())
     if not moved and motion is None:
         raise ValueError(
             "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
@@ -142,16 +145,3 @@ def _spoken(phrase: str) -> "BaseMotion":
             f"`--predict` begins with the kind of the motion, {', '.join(SPOKEN_MOTIONS)}; got {phrase!r}."
         )
     return motion_from_phrase(kind, rest)
-
-
-def _map(texts: Sequence[str]) -> dict[str, str]:
-    """Return what each column is, from texts COLUMN=PHRASE."""
-    channels = {}
-    for text in texts:
-        column, sign, phrase = (part.strip() for part in text.partition("="))
-        if not (column and sign and phrase):
-            raise ValueError(f'`--map` is COLUMN=PHRASE, such as "A1=body/rack z g", got {text!r}.')
-        channels[column] = phrase
-    if not channels:
-        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
-    return channels

@@ -1,10 +1,10 @@
-"""`wirerope compare`: two or more runs over each other, as tables on the screen and as one recording."""
+"""`wirerope compare`: runs over each other, or a run and what was measured, as tables, one page and one recording."""
 
 import os
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 from rich.markup import escape
@@ -19,29 +19,61 @@ def compare(
     out: Path | None = None,
     names: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     align: Literal["start", "shock"] = "start",
+    map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    start: float | None = None,
+    clock: float | None = None,
+    baseline: Literal["none", "rest", "mean"] | None = None,
+    gaps: Literal["refuse", "fill"] | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.
+    """Lay two or more runs over each other, or a run and measured tests: what differs, and how well the model agrees.
 
     The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,
     and tables of what differs, where and when. Runs of different models are compared in what they share by name; the rest is
     listed. Differences are those to the first run.
 
+    With --map the files behind the first run are measured tests, CSV, MATLAB, XLSX, Parquet or universal files:
+
+    wirerope compare runs/drop drop.csv --map "A1=point/rack_top z g" "A0=base z g"
+
+    Their files are kept in the run's folder; correlation.html and correlation.rrd there show all curves over each other.
+
     Args:
-        runs: folders of runs, two or more.
-        out: recording to write (.rrd); runs/compare-DATE-TIME.rrd by default.
-        names: what the runs are called, one for each; the names of their folders by default.
+        runs: folders of runs, two or more; or one, and files of tests.
+        out: recording to write (.rrd); runs/compare-DATE-TIME.rrd by default. Of tests the page (.html), by default
+            correlation.html in the run's folder, with the recording beside it.
+        names: what the runs, or the tests, are called, one for each; the names of their folders or files by default.
         align: start: runs begin together; shock: their base motions do.
-        force: replace a recording that is there.
+        map: what the columns of the tests are, COLUMN=PHRASE, such as "A1=point/rack_top -z g" or "F1=mount/m1 axial kN", or a
+            TOML file with a table [channels].
+        start: of tests: instant of the run at which the first sample was taken [s]; the delay that is left is found.
+        clock: of tests: seconds of the run in a second of the file's clock.
+        baseline: of tests: none, rest (the level at rest is taken off each channel) or mean.
+        gaps: of tests: refuse missing samples, or fill them with straight lines.
+        force: replace a recording or a page that is there, or another test of the same name.
     """
+    given = {"start": start, "clock": clock, "baseline": baseline, "gaps": gaps}
+    options = {name: value for name, value in given.items() if value is not None}
+    if map is not None:
+        return _compare_tests(runs, names, map, options, out, force=force)
+    if options:
+        raise ValueError(f"`--{next(iter(options))}` is for measured tests, whose columns --map names.")
     from wirerope_mj.content.comparison import comparison_content
+    from wirerope_mj.content.numbers import listed
     from wirerope_mj.engine.response import load_response
+    from wirerope_mj.motions.records.record import is_measurement, record_channels
     from wirerope_mj.runs.checksums import warn_of_alterations
     from wirerope_mj.runs.sources import run_inputs, run_verdicts
     from wirerope_mj.views.recording.drawn_runs import several_runs
     from wirerope_mj.views.recording.record import record_runs
     from wirerope_mj.views.terminal import console, print_headline, show
 
+    for path in runs:
+        if path.is_file() and is_measurement(path):
+            raise ValueError(
+                f"{path} is no run. If it was measured, say what its columns are, such as --map "
+                f'"COLUMN=point/NAME z g"; its columns are {listed(list(record_channels(path)))}.'
+            )
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
     called = _names(runs, names)
@@ -61,6 +93,45 @@ def compare(
     written = escape(str(target))
     screen.print(f"\n  written to {written}, {target.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
     screen.print(f"  [bold]wirerope show {written}[/] opens the view", soft_wrap=True)
+    return 0
+
+
+def _compare_tests(
+    paths: Sequence[Path],
+    names: Sequence[str] | None,
+    mapped: Sequence[str],
+    options: dict[str, Any],
+    out: Path | None,
+    *,
+    force: bool,
+) -> int:
+    """Correlate the first of the paths, a run, with the others, tests."""
+    from wirerope_mj.content.correlation import correlation_content
+    from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.runs.correlation import write_correlation
+    from wirerope_mj.runs.measured import read_map
+    from wirerope_mj.views.terminal import console, print_headline, show
+
+    if len(paths) < 2:
+        raise ValueError(
+            'compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..'
+        )
+    run, *files = paths
+    called = _names(files, names) if names else [file.stem for file in files]
+    page = out or run / "correlation.html"
+    if page.suffix.lower() != ".html":
+        raise ValueError(f"`--out` must be a page that ends with .html, got {page}.")
+    if out is not None and page.exists() and not force:
+        raise RecordError(f"{page}: there is a page already. Replace it with --force, or choose another place.")
+    if run.is_dir():
+        check_writable(page)
+    tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
+    content, screen = correlation_content(run.resolve().name, tests), console()
+    screen.print(f"\n[bold]{escape(content.title)}[/]")
+    show(content, "tests", *(section.id for section in content.sections if section.depth == "summary"))
+    print_headline(content.verdict)
+    for path in (page, page.with_suffix(".rrd")):
+        screen.print(f"  written to {escape(str(path))}, {path.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
     return 0
 
 

@@ -1,13 +1,17 @@
 """The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
 
+from dataclasses import replace
 from pathlib import Path
 
+from wirerope_mj.assessment.correlation import correlate
+from wirerope_mj.content.correlation import correlation_sections
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runs.frequency_response import KIND, MARKS
+from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.page import REPORT, page_files, write_page
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
@@ -37,7 +41,11 @@ def write_report(
     system, motion = system_and_motion(folder, content)
     response = load_response(folder)
     check_one_run(folder, content, system, response)
-    write_page(report_html(run_content(judged_run(system, motion, response, content))), files)
+    page = run_content(judged_run(system, motion, response, content))
+    tests = tuple(correlate(response, one) for one in tests_of(folder))
+    if tests:
+        page = replace(page, sections=(*page.sections, *correlation_sections(tests)))
+    write_page(report_html(page), files)
     update_checksums(folder, files)
     return files
 

@@ -220,6 +220,11 @@ def record_warnings(motion: BaseMotion) -> tuple[str, ...]:
     return tuple(dict.fromkeys(message for record in records_in(motion) for message in record.warnings))
 
 
+def is_measurement(path: Path) -> bool:
+    """Return whether a file is of a kind that measured channels are read from."""
+    return path.suffix.lower() in (".csv", ".txt", ".mat", ".xlsx", ".uff", ".unv") or is_uff(path)
+
+
 def record_channels(path: str | Path) -> tuple[str, ...]:
     """Return the names of a record's channels, as `load_record` takes them.
 

@@ -167,7 +167,7 @@ def resampled(reading: Reading, rate: float) -> Reading:
     made = len(reading.samples) * float(ratio)
     if made > max(_MOST_MADE * _MOST_TIMES, _MOST_TIMES * len(reading.samples)):
         raise ValueError(f"`resample` would make {made:.3g} samples of {len(reading.samples)}, got {rate!r}.")
-    samples = _filtered(reading.samples, ratio.numerator, ratio.denominator)
+    samples = filtered(reading.samples, ratio.numerator, ratio.denominator)
     time = reading.time[0] + step / float(ratio) * np.arange(len(samples))
     inside = time <= reading.time[-1] + 1e-9 * step
     if np.count_nonzero(inside) < 2:
@@ -177,7 +177,8 @@ def resampled(reading: Reading, rate: float) -> Reading:
     return replace(reading, time=time[inside], samples=samples[inside])
 
 
-def _filtered(samples: Array, up: int, down: int) -> Array:
+def filtered(samples: Array, up: int, down: int) -> Array:
+    """Return samples (n, k) at up / down of their rate, through the filter of `resampled`; the first stays where it is."""
     from scipy.signal import firwin, kaiserord, resample_poly
 
     most = max(up, down)
@@ -227,7 +228,7 @@ def _evened(reading: Reading, usual: float, shortest: float) -> Reading:
     finely = _curved(reading, time[0] + usual / fine * np.arange((count - 1) * fine + 1), usual)
     if fine == 1:
         return finely
-    return replace(reading, time=finely.time[::fine], samples=_filtered(finely.samples, 1, fine))
+    return replace(reading, time=finely.time[::fine], samples=filtered(finely.samples, 1, fine))
 
 
 def _at(reading: Reading, time: Array) -> Reading:

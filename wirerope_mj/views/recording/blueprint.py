@@ -122,8 +122,8 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Any]:
     import rerun.blueprint as rrb
 
     tabs = [_overview(drawn)]
-    for quantity in ("acceleration", "deflection", "force", "contact"):
-        name = f"{quantity.capitalize()}s"
+    for quantity in ("acceleration", "deflection", "force", "contact", "measured"):
+        name = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
         along: dict[str, list[Any]] = {}
         for key in drawn.panels:
             if key[0] == quantity and not (drawn.alone and key[1] == TOTAL):

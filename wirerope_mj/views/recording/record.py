@@ -8,8 +8,10 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Align
+from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict, headline, judge
 from wirerope_mj.content.comparison_findings import Inputs
+from wirerope_mj.content.correlation import with_ghosts
 from wirerope_mj.content.events import events_of, main_instants
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.content.judged_run import RunResult
@@ -73,9 +75,14 @@ def record_run(
     tab: str = "Overview",
     state: bool = False,
     over_frequency: Panel | None = None,
+    tests: Sequence[Correlation] = (),
 ) -> Path:
-    """Write a judged run, and return the path; `over_frequency` is what is drawn over frequency, the rest as `record_rerun`."""
+    """Write a judged run, and return the path; the rest as `record_rerun`.
+
+    `over_frequency` is what is drawn over frequency; measured channels of `tests` are ghosts among the curves of the run.
+    """
     drawn = one_run(run, over_frequency)
+    drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests)) if tests else drawn
     drawn = replace(drawn, texts=run_texts(run, title=title, scenario_text=scenario_text))
     target = target_of(path)
     with atomic_recording(target) as rec:

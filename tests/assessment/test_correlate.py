@@ -1,0 +1,143 @@
+"""A run against a test of it: clocks brought together, signs suspected, and what was not measured of this model refused."""
+
+import warnings
+from pathlib import Path
+
+import numpy as np
+import pytest
+from made_up_floor import floor_response
+
+import wirerope_mj as wr
+
+pytestmark = pytest.mark.quick
+
+RATE = 10_000.0
+
+
+@pytest.fixture(scope="module")
+def floor():
+    return floor_response(mounts=2, equipment=1, rows=801)
+
+
+CHANNELS = {
+    "B": "base z m/s^2", "T": "point/rack_top z m/s^2", "D": "mount/m01 axial m", "F": "mount/m01 axial N",
+    "R": "point/rack_top displacement z m",
+}  # fmt: skip
+
+
+def histories(response):
+    return {
+        "B": response.base.acceleration[:, 2], "T": response.points["rack_top"].acceleration[:, 2],
+        "D": response.mounts["m01"].deflection[:, 2], "F": response.mounts["m01"].force[:, 2],
+        "R": response.points["rack_top"].relative_displacement[:, 2],
+    }  # fmt: skip
+
+
+def measured_of(tmp_path, response, *, late=0.0, channels=CHANNELS, change=lambda name, values: values, **options):
+    """Returns the run's own histories as a test at 10 kHz whose clock is `late` [s]."""
+    time = np.arange(int(RATE * response.time[-1])) / RATE
+    columns = {name: change(name, np.interp(time - late, response.time, y)) for name, y in histories(response).items()}
+    path = Path(tmp_path) / "drop.csv"
+    np.savetxt(
+        path, np.column_stack([time, *columns.values()]), delimiter=",", header="time [s]," + ",".join(columns),
+        comments="", fmt="%.12g",
+    )  # fmt: skip
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wr.RecordWarning)
+        return wr.load_measured(path, channels=channels, **options)
+
+
+def test_a_run_agrees_with_itself(tmp_path, floor):
+    found = wr.correlate(floor, measured_of(tmp_path, floor))
+    assert found.aligned_by == "base, z"
+    assert abs(found.delay) < 2e-5  # a fifth of the test's samples, a fiftieth of the run's
+    for one in found.channels:
+        # straight lines between samples of 1 kHz at 10 kHz, filtered: an 11 ms half-sine loses 0.5 %, its peak 1.2 %
+        assert one.peak_ratio == pytest.approx(1.0, abs=0.015), one.label
+        assert one.rms_ratio == pytest.approx(1.0, abs=0.01), one.label
+        assert one.rating.grade == "excellent", one.label
+        assert one.frac > 0.99, one.label
+    assert found.statement == "Model within 10 % of the measurement from 3.69 to 23.4 Hz in all 4 channels."
+    assert not found.warnings
+
+
+@pytest.mark.parametrize("late", [-0.02, 0.0003, 0.05])
+def test_the_delay_of_the_clock_is_found_by_the_base(tmp_path, floor, late):
+    found = wr.correlate(floor, measured_of(tmp_path, floor, late=late))
+    assert found.delay == pytest.approx(late, abs=5e-5)  # half a sample of the test
+    assert min(one.rating.overall for one in found.channels) > 0.94
+    still = wr.correlate(floor, measured_of(tmp_path, floor, late=late), align=False)
+    assert still.delay == 0.0
+    assert still.aligned_by == ""
+
+
+def test_without_the_base_the_channel_that_fits_best_aligns(tmp_path, floor):
+    only = {"T": CHANNELS["T"], "D": CHANNELS["D"]}
+    found = wr.correlate(floor, measured_of(tmp_path, floor, late=0.004, channels=only))
+    assert found.delay == pytest.approx(0.004, abs=1e-4)  # a tenth of the run's samples
+    assert found.aligned_by in ("point rack_top, z", "mount m01, axial deflection")
+    assert all(one.base is None for one in found.channels)
+
+
+def test_the_statement_says_where_the_model_is_low(tmp_path, floor):
+    louder = measured_of(tmp_path, floor, change=lambda name, values: values / 0.75 if name == "T" else values)
+    found = wr.correlate(floor, louder)
+    assert found.statement == "Model 25 % low between 2.61 and 99.2 Hz (point rack_top, z)."
+    marks = {row[0][0]: row for row in found.table.marks()}
+    assert float(marks["point rack_top, z"][2][0]) == pytest.approx(0.75, abs=0.01)
+    assert len(found.ratings.rows) == len(found.channels) == 5
+
+
+def test_a_sensor_upside_down_is_suspected(tmp_path, floor):
+    found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda name, y: -y if name == "T" else y))
+    (said,) = found.warnings
+    assert said == 'drop: column "T" fits point rack_top, z better upside down: is its axis -z?'
+
+
+def test_a_channel_on_another_clock_is_named(tmp_path, floor):
+    found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda n, y: np.roll(y, 2500) if n == "D" else y))
+    assert any('column "D" fits +250' in text and "another clock" in text for text in found.warnings)
+
+
+def test_another_test_is_not_aligned(tmp_path, floor):
+    rng = np.random.default_rng(3)
+    found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda n, y: rng.standard_normal(y.size)))
+    assert found.delay == 0.0
+    assert any("no delay makes column" in text and "(--start)" in text for text in found.warnings)
+    assert any("base of the run does not move as the measured one" in text for text in found.warnings)
+
+
+def test_dead_and_saturated_channels_are_named(tmp_path, floor):
+    def change(name, values):
+        return 0.0 * values if name == "F" else np.clip(values, None, 0.6 * values.max()) if name == "T" else values
+
+    found = wr.correlate(floor, measured_of(tmp_path, floor, change=change))
+    assert [one.channel.column for one in found.channels] == ["B", "T", "D", "R"]
+    assert any('column "F" is dead' in text for text in found.warnings)
+    assert any('column "T" was saturated: its true peak is higher' in text for text in found.warnings)
+
+
+def test_deflections_and_forces_count_from_the_start(tmp_path, floor):
+    resting = {"D": -0.004, "F": -800.0, "R": 0.5}  # an instrument's own zero
+    found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda n, y: y + resting.get(n, 0.0)))
+    assert {one.rating.grade for one in found.channels} == {"excellent"}
+    absolute = {**CHANNELS, "F": "mount/m01 axial absolute N"}
+    found = wr.correlate(
+        floor, measured_of(tmp_path, floor, change=lambda n, y: y + resting.get(n, 0.0), channels=absolute)
+    )
+    force = next(one for one in found.channels if one.channel.column == "F")
+    assert force.pair.measured[0] == pytest.approx(-800.0, abs=1.0)  # the run's force begins at zero
+
+
+def test_what_this_run_does_not_have_is_another_models(tmp_path, floor):
+    other = measured_of(tmp_path, floor, channels={"T": "point/mast z g"})
+    with pytest.raises(
+        wr.RecordError, match=r"mapped to the point 'mast', which this run does not have; its points: rack_top"
+    ):
+        wr.correlate(floor, other)
+
+
+def test_a_test_at_another_time_is_too_short_to_compare(tmp_path, floor):
+    later = measured_of(tmp_path, floor, start=100.0)
+    with pytest.raises(wr.RecordError, match=r"lasts from 100 to .* too short to compare. .*\(--start\)"):
+        wr.correlate(floor, later, align=False)

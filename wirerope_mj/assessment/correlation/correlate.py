@@ -1,0 +1,329 @@
+"""How well a run agrees with a test: every measure of every channel, in one table and one sentence."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+
+from wirerope_mj.assessment.correlation.iso18571 import INNER, Rating, iso_rating
+from wirerope_mj.assessment.correlation.magnitude_phase import MagnitudePhase, russell, sprague_geers
+from wirerope_mj.assessment.correlation.over_frequency import (
+    Band,
+    SpectrumRatio,
+    Transmissibility,
+    coherence,
+    density_ratio,
+    shock_ratio,
+    spectral_assurance,
+    transmissibility,
+)
+from wirerope_mj.assessment.correlation.pairs import Delay, Pair, coarser, delay_of, model_history, pair_of
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.motions import Measured, MeasuredChannel
+from wirerope_mj.mounts.isolator import AXES
+
+# Samples a second that ISO/TS 18571 asks for, and the most of them that are rated: warping takes the square of their number
+_ISO_RATE, _ISO_MOST = 1e4, 4000
+
+_LEAST_MARGIN = 8  # samples
+
+_ALIKE = 0.5  # correlation from which a delay is taken for that of the clock
+_SAME_INPUT = 0.15  # Russell's comprehensive error of the base from which it is called another motion: excellent below
+_NEARLY = 0.1  # deviation of the ratio of two spectra below which nothing is said of it
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class ChannelCorrelation:
+    """How well a run agrees with one measured channel.
+
+    Attributes:
+        pair: both histories.
+        delay: by which this channel alone comes late, before the test's was taken off.
+        base: both histories of the base along the same axis, None where it was not measured.
+    """
+
+    pair: Pair = field(repr=False)
+    delay: Delay
+    base: Pair | None = field(default=None, repr=False)
+
+    @property
+    def channel(self) -> MeasuredChannel:
+        """What was measured."""
+        return self.pair.channel
+
+    @property
+    def label(self) -> str:
+        """For instance "point rack_top, z"."""
+        return channel_label(self.channel)
+
+    @cached_property
+    def peak_ratio(self) -> float:
+        """Largest magnitude of the model over that of the measurement."""
+        return float(np.abs(self.pair.model).max() / np.abs(self.pair.measured).max())
+
+    @cached_property
+    def rms_ratio(self) -> float:
+        """Root mean square of the model over that of the measurement."""
+        return float(np.linalg.norm(self.pair.model) / np.linalg.norm(self.pair.measured))
+
+    @cached_property
+    def sprague_geers(self) -> MagnitudePhase:
+        """Errors of magnitude and phase."""
+        return sprague_geers(self.pair.measured, self.pair.model)
+
+    @cached_property
+    def russell(self) -> MagnitudePhase:
+        """Errors of magnitude and phase."""
+        return russell(self.pair.measured, self.pair.model)
+
+    @cached_property
+    def event(self) -> slice:
+        """Samples between which either history is above the inner corridor, 5 % of the measured peak, and a tenth more."""
+        measured, model = self.pair.measured, self.pair.model
+        above = np.flatnonzero(np.maximum(np.abs(measured), np.abs(model)) > INNER * np.abs(measured).max())
+        margin = (above[-1] - above[0]) // 10 + _LEAST_MARGIN
+        return slice(max(int(above[0] - margin), 0), min(int(above[-1] + margin) + 1, measured.size))
+
+    @cached_property
+    def rating(self) -> Rating:
+        """After ISO/TS 18571, of the event alone, at 10 000 samples a second or as many as make 4000 of it.
+
+        What rests before and after the event is noise, which would be rated, too.
+        """
+        measured, model = self.pair.measured[self.event], self.pair.model[self.event]
+        rate = min(_ISO_RATE, (_ISO_MOST - 1) * self.pair.rate / (measured.size - 1))
+        return iso_rating(*(_at_rate(values, self.pair.rate, rate) for values in (measured, model)))
+
+    @cached_property
+    def shock(self) -> SpectrumRatio | None:
+        """Shock response spectra; None of what is no acceleration or does not die away."""
+        return shock_ratio(self.pair)
+
+    @cached_property
+    def density(self) -> SpectrumRatio | None:
+        """Roots of the power spectral densities; None where the interval is too short."""
+        return density_ratio(self.pair)
+
+    @property
+    def spectrum(self) -> SpectrumRatio | None:
+        """Shock response spectra, or else densities."""
+        return self.shock or self.density
+
+    @cached_property
+    def coherence(self) -> float | None:
+        """Mean, weighted by the measured density; None where the interval is too short."""
+        return coherence(self.pair)
+
+    @cached_property
+    def transmissibility(self) -> Transmissibility | None:
+        """From the measured base to here; None where it was not measured."""
+        return None if self.base is None else transmissibility(self.base, self.pair)
+
+    @cached_property
+    def frac(self) -> float:
+        """Assurance criterion of the transmissibilities, or of the spectra where the base was not measured."""
+        return spectral_assurance(self.pair) if self.transmissibility is None else self.transmissibility.frac
+
+    @property
+    def worst_band(self) -> Band | None:
+        """Band in which the spectra differ most; None where they nowhere differ by a tenth."""
+        return self.spectrum.bands[0] if self.spectrum and self.spectrum.bands else None
+
+
+@dataclass(frozen=True, kw_only=True, eq=False, repr=False)
+class Correlation(Summarised):
+    """How well a run agrees with a test.
+
+    Attributes:
+        name: of the test.
+        channels: what was compared, in the order of the map.
+        delay: by which the test's clock comes late; taken off before anything is compared [s].
+        aligned_by: label of the channel that the delay is of; "" where the clock was not moved.
+        warnings: of the record and of the comparison.
+    """
+
+    name: str
+    channels: tuple[ChannelCorrelation, ...]
+    delay: float
+    aligned_by: str
+    warnings: tuple[str, ...] = ()
+
+    @property
+    def responses(self) -> tuple[ChannelCorrelation, ...]:
+        """Channels that are not of the base; those of the base where there are no others."""
+        return tuple(one for one in self.channels if one.channel.subject != "base") or self.channels
+
+    @cached_property
+    def statement(self) -> str:
+        """The largest deviation in one sentence: "Model 25 % low between 6 and 9 Hz (point rack_top, z)."."""
+        found = [(one.worst_band, one) for one in self.responses]
+        worst = max(((band, one) for band, one in found if band), key=lambda pair: pair[0].weight, default=None)
+        if worst is not None:
+            band, one = worst
+            side, size = ("high" if band.deviation > 0.0 else "low"), abs(100.0 * band.deviation)
+            where = (
+                f"between {band.first:.3g} and {band.last:.3g} Hz"
+                if band.last > band.first
+                else f"at {band.first:.3g} Hz"
+            )
+            return f"Model {size:.0f} % {side} {where} ({one.label})."
+        known = [one.spectrum for one in self.responses if one.spectrum]
+        if not known:
+            return "The test is too short to say over which frequencies the model is low or high."
+        first, last = max(one.frequency[0] for one in known), min(one.frequency[-1] for one in known)
+        every = "the channel" if len(known) == 1 else f"all {len(known)} channels"
+        return f"Model within {100.0 * _NEARLY:.0f} % of the measurement from {first:.3g} to {last:.3g} Hz in {every}."
+
+    @cached_property
+    def table(self) -> Table:
+        """Measures of every channel."""
+        columns = (
+            Column("channel", align="left"), Column("peak", "", "z.3f"), Column("rms", "", "z.3f"), Column("M", "%", "+z.1f"),
+            Column("P", "%", "z.1f"), Column("C", "%", "z.1f"), Column("Russell", "", "z.3f"), Column("ISO", "", "z.2f"),
+            Column("grade", align="left"), Column("in 3 dB", "%", "z.0f"), Column("coherence", "", "z.2f"),
+            Column("FRAC", "", "z.2f"),
+        )  # fmt: skip
+        return Table(
+            id=f"correlation-{self.name}",
+            title=f"{self.name}: model over measurement",
+            columns=columns,
+            rows=[self._row(one) for one in self.channels],
+            note="peak, rms: model over measurement. M, P, C: magnitude, phase and both, Sprague and Geers. Russell: his "
+            "comprehensive error, excellent below 0.15, acceptable below 0.28. ISO: overall rating of ISO/TS 18571, 1 is "
+            "agreement. in 3 dB: part of the octaves in which the spectra differ by less. FRAC: of transmissibilities where "
+            "the base was measured, else of the spectra.",
+        )
+
+    @cached_property
+    def ratings(self) -> Table:
+        """Parts of the rating of every channel, and its own delay."""
+        columns = (
+            Column("channel", align="left"), Column("corridor", "", "z.2f"), Column("phase", "", "z.2f"),
+            Column("magnitude", "", "z.2f"), Column("slope", "", "z.2f"), Column("overall", "", "z.2f"),
+            Column("own delay", "ms", "z.2f"), Column("spectra", align="left"), Column("column", align="left"),
+        )  # fmt: skip
+        rows: list[Sequence[Cell]] = []
+        for one in self.channels:
+            r, kind = one.rating, one.spectrum.kind if one.spectrum else "-"
+            parts = (r.corridor, r.phase, r.magnitude, r.slope, Mark(r.overall, "strong"))
+            rows.append((one.label, *parts, one.delay.value, kind, one.channel.column))
+        return Table(
+            id=f"ratings-{self.name}", title=f"{self.name}: ratings after ISO/TS 18571", columns=columns, rows=rows,
+            note="Overall: 0.4 corridor, 0.2 each of the others. Own delay: by which this channel alone fits best.",
+        )  # fmt: skip
+
+    def _row(self, one: ChannelCorrelation) -> Sequence[Cell]:
+        spread = one.sprague_geers
+        return (
+            one.label, one.peak_ratio, one.rms_ratio, spread.magnitude, spread.phase, Mark(spread.comprehensive, "strong"),
+            one.russell.comprehensive, Mark(one.rating.overall, "strong"), one.rating.grade,
+            one.spectrum.within_3db if one.spectrum else None, one.coherence, one.frac,
+        )  # fmt: skip
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        return f"Correlation with {self.name}: {self.statement}", {
+            one.label: f"peak {one.peak_ratio:.3f}, ISO/TS 18571 {one.rating.overall:.2f} ({one.rating.grade})"
+            for one in self.channels
+        }
+
+
+def channel_label(channel: MeasuredChannel) -> str:
+    """Name a channel in tables and sentences: "point rack_top, z", "mount m1, axial force"."""
+    kind, _, name = channel.subject.partition("/")
+    subject = name if kind == "body" else f"{kind} {name}".strip()
+    axis = AXES["xyz".index(channel.axis)] if kind == "mount" else channel.axis
+    quantity = "" if channel.quantity == "acceleration" else f" {channel.quantity}"
+    return f"{subject}, {axis}{quantity}"
+
+
+def correlate(response: Response, measured: Measured, *, align: bool = True) -> Correlation:
+    """Compare a run with a test: every measured channel with the model's, on one clock.
+
+    Args:
+        response: of the run, whose base moved as in the test.
+        measured: the test.
+        align: whether the test's clock is moved by the delay that is found: of the base's acceleration where that was
+            measured, since model and test share it, else of the channel that fits best.
+
+    Raises:
+        RecordError: the run does not have what was measured, or both last together for less than 16 samples.
+    """
+    delays = {}
+    for one in measured.channels:
+        model_history(response, measured, one)  # says first that the run has every channel
+    alive = [one for one in measured.channels if np.ptp(one.values)]
+    if not alive:
+        raise RecordError(f"{measured.path}: every channel is dead: there is nothing to compare.")
+    delays = {one.key: delay_of(response, measured, one) for one in alive}
+    driven = [one for one in alive if one.subject == "base"] or alive
+    best = max(driven, key=lambda one: delays[one.key].correlation)
+    moved = align and delays[best.key].correlation >= _ALIKE
+    delay = delays[best.key].value if moved else 0.0
+    pairs = {one.key: pair_of(response, measured, one, delay=delay) for one in alive}
+    bases = {p.channel.axis: p for p in pairs.values() if p.channel.key.startswith("base acceleration")}
+    channels = tuple(
+        ChannelCorrelation(
+            pair=pairs[one.key],
+            delay=delays[one.key],
+            base=None if one.subject == "base" or one.subject.startswith("mount/") else bases.get(one.axis),
+        )  # fmt: skip
+        for one in alive
+    )
+    said = _warnings(measured, channels, delay, unaligned=best if align and not moved else None)
+    return Correlation(
+        name=measured.name, channels=channels, delay=delay, aligned_by=channel_label(best) if moved else "",
+        warnings=(*measured.warnings, *said),
+    )  # fmt: skip
+
+
+def _warnings(
+    measured: Measured, channels: Sequence[ChannelCorrelation], delay: float, unaligned: MeasuredChannel | None
+) -> Iterator[str]:
+    """Yield what makes a comparison doubtful."""
+    name = measured.name
+    if unaligned is not None:
+        largest = max(one.delay.correlation for one in channels if one.channel == unaligned)
+        yield (
+            f'{name}: no delay makes column "{unaligned.column}" like the run (largest correlation {largest:.2f}): its clock '
+            "was not moved. Say when its first sample was taken, start (--start); or is it another test than this run's?"
+        )
+    compared = {one.channel.key for one in channels}
+    for dead in (one for one in measured.channels if one.key not in compared):
+        yield f'{name}: column "{dead.column}" is dead and is not compared.'
+    for one in channels:
+        column = one.channel.column
+        if one.delay.upside_down:
+            yield f'{name}: column "{column}" fits {one.label} better upside down: is its axis -{one.channel.axis}?'
+        elif unaligned is None and one.delay.correlation >= _ALIKE and abs(one.delay.value - delay) > _period(one.pair):
+            yield (
+                f'{name}: column "{column}" fits {1e3 * (one.delay.value - delay):+.4g} ms after the others, more than a '
+                "period: is it on another clock?"
+            )
+        if one.channel.subject == "base" and one.russell.comprehensive > _SAME_INPUT:
+            yield (
+                f"{name}: the base of the run does not move as the measured one does along {one.channel.axis} (peak "
+                f"{one.peak_ratio:.2f} times, Russell {one.russell.comprehensive:.2f}): what differs behind it may be due to "
+                "that."
+            )
+        if one.channel.saturated.any():
+            yield f'{name}: column "{column}" was saturated: its true peak is higher, and the peak ratio lower.'
+
+
+def _period(pair: Pair) -> float:
+    """Return the period of a measured history's mean frequency, that of its root mean square slope [s]."""
+    values = pair.measured - pair.measured.mean()
+    slope = float(np.linalg.norm(np.gradient(values)))
+    return 2.0 * np.pi * float(np.linalg.norm(values)) / (slope * pair.rate) if slope else np.inf
+
+
+def _at_rate(values: Array, own: float, rate: float) -> Array:
+    if rate <= own:
+        return coarser(values, own, rate)
+    count = int((values.size - 1) / own * rate) + 1
+    return np.asarray(CubicSpline(np.arange(values.size) / own, values)(np.arange(count) / rate))

@@ -1,0 +1,141 @@
+"""Objective rating of a computed history against a measured one after ISO/TS 18571: corridor, phase, magnitude and slope."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+
+# Parameters of ISO/TS 18571:2014, table of clause 5: inner and outer corridor as fractions of the measured peak, and the
+# exponent between them
+INNER, _OUTER, _CORRIDOR_POWER = 0.05, 0.5, 2
+_LARGEST_SHIFT = 0.2  # of the interval, from which the phase rating is zero
+_LARGEST_MAGNITUDE, _LARGEST_SLOPE = 0.5, 2.0  # errors from which their ratings are zero
+_WARP = 0.1  # half width of the band of the time warping, of the interval
+_SMOOTHED = 9  # samples over which slopes are averaged
+_WEIGHTS = (0.4, 0.2, 0.2, 0.2)
+
+GRADES = ((0.94, "excellent"), (0.8, "good"), (0.58, "fair"), (-1.0, "poor"))
+"""Overall ratings above which a grade begins (clause 6 of ISO/TS 18571:2014)."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rating:
+    """Ratings from 0 to 1, where 1 is agreement.
+
+    Attributes:
+        corridor: how far the computed history stays within 5 % of the measured peak.
+        phase: how little it must be shifted to fit best.
+        magnitude: how alike sizes are once it is shifted and warped.
+        slope: how alike slopes are once it is shifted.
+        overall: 0.4 of the corridor and 0.2 of each other rating.
+    """
+
+    corridor: float
+    phase: float
+    magnitude: float
+    slope: float
+    overall: float
+
+    @property
+    def grade(self) -> str:
+        """One of excellent, good, fair and poor."""
+        return next(grade for above, grade in GRADES if self.overall > above)
+
+
+def iso_rating(measured: Array, computed: Array) -> Rating:
+    """Rate a computed history against a measured one, (n,), sampled at the same even instants.
+
+    ISO/TS 18571:2014, Road vehicles - Objective rating metric for non-ambiguous signals. The standard asks for 10 000 samples
+    a second, and for an interval that holds the event and nothing else.
+    """
+    corridor = _corridor(measured, computed)
+    shift, phase = _phase(measured, computed)
+    n = measured.size - abs(shift)
+    first, moved = (measured[:n], computed[shift:]) if shift >= 0 else (measured[-shift:], computed[:n])
+    magnitude, slope = _magnitude(first, moved), _slope(first, moved)
+    overall = float(np.dot(_WEIGHTS, (corridor, phase, magnitude, slope)))
+    return Rating(corridor=corridor, phase=phase, magnitude=magnitude, slope=slope, overall=overall)
+
+
+def _corridor(measured: Array, computed: Array) -> float:
+    peak = float(np.abs(measured).max())
+    inner, outer = INNER * peak, _OUTER * peak
+    inside = np.clip((outer - np.abs(measured - computed)) / (outer - inner), 0.0, 1.0)
+    return float((inside**_CORRIDOR_POWER).mean())
+
+
+def _phase(measured: Array, computed: Array) -> tuple[int, float]:
+    """Return by how many samples the computed history comes late, and the rating; of equal correlations the smaller shift."""
+    largest = int(_LARGEST_SHIFT * measured.size)
+    best, shift = -np.inf, 0
+    for size in range(largest + 1):
+        n = measured.size - size
+        for sign in (1, -1) if size else (1,):
+            one, other = (measured[:n], computed[size:]) if sign > 0 else (measured[size:], computed[:n])
+            one, other = one - one.mean(), other - other.mean()
+            norm = float(np.sqrt((one @ one) * (other @ other)))
+            correlation = float(one @ other) / norm if norm else 0.0
+            if correlation > best:
+                best, shift = correlation, sign * size
+    return shift, max(0.0, (largest - abs(shift)) / largest) if largest else 1.0
+
+
+def _magnitude(measured: Array, computed: Array) -> float:
+    first, second = _warped(measured, computed)
+    return _rated(measured[first], computed[second], _LARGEST_MAGNITUDE)
+
+
+def _slope(measured: Array, computed: Array) -> float:
+    one, other = (_smoothed(np.gradient(curve)) for curve in (measured, computed))
+    return _rated(one, other, _LARGEST_SLOPE)
+
+
+def _rated(measured: Array, computed: Array, largest: float) -> float:
+    """Return 1 less the error over the largest, at least 0; the error is the sum of |c - m| over that of |m|."""
+    size, away = float(np.abs(measured).sum()), float(np.abs(computed - measured).sum())
+    return max(0.0, 1.0 - away / size / largest) if size else float(away == 0.0)
+
+
+def _smoothed(curve: Array) -> Array:
+    """Return the means of nine samples about each, of fewer where an end is near."""
+    half = np.minimum(_SMOOTHED // 2, np.minimum(np.arange(curve.size), np.arange(curve.size)[::-1]))
+    sums = np.concatenate([[0.0], np.cumsum(curve)])
+    rows = np.arange(curve.size)
+    return np.asarray((sums[rows + half + 1] - sums[rows - half]) / (2 * half + 1))
+
+
+def _warped(measured: Array, computed: Array) -> tuple[Array, Array]:
+    """Return the samples of both histories that dynamic time warping brings together, least squares, inside a band.
+
+    D(i, j) = (c_j - m_i)^2 + min(D(i-1, j), D(i, j-1), D(i-1, j-1)), computed along the diagonals i + j, whose elements do not
+    depend on each other.
+    """
+    n = measured.size
+    width = max(int(_WARP * n), 1)
+    came = np.zeros((2 * n - 1, 2 * width + 1), dtype=np.int8)  # by diagonal and by i - j + width: 0 both, 1 i, 2 j
+    before, last, now = (np.full(2 * width + 3, np.inf) for _ in range(3))  # three diagonals, by i - j + width + 1
+    backwards = computed[::-1]
+    for diagonal in range(2 * n - 1):
+        low = max(diagonal - n + 1, (diagonal - width + 1) // 2, 0)
+        high = min(diagonal, (diagonal + width) // 2, n - 1)
+        first, end = 2 * low - diagonal + width + 1, 2 * high - diagonal + width + 2
+        both, one, other = before[first:end:2], last[first - 1 : end - 1 : 2], last[first + 1 : end + 1 : 2]
+        best = np.minimum(one, other)
+        chosen = np.where(one <= other, 1, 2)
+        chosen[both <= best] = 0
+        total = (backwards[n - 1 - diagonal + low : n - diagonal + high] - measured[low : high + 1]) ** 2
+        if diagonal:
+            total += np.minimum(both, best)
+        now.fill(np.inf)
+        now[first:end:2] = total
+        came[diagonal, first - 1 : end - 1 : 2] = chosen
+        before, last, now = last, now, before
+    row = column = n - 1
+    path = [(row, column)]
+    while row or column:
+        step = int(came[row + column, row - column + width])
+        row, column = row - (step != 2), column - (step != 1)
+        path.append((row, column))
+    pairs = np.array(path[::-1])
+    return pairs[:, 0], pairs[:, 1]

@@ -1,0 +1,229 @@
+"""A computed history against a measured one over frequency: ratios of spectra, coherence, response functions."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wirerope_mj.assessment.correlation.pairs import Pair
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.motions.spectra import power_spectral_density, shock_response_spectrum
+from wirerope_mj.motions.spectra.ramp import octave_grid
+from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
+
+Q = 10.0
+THREE_DB = 10.0 ** (3.0 / 20.0)  # ratio of amplitudes
+
+_PERIODS = 2.0  # of the lowest frequency in the interval: less of one is not seen
+_LINES = 12  # of a shock response spectrum to an octave
+_HIGHEST = 0.4  # of the rate: what the filter before passes
+_DECAYED = 0.3  # rms of the last quarter over that of all, below which a history is a transient
+_POWER = 1e-3  # of the largest density, below which there is nothing but noise
+_DRIVEN = 1e-2  # of the base's largest density, below which it does not drive: less is noise in tests
+_PER_OCTAVE = 6  # bands over which densities are averaged
+_SEGMENTS = 8  # of a coherence, at least: that of a single segment is always one
+_NOTABLE = 0.1  # deviation of a ratio from which it is worth a sentence
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Band:
+    """Frequencies between which the model is low or high.
+
+    Attributes:
+        first, last: [Hz].
+        deviation: mean of model over measurement less one.
+        weight: of the deviation, for choosing among bands.
+    """
+
+    first: float
+    last: float
+    deviation: float
+    weight: float
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class SpectrumRatio:
+    """Two spectra of amplitudes, and their ratio.
+
+    Attributes:
+        kind: "SRS" or "PSD".
+        frequency: [Hz], (n_f,), at equal ratios.
+        measured, model: largest accelerations, or roots of densities, (n_f,).
+    """
+
+    kind: str
+    frequency: Array = field(repr=False)
+    measured: Array = field(repr=False)
+    model: Array = field(repr=False)
+
+    @property
+    def ratio(self) -> Array:
+        """Model over measurement, (n_f,)."""
+        return self.model / self.measured
+
+    @property
+    def within_3db(self) -> float:
+        """Part of the octaves in which the model lies within 3 dB of the measurement, 0 to 1."""
+        return float(np.mean((self.ratio <= THREE_DB) & (self.ratio >= 1.0 / THREE_DB)))
+
+    @cached_property
+    def bands(self) -> tuple[Band, ...]:
+        """Bands in which the model is more than a tenth low or high, the weightiest first.
+
+        The weight is the sum of |log ratio| times the measured amplitude over the largest, so that a deviation counts where
+        there is something. A band of densities reaches to the edges of its outermost averages.
+        """
+        beyond = 2.0 ** (0.5 / _PER_OCTAVE) if self.kind == "PSD" else 1.0
+        signs = np.sign(self.ratio - 1.0) * (np.abs(self.ratio - 1.0) > _NOTABLE)
+        edges = np.flatnonzero(np.diff(signs)) + 1
+        found = []
+        for rows in np.split(np.arange(signs.size), edges):
+            if signs[rows[0]]:
+                size = self.measured[rows] / self.measured.max()
+                weight = float(np.sum(np.abs(np.log(self.ratio[rows])) * size)) / signs.size
+                mean = float(np.sum(self.model[rows])) / float(np.sum(self.measured[rows]))
+                first, last = float(self.frequency[rows[0]]) / beyond, float(self.frequency[rows[-1]]) * beyond
+                found.append(Band(first=first, last=last, deviation=mean - 1.0, weight=weight))
+        return tuple(sorted(found, key=lambda band: -band.weight))
+
+
+def is_transient(values: Array) -> bool:
+    """Return whether a history (n,) has died away in its last quarter."""
+    rms = float(np.sqrt(np.mean((values - values.mean()) ** 2)))
+    return float(values[-(values.size // 4) :].std()) < _DECAYED * rms
+
+
+def shock_ratio(pair: Pair) -> SpectrumRatio | None:
+    """Return the shock response spectra (maximax, Q = 10) of two accelerations that die away; None for others."""
+    if pair.channel.quantity != "acceleration" or not is_transient(pair.measured):
+        return None
+    lowest, highest = _range(pair)
+    highest = min(highest, pair.rate / SAMPLES_PER_PERIOD)
+    if highest < 2.0 * lowest:
+        return None
+    frequency = octave_grid(lowest, highest, per_octave=_LINES)
+    both = shock_response_spectrum(pair.time, np.column_stack([pair.measured, pair.model]), frequency, q=Q).maximax
+    return SpectrumRatio(kind="SRS", frequency=frequency, measured=both[:, 0], model=both[:, 1])
+
+
+def density_ratio(pair: Pair) -> SpectrumRatio | None:
+    """Return the roots of the power spectral densities in bands of a sixth of an octave, where there is more than noise.
+
+    Of a transient they are those of one segment without a window, else Welch's; None where fewer than three bands are left.
+    """
+    frequency, densities = _densities(pair)
+    lowest, highest = _range(pair)
+    if highest < 2.0 * lowest:
+        return None
+    edges = octave_grid(lowest, highest, per_octave=_PER_OCTAVE)
+    numbers = np.digitize(frequency, edges)
+    centres, means = [], []
+    for number in range(1, edges.size):
+        inside = numbers == number
+        if inside.any():
+            centres.append(float(np.sqrt(edges[number - 1] * edges[number])))
+            means.append(densities[inside].mean(axis=0))
+    values = np.array(means).reshape(-1, 2)
+    kept = values[:, 0] > _POWER * values[:, 0].max(initial=0.0)
+    if np.count_nonzero(kept) < 3:
+        return None
+    roots = np.sqrt(values[kept])
+    return SpectrumRatio(kind="PSD", frequency=np.array(centres)[kept], measured=roots[:, 0], model=roots[:, 1])
+
+
+def coherence(pair: Pair) -> float | None:
+    """Return the mean coherence of model and measurement, weighted by the measured density; None where it is too short.
+
+    The coherence |S_mc|^2 / (S_mm S_cc) of Welch's method with 15 segments (Bendat and Piersol, Random Data, 4th ed.,
+    section 5.2): 1 where one is a linear filter of the other.
+    """
+    from scipy.signal import csd
+
+    size = 2 * pair.time.size // 16
+    if size < 8 * _SEGMENTS:
+        return None
+    one, other = (values - values.mean() for values in (pair.measured, pair.model))
+    (_, across), (_, first), (_, second) = (
+        csd(a, b, fs=pair.rate, nperseg=size) for a, b in ((one, other), (one, one), (other, other))
+    )
+    product = (first.real * second.real)[1:]
+    if not product.any():
+        return None
+    squared = np.abs(across[1:]) ** 2 / np.where(product > 0.0, product, np.inf)
+    return float(np.average(squared, weights=first.real[1:]))
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Transmissibility:
+    """Acceleration at a channel over that of the base along the same axis, as measured and as the model says.
+
+    Attributes:
+        frequency: [Hz], (n_f,), where the measured base moves.
+        measured, model: complex, (n_f,).
+    """
+
+    frequency: Array = field(repr=False)
+    measured: NDArray[np.complex128] = field(repr=False)
+    model: NDArray[np.complex128] = field(repr=False)
+
+    @property
+    def frac(self) -> float:
+        """Frequency response assurance criterion of both, 0 to 1."""
+        return assurance(self.measured, self.model)
+
+
+def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
+    """Return the transfer function S_xy / S_xx from the base to a channel (H1), of one segment where they die away.
+
+    None where the two do not share their instants, or fewer than eight lines are left.
+    """
+    from scipy.signal import csd
+
+    if base.time.size != pair.time.size or pair.channel.quantity != "acceleration":
+        return None
+    size = pair.time.size if is_transient(pair.measured) else 2 * pair.time.size // 16
+    window = "boxcar" if size == pair.time.size else "hann"
+    functions, inputs = [], []
+    for drive, answer in ((base.measured, pair.measured), (base.model, pair.model)):
+        frequency, across = csd(drive, answer, fs=pair.rate, nperseg=size, window=window, detrend=False)
+        _, power = csd(drive, drive, fs=pair.rate, nperseg=size, window=window, detrend=False)
+        inputs.append(power.real)
+        functions.append(across / np.where(power.real > 0.0, power.real, np.inf))
+    lowest, highest = _range(pair)
+    kept = (frequency >= lowest) & (frequency <= highest) & (inputs[0] > _DRIVEN * inputs[0].max())
+    if np.count_nonzero(kept) < 8:
+        return None
+    return Transmissibility(frequency=frequency[kept], measured=functions[0][kept], model=functions[1][kept])
+
+
+def spectral_assurance(pair: Pair) -> float:
+    """Return the assurance criterion of the Fourier spectra of both histories, where no base was measured."""
+    one, other = (np.fft.rfft(values - values.mean()) for values in (pair.measured, pair.model))
+    frequency = np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate)
+    kept = frequency <= _HIGHEST * pair.rate
+    return assurance(one[kept], other[kept])
+
+
+def assurance(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> float:
+    """Return |sum H_m conj(H_c)|^2 / (sum |H_m|^2 sum |H_c|^2): FRAC of Heylen and Lammens, ISMA 21 (1996) 17.
+
+    1 for functions that differ by a factor, 0 for orthogonal ones.
+    """
+    size = float(np.sum(np.abs(one) ** 2) * np.sum(np.abs(other) ** 2))
+    return float(np.abs(np.vdot(one, other)) ** 2 / size) if size else 0.0
+
+
+def _range(pair: Pair) -> tuple[float, float]:
+    """Return the frequencies between which an interval and its samples say something [Hz]."""
+    return _PERIODS / float(pair.time[-1] - pair.time[0]), _HIGHEST * pair.rate
+
+
+def _densities(pair: Pair) -> tuple[Array, Array]:
+    """Return frequencies, (n_f,), and densities of measurement and model, (n_f, 2)."""
+    both = np.column_stack([pair.measured, pair.model])
+    if is_transient(pair.measured):
+        lines = np.abs(np.fft.rfft(both - both.mean(axis=0), axis=0)) ** 2
+        return np.asarray(np.fft.rfftfreq(pair.time.size, 1.0 / pair.rate), dtype=np.float64), lines
+    density = power_spectral_density(pair.time, both)
+    return density.frequency, density.density

@@ -1,0 +1,184 @@
+"""A measured channel and what the model says of it: the same quantity at the same instants, on one clock."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from fractions import Fraction
+
+import numpy as np
+
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.motions import Measured, MeasuredChannel
+from wirerope_mj.motions.records.sampling import filtered
+
+_FINEST = 100  # largest denominator of a ratio of two rates; the instants in between are on a spline
+_ONSET = 0.02  # of the base's largest acceleration, from which the event has begun
+_FEWEST = 16  # instants that both must have
+
+_UPSIDE_DOWN = (0.6, 1.2)  # correlation of the negative channel, and by how much it is above that of the channel itself
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Pair:
+    """A channel as measured and as the model says, on the run's clock.
+
+    Attributes:
+        channel: as it was measured.
+        time: instants that both have [s], even, (n,).
+        measured, model: values in SI there, (n,).
+    """
+
+    channel: MeasuredChannel
+    time: Array = field(repr=False)
+    measured: Array = field(repr=False)
+    model: Array = field(repr=False)
+
+    @property
+    def rate(self) -> float:
+        """Samples per second [Hz]: those of the coarser of both."""
+        return (self.time.size - 1) / float(self.time[-1] - self.time[0])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Delay:
+    """By how much a channel comes late.
+
+    Attributes:
+        value: [s]; the measured history fits the model's best when it is moved earlier by so much.
+        correlation: of both then, -1 to 1.
+        upside_down: whether it fits better with the other sign.
+    """
+
+    value: float
+    correlation: float
+    upside_down: bool
+
+
+def model_history(response: Response, measured: Measured, channel: MeasuredChannel) -> Array:
+    """Return what the model says of a channel, in SI at the samples of the response, (n_t,).
+
+    Raises:
+        RecordError: the run does not have what the channel was measured at.
+    """
+    kind, _, name = channel.subject.partition("/")
+    axis = "xyz".index(channel.axis)
+    base, quantity = response.base, channel.quantity
+    if kind == "base":
+        return np.asarray(getattr(base, quantity))[:, axis]
+    groups: Mapping[str, Mapping[str, object]] = {
+        "body": response.bodies, "point": response.points, "mount": response.mounts,
+    }  # fmt: skip
+    part = groups[kind].get(name)
+    if part is None:
+        there = ", ".join(groups[kind]) or "none"
+        raise RecordError(
+            f'{measured.path}: column "{channel.column}" is mapped to the {kind} {short(name)!r}, which this run does not '
+            f"have; its {'bodies' if kind == 'body' else kind + 's'}: {short(there)}. Is it the run of another model?"
+        )
+    if quantity != "displacement":
+        return np.asarray(getattr(part, quantity))[:, axis]
+    position = np.asarray(getattr(part, "position"))[:, axis]  # noqa: B009  of bodies and points alike
+    return position if channel.absolute else position - base.displacement[:, axis]
+
+
+def delay_of(response: Response, measured: Measured, channel: MeasuredChannel) -> Delay:
+    """Find by how much a channel comes late: where its cross-correlation with the model's history is largest.
+
+    The maximum of the samples is refined by the parabola through the three values around it.
+    """
+    from scipy.signal import correlate, correlation_lags
+
+    model, rate, (first, start) = _at_one_rate(response, measured, channel)
+    one, other = first - first.mean(), model - model.mean()
+    size = float(np.linalg.norm(one) * np.linalg.norm(other))
+    if size == 0.0:
+        return Delay(value=0.0, correlation=0.0, upside_down=False)
+    course = correlate(one, other, mode="full", method="fft") / size
+    lags = correlation_lags(one.size, other.size)
+    best = int(course.argmax())
+    shift = float(lags[best])
+    if 0 < best < course.size - 1:
+        before, there, after = course[best - 1 : best + 2]
+        bend = before - 2.0 * there + after
+        shift += 0.5 * float((before - after) / bend) if bend else 0.0
+    lowest, factor = _UPSIDE_DOWN
+    near = np.abs(lags) <= 0.1 * other.size  # a vibration looks like its negative half a period later
+    down = float(-course[near].min())
+    return Delay(
+        value=shift / rate + start - float(response.time[0]),
+        correlation=float(course[best]),
+        upside_down=down > lowest and down > factor * float(course[near].max()),
+    )
+
+
+def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float) -> Pair:
+    """Bring a channel and the model's history to the instants that both have, at the coarser of their rates.
+
+    What is finer is filtered (0.8 of the coarser's Nyquist frequency passes), then evaluated on a cubic spline. Displacements,
+    deflections and forces are counted from the start: the model's from its first sample, the measured one's from its mean
+    before the base begins to move, unless the map says "absolute".
+
+    Args:
+        response: of the run.
+        measured: the test.
+        channel: one of its channels.
+        delay: by which the measured channel comes late [s].
+
+    Raises:
+        RecordError: there are fewer than 16 instants that both have.
+    """
+    from scipy.interpolate import CubicSpline
+
+    model, rate, (values, start) = _at_one_rate(response, measured, channel)
+    start -= delay
+    step, began = 1.0 / rate, float(response.time[0])
+    first = max(began, start)
+    last = min(began + (model.size - 1) * step, start + (values.size - 1) * step)
+    count = int((last - first) * rate * (1.0 + 1e-12)) + 1 if last > first else 0
+    if count < _FEWEST:
+        raise RecordError(
+            f'{measured.path}: column "{channel.column}" lasts from {start:.6g} to {start + (values.size - 1) * step:.6g} s of '
+            f"the run's clock, the run from {began:.6g} to {response.time[-1]:.6g} s: too short to compare. Say when its first "
+            "sample was taken, start (--start)."
+        )
+    time = np.asarray(first + step * np.arange(count), dtype=np.float64)
+    own = CubicSpline(start + step * np.arange(values.size), values)(time)
+    said = CubicSpline(began + step * np.arange(model.size), model)(time)
+    if channel.quantity in ("displacement", "deflection", "force") and not channel.absolute:
+        said = said - model[0]
+        before = time < _onset(response)
+        own = own - own[before].mean() if before.any() else own
+    return Pair(channel=channel, time=time, measured=own, model=said)
+
+
+def _at_one_rate(
+    response: Response, measured: Measured, channel: MeasuredChannel
+) -> tuple[Array, float, tuple[Array, float]]:
+    """Return the model's samples, the rate of both [Hz], and the channel's samples with the instant of the first [s]."""
+    model = model_history(response, measured, channel)
+    there, here = (response.time.size - 1) / float(response.time[-1] - response.time[0]), channel.rate
+    rate = min(there, here)
+    return coarser(model, there, rate), rate, (coarser(channel.values, here, rate), float(channel.time[0]))
+
+
+def coarser(values: Array, own: float, rate: float) -> Array:
+    """Return samples at a rate that is not above their own [Hz], filtered; the first stays where it is."""
+    from scipy.interpolate import CubicSpline
+
+    if own <= rate * (1.0 + 1e-9):
+        return values
+    ratio = Fraction(rate / own).limit_denominator(_FINEST)
+    kept = filtered(values[:, np.newaxis], ratio.numerator, ratio.denominator)[:, 0]
+    near = own * float(ratio)
+    if abs(near / rate - 1.0) < 1e-9:
+        return kept
+    count = int((kept.size - 1) / near * rate) + 1
+    return np.asarray(CubicSpline(np.arange(kept.size) / near, kept)(np.arange(count) / rate))
+
+
+def _onset(response: Response) -> float:
+    """Return the instant at which the base begins to move [s]."""
+    size = np.linalg.norm(response.base.acceleration, axis=1)
+    return float(response.time[int(np.argmax(size > _ONSET * size.max()))]) if size.any() else float(response.time[0])

@@ -1,0 +1,234 @@
+"""The content of a run against tests: where it is low or high, measures, ratings, and all curves over each other."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from functools import partial
+
+import numpy as np
+
+from wirerope_mj.assessment.correlation import ChannelCorrelation, Correlation
+from wirerope_mj.assessment.correlation.over_frequency import THREE_DB, SpectrumRatio
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.histories import Histories
+from wirerope_mj.content.numbers import several, with_unit
+from wirerope_mj.content.panels import Chart, Curve, Panel, short
+from wirerope_mj.content.spectra import POWER_DECADES, spectrum_panel
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.mounts.isolator import AXES
+
+MEASURED, MODEL = 0, 1
+"""Numbers of the colours of both, in every chart."""
+
+GHOST = 6
+"""Number of the colour of a measured channel among the curves of a run, in a recording."""
+
+_UNITS = {"acceleration": "g", "velocity": "m/s", "displacement": "mm", "deflection": "mm", "force": "kN"}
+_TONES = {"excellent": "within", "good": "within", "fair": "near", "poor": "exceeded"}
+_HEIGHT, _MOST_DB = 105.0, 12.0  # of a panel; of a ratio that is drawn [dB]
+
+
+def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
+    """Compose what a run says of tests: the largest deviation first, then measures and curves of each test."""
+    names = " and ".join(one.name for one in tests)
+    facts = tuple((f"Clock of {one.name}", _clock(one)) for one in tests)
+    question = f"How well does the model agree with what was measured in {names}?"
+    return Content(
+        title=f"{run} against {names}",
+        verdict=agreement(min(tests, key=_worst_rating)),
+        facts=facts,
+        question=(question,),
+        sections=tuple(one for one in correlation_sections(tests) if len(tests) > 1 or one.id != "tests"),
+    )
+
+
+def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
+    """Yield the sections of tests, for a page of their own and for the run's report."""
+    yield Section(id="tests", title="Against measurements", depth="headline", build=lambda: map(agreement, tests))
+    for one in tests:
+        name = one.name
+        yield Section(
+            id=f"measures-{name}", title=f"Agreement with {name}", depth="summary", build=partial(_measures, one)
+        )
+        for kind, build in (
+            ("histories", _histories), ("spectra", _spectra), ("transmissibility", _transmissibility), ("loops", _loops),
+        ):  # fmt: skip
+            yield Section(id=f"{kind}-{name}", title=f"{name}: {kind}", build=partial(build, one))
+
+
+def agreement(test: Correlation) -> Statement:
+    """Say where the model is farthest off, and how the worst channel is rated."""
+    worst = min(test.responses, key=lambda one: one.rating.overall)
+    rated = f"lowest ISO/TS 18571 rating {worst.rating.overall:.2f}, {worst.rating.grade} ({worst.label})"
+    band = max((one.worst_band for one in test.responses if one.worst_band), key=lambda one: one.weight, default=None)
+    values = {} if band is None else {"first_Hz": band.first, "last_Hz": band.last, "deviation": band.deviation}
+    return Statement(
+        id=f"agreement-{test.name}",
+        text=f"{test.name}: {test.statement[:-1]}; {rated}.",
+        tone=_TONES[worst.rating.grade],
+        values={**values, "rating": worst.rating.overall, "delay_s": test.delay},
+    )
+
+
+def _worst_rating(test: Correlation) -> float:
+    return min(one.rating.overall for one in test.responses)
+
+
+def _clock(test: Correlation) -> str:
+    one = test.channels[0]
+    first, last = one.pair.time[[0, -1]].round(4) + 0.0
+    compared = f"compared from {first:g} to {last:g} s at {one.pair.rate:.5g} Hz"
+    if not test.aligned_by:
+        return f"as given; {compared}"
+    moved = "agrees" if abs(test.delay) * one.channel.rate < 0.5 else f"moved by {with_unit(-test.delay, 'ms')}"
+    return f"{moved}, by {test.aligned_by}; {compared}"
+
+
+def _measures(test: Correlation) -> Iterator[Block]:
+    yield test.table
+    yield test.ratings
+    if test.warnings:
+        text = "Said of the measurement, on which every figure here rests:"
+        yield Statement(id=f"warnings-{test.name}", text=text, items=test.warnings, tone="unjudged")
+
+
+def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
+    """Lay measured channels over the panels of a run that draw their quantity, and add a panel for every channel alone."""
+    laid = dict(panels)
+    for test in tests:
+        for one in test.channels:
+            kind, _, subject = one.channel.subject.partition("/")
+            axis = "xyz".index(one.channel.axis)
+            key = (one.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
+            panel = _panel(one)
+            if key in laid:
+                ghost = replace(panel.curves[1], name=short(f"{subject or kind} measured"), kind=GHOST)
+                laid[key] = replace(laid[key], curves=[*laid[key].curves, ghost])
+            laid["measured", f"{one.channel.quantity}s", test.name, one.label] = replace(
+                panel, title=f"{panel.title} {panel.ylabel}"
+            )
+    return laid
+
+
+def _panel(one: ChannelCorrelation) -> Panel:
+    unit, pair = _UNITS[one.channel.quantity], one.pair
+    curves = [
+        _curve(pair.time, in_unit(y, unit), name) for name, y in (("model", pair.model), ("measured", pair.measured))
+    ]
+    return Panel(curves=curves, ylabel=f"[{unit}]", title=one.label, unit=unit, xlim=(pair.time[0], pair.time[-1]))
+
+
+def _curve(x: Array, y: Array, name: str) -> Curve:
+    row = int(np.abs(y).argmax())
+    return Curve(x=x, y=y, name=name, kind=MODEL if name == "model" else MEASURED, peak=(float(x[row]), float(y[row])))
+
+
+def _histories(test: Correlation) -> Iterator[Block]:
+    spans = [one.pair.time[one.event][[0, -1]] for one in test.responses]
+    window = min(float(span[0]) for span in spans), max(float(span[1]) for span in spans)
+    panels = [replace(_panel(one), xlim=window) for one in test.channels]
+    rows = [
+        [replace(panel, title=f"{panel.title} {panel.ylabel}", xlabel="time [s]" if panel is panels[-1] else "")]
+        for panel in panels
+    ]
+    saturated = [one.label for one in test.channels if one.channel.saturated.any()]
+    cut = f" Saturated, so that the true peak is higher: {'; '.join(saturated)}." if saturated else ""
+    yield Chart(
+        id=f"histories-{test.name}",
+        rows=rows,
+        height=_HEIGHT,
+        caption=f"As measured in {test.name}, and as the model says: {several(len(panels), 'channel')} on one clock, while "
+        f"responses are above 5 % of their peaks.{cut}",
+        alt=f"Histories measured in {test.name} and of the model.",
+    )
+
+
+def _spectra(test: Correlation) -> Iterator[Block]:
+    rows = [[_both(one, ratio), _ratio(ratio)] for one in test.responses for ratio in (one.shock, one.density) if ratio]
+    if rows:
+        yield Chart(
+            id=f"spectra-{test.name}",
+            rows=rows,
+            height=_HEIGHT,
+            caption="Left: shock response spectra (maximax, Q = 10) of accelerations that die away, and roots of "
+            "power spectral densities in sixths of an octave, where there is more than noise. Right: "
+            "model over measurement; the dashed lines are 3 dB.",
+            alt=f"Spectra measured in {test.name} and of the model, and their ratios.",
+        )
+
+
+def _both(one: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
+    unit = _UNITS[one.channel.quantity]
+    factor = in_unit(1.0, unit) if unit != "g" else 1.0 / STANDARD_GRAVITY
+    shown = unit if ratio.kind == "SRS" else "relative"
+    curves = [
+        _curve(ratio.frequency, (factor if ratio.kind == "SRS" else 1.0 / ratio.measured.max()) * y, name)
+        for name, y in (("model", ratio.model), ("measured", ratio.measured))
+    ]
+    label = f"SRS [{unit}]" if ratio.kind == "SRS" else "root of PSD [-]"
+    return spectrum_panel(curves, label, shown, title=f"{one.label}: {ratio.kind}", decades=POWER_DECADES)
+
+
+def _ratio(ratio: SpectrumRatio) -> Panel:
+    decibels = 20.0 * np.log10(np.maximum(ratio.ratio, 1e-12))
+    three = 20.0 * float(np.log10(THREE_DB))
+    return Panel(
+        curves=[Curve(x=ratio.frequency, y=np.clip(decibels, -_MOST_DB, _MOST_DB), name="", kind=MODEL)],
+        ylabel="model / meas. [dB]",
+        xlabel="frequency [Hz]",
+        title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
+        limits=[("+3 dB", three), ("-3 dB", -three)],
+        xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
+        ylim=(-_MOST_DB, _MOST_DB),
+        log="x",
+        unit="dB",
+        xunit="Hz",
+    )
+
+
+def _transmissibility(test: Correlation) -> Iterator[Block]:
+    rows = []
+    for one in test.channels:
+        found = one.transmissibility
+        if found is not None:
+            curves = [
+                _curve(found.frequency, np.abs(y), name)
+                for name, y in (("model", found.model), ("measured", found.measured))
+            ]
+            rows.append([spectrum_panel(curves, "[-]", "", title=f"{one.label}: FRAC {found.frac:.2f}")])
+    if rows:
+        yield Chart(
+            id=f"transmissibility-{test.name}",
+            rows=rows,
+            height=_HEIGHT,
+            caption="Acceleration over that of the measured base along the same axis, where the base moves; motion across it "
+            "is in there, too.",
+            alt=f"Transmissibilities measured in {test.name} and of the model.",
+        )
+
+
+def _loops(test: Correlation) -> Iterator[Block]:
+    by_key = {one.channel.key: one for one in test.channels}
+    panels = []
+    for key, one in by_key.items():
+        force = by_key.get(key.replace("deflection", "force"))
+        if one.channel.quantity == "deflection" and force is not None:
+            curves = [
+                Curve(x=in_unit(x, "mm"), y=in_unit(y, "kN"), name=name, kind=kind)
+                for name, kind, x, y in (
+                    ("model", MODEL, one.pair.model, force.pair.model),
+                    ("measured", MEASURED, one.pair.measured, force.pair.measured),
+                )
+            ]
+            title = one.label.removesuffix(" deflection")
+            panels.append(
+                Panel(curves=curves, ylabel="force [kN]", xlabel="deflection [mm]", title=title, unit="kN", xunit="mm")
+            )
+    if panels:
+        yield Chart(
+            id=f"loops-{test.name}",
+            rows=[panels[row : row + 2] for row in range(0, len(panels), 2)],
+            height=190.0,
+            caption="Force over deflection, counted from the start.",
+            alt=f"Loops measured in {test.name} and of the model.",
+        )

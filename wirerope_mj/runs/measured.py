@@ -1,0 +1,102 @@
+"""Tests that a run is compared with: their files stand in the run's folder, each with a map of what its columns are."""
+
+import shutil
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import tomli_w
+
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.regular_files import file_inside
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.motions import Measured, load_measured
+from wirerope_mj.runs.checksums import digest_of, update_checksums
+
+FOLDER = "measured"
+_KIND = "map of a measurement"
+_OPTIONS = ("start", "clock", "baseline", "gaps")
+
+
+def read_map(items: Sequence[str]) -> dict[str, Any]:
+    """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
+
+    The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`.
+
+    Raises:
+        ValueError: an item is neither, or a column is given twice.
+        ModelError, RecordError: the file cannot be read, or a key is unknown.
+    """
+    channels: dict[str, str] = {}
+    options: dict[str, Any] = {}
+    for item in items:
+        column, sign, phrase = item.partition("=")
+        if sign:
+            found: Mapping[str, Any] = {"channels": {column.strip(): phrase.strip()}}
+        elif item.endswith(".toml"):
+            found = _checked(Path(item), read_toml(Path(item), _KIND))
+        else:
+            raise ValueError(
+                f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
+            )
+        for name, phrase in found["channels"].items():
+            if name in channels:
+                raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
+            channels[name] = phrase
+        options |= {key: value for key, value in found.items() if key in _OPTIONS}
+    return {"channels": channels, **options}
+
+
+def store_test(folder: Path, test: Measured, *, force: bool = False) -> None:
+    """Copy the file of a test and its map into a run's folder, with their checksums.
+
+    Raises:
+        RecordError: another test of that name stands there, and `force` is not given.
+    """
+    target = folder / FOLDER / f"{test.name}{test.path.suffix}"
+    if target.exists() and not force and digest_of(target) != digest_of(test.path):
+        raise RecordError(
+            f"{target}: another test of this name was compared with this run. Replace it with --force, or call this one by "
+            "another name (--names)."
+        )
+    target.parent.mkdir(exist_ok=True)
+    if target.resolve() != test.path.resolve():
+        with atomic_file(target) as beside:
+            shutil.copyfile(test.path, beside)
+    content = {
+        "file": target.name, "name": test.name, "start": test.start, "clock": test.clock, "baseline": test.baseline,
+        "gaps": test.gaps, "channels": dict(test.phrases),
+    }  # fmt: skip
+    description = target.parent / f"{test.name}.toml"
+    with atomic_file(description) as beside:
+        beside.write_text(tomli_w.dumps(content), encoding="utf-8")
+    update_checksums(folder, [target, description])
+
+
+def tests_of(folder: Path) -> tuple[Measured, ...]:
+    """Read the tests in a run's folder, in the order of their names; nothing outside it is read.
+
+    Raises:
+        RecordError: a map or a file is damaged.
+    """
+    tests = []
+    for path in sorted((folder / FOLDER).glob("*.toml")):
+        content = read_toml(path, _KIND)
+        known = _checked(path, {key: value for key, value in content.items() if key not in ("file", "name")})
+        file = file_inside(path.parent, content.get("file"), "measurement")
+        tests.append(load_measured(file, name=str(content.get("name", path.stem)), **known))
+    return tuple(tests)
+
+
+def _checked(path: Path, content: dict[str, Any]) -> dict[str, Any]:
+    """Return the content of a map; RecordError for an unknown key, or if it names no columns."""
+    unknown = [key for key in content if key not in (*_OPTIONS, "channels")]
+    if unknown:
+        raise RecordError(f"{path}: `{unknown[0]}` is unknown; known: channels, {', '.join(_OPTIONS)}.")
+    channels = content.get("channels")
+    if not isinstance(channels, dict) or not all(isinstance(phrase, str) for phrase in channels.values()):
+        raise RecordError(
+            f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
+        )
+    return content
