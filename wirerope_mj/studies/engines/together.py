@@ -178,13 +178,18 @@ def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
     bound = step_bound(system)
     own_rates = np.array([bound.stiffness, bound.damping, bound.decay])
     laws: _Laws = {}
+    checked: set[int] = set()  # of motions, by their identity: `make` keeps them
     indices, motions, numbers, rates, moved = [], [], [], [], []
     for index, row in enumerate(rows):
         try:
             draft, motion = make.draft(row), make.motion(row)
-            if draft.failed or draft.absent or unsupported_motion(system, motion):
+            if draft.failed or draft.absent:
                 continue
-            check_direction(system, motion)
+            if id(motion) not in checked:
+                if unsupported_motion(system, motion):
+                    continue
+                check_direction(system, motion)
+                checked.add(id(motion))
             own = equations(system).num.copy(), own_rates.copy()
             if valid and _plain(draft):
                 _write_laws(draft, *own, laws)
@@ -289,11 +294,14 @@ def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags
         found &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
     else:
         states = np.tile(unloaded.values[where], (n, 1))
-    moves: dict[int, bool] = {}
+    moves: dict[int, Array] = {}
     for number, motion in enumerate(variants.motions):
         if id(motion) not in moves:
-            moves[id(motion)] = moving_with_base(system, motion, unloaded) is not unloaded
-        if moves[id(motion)]:
+            moves[id(motion)] = moving_with_base(system, motion, unloaded).values[where] - unloaded.values[where]
+        move = moves[id(motion)]
+        if not move[: system.model.nq].any():  # velocities alone, from rest: the same of every state
+            states[number] += move
+        else:
             values = unloaded.values.copy()
             values[where] = states[number]
             states[number] = moving_with_base(system, motion, State(values=values, time=0.0)).values[where]
