@@ -42,12 +42,12 @@ CHAIN = ["channel/*/gain = Normal(1, 0.02)", "channel/*/delay = Normal(0, 0.0005
 
 
 NOMINAL = wr.AsymmetricBoucWen(alpha=1e5, beta=150.0, gamma=30.0, n=1.0, k1=8e4, k2=1e5, k3=2e7, b=2.0, c=6.0)
-SIZES = (0.7e-3, 2e-3, 5e-3, 12e-3)
+SIZES = (1e-3, 4e-3, 12e-3, 30e-3)
 
 
 @cache
 def as_masing(law):
-    """Return the law of Jenkin elements that is nearest to a law in cycles of 0.7 to 12 mm: another law for a truth."""
+    """Return the law of Jenkin elements that is nearest to a law in cycles of 1 to 30 mm: another law for a truth."""
     return wr.identify(wr.cyclic_test(law, SIZES), law=wr.Masing, elements=4, free=("k2", "k3"), profiles=False).law
 
 
@@ -158,7 +158,7 @@ def main():
         case = CASES[number % len(CASES) if asked.case is None else asked.case]
         other = number % 2 == 1
         found, took, rows, predictions = one_test(number, asked.seed, case, other)
-        print(f"test {number}, {'another law' if other else 'same law'}: {took:.1f} s, {found.message}")
+        print(f"test {number}, {'another law' if other else 'same law'}: {took:.1f} s, {found.message}", flush=True)
         for name, inside, error, half in (*rows, *predictions):
             print(
                 f"  {name:28s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half width {100 * half:.2f} %"
