@@ -32,6 +32,7 @@ def calibrate(
     baseline: Literal["none", "rest", "mean"] = "none",
     initial: Literal["settled", "relaxed", "unloaded"] = "settled",
     start: float = 0.0,
+    residuals: Literal["time", "srs", "spectrum"] = "time",
     draws: int = 1000,
     seed: int = 1,
     force: Annotated[bool, Parameter(negative=())] = False,
@@ -57,6 +58,8 @@ def calibrate(
         baseline: what is taken off the channels: none, their level at rest, or their mean.
         initial: state in which the tests began.
         start: instant of the run at which the tests' first samples were taken [s].
+        residuals: what of the channels is compared: their histories, or logarithms of their shock response or amplitude
+            spectra.
         draws: of the posterior.
         seed: of design and sampler.
         force: replace a calibration that is there.
@@ -102,7 +105,9 @@ def calibrate(
             "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
         )
     tests = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
-    result = calibrated(system, tests, vary=vary, draws=integer("--draws", draws, least=100), seed=seed)
+    result = calibrated(
+        system, tests, vary=vary, residuals=residuals, draws=integer("--draws", draws, least=100), seed=seed
+    )
     content = calibration_content(
         result,
         title=f"{Path(model).stem}, calibrated from {', '.join(one.name for one in measured)}",

@@ -3,12 +3,14 @@
 from collections.abc import Mapping, Sequence
 
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.studies.calibration.fit import Forward, Problem, fit
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.posterior import sample
 from wirerope_mj.studies.calibration.prior import Prior
 from wirerope_mj.studies.calibration.result import Calibrated, Calibration
+from wirerope_mj.studies.calibration.spectral import DOMAINS, Domain
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import read_vary
 
@@ -18,6 +20,7 @@ def calibrate(
     tests: Sequence[Test],
     *,
     vary: Mapping[str, Distribution] | Sequence[str],
+    residuals: Domain = "time",
     draws: int = 1000,
     seed: int = 1,
 ) -> Calibration:
@@ -32,6 +35,8 @@ def calibrate(
         tests: measured channels with the base's motion, frequency responses, loops of an isolator in a rig.
         vary: priors of what is to be found, by the names that a study takes, and of channels as "channel/NAME/gain", "delay" or
             "offset"; or the same as lines of text.
+        residuals: "time", or "srs" or "spectrum" for the logarithms of the channels' spectra; frequency responses and loops are
+            compared as they are.
         draws: of the posterior.
         seed: of design and sampler.
 
@@ -43,8 +48,9 @@ def calibrate(
     """
     if not tests:
         raise ValueError("`tests` must name one measured test at least, got none.")
+    one_of("residuals", residuals, DOMAINS)
     distributions = dict(vary) if isinstance(vary, Mapping) else read_vary(vary)
-    forward = SystemForward(system, tests, distributions)
+    forward = SystemForward(system, tests, distributions, residuals)
     own = calibrate_model(forward, forward.series, forward.prior, draws=draws, seed=seed)
     return Calibration(problem=own.problem, fit=own.fit, posterior=own.posterior, forward=forward)
 

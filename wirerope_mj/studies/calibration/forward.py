@@ -14,6 +14,7 @@ from wirerope_mj.studies.calibration.measured_test import MeasuredTest, Transien
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.nuisance import UNITS, chains, nuisances
 from wirerope_mj.studies.calibration.prior import Prior
+from wirerope_mj.studies.calibration.spectral import Domain
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic
 from wirerope_mj.studies.inputs.quantities import quantities
@@ -46,7 +47,9 @@ class SystemForward:
         columns: of the quantities.
     """
 
-    def __init__(self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution]) -> None:
+    def __init__(
+        self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
+    ) -> None:
         self.system, self.tests = system, tuple(tests)
         own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
         for name, one in vary.items():
@@ -56,7 +59,7 @@ class SystemForward:
                 )
         resolved = quantities(own, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
-        self._runs = [_runs_of(system, test, self.columns) for test in tests]
+        self._runs = [_runs_of(system, test, self.columns, domain) for test in tests]
         self.series = [one for runs in self._runs for one in runs.series]
         self._nuisances = nuisances(vary, [one.name for one in self.series])
         counts = np.cumsum([len(quantity.columns) for quantity in resolved])
@@ -109,7 +112,9 @@ class SystemForward:
         return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
 
 
-def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...]) -> Runs:
+def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domain: Domain) -> Runs:
     if isinstance(test, FrequencyTest):
         return FrequencyRuns(system, test, columns)
-    return LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns)
+    return (
+        LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
+    )

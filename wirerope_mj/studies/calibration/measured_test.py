@@ -18,6 +18,7 @@ from wirerope_mj.motions.records.channel_map import SI
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.calibration.spectral import Domain, Spectral
 from wirerope_mj.studies.engines.histories import histories
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.variants import Work
@@ -167,12 +168,13 @@ def work_of(
 class TransientRuns:
     """Responses of systems to the motion of a test, brought to what its channels compare."""
 
-    def __init__(self, system: System, test: MeasuredTest, columns: tuple[InputColumn, ...]) -> None:
+    def __init__(self, system: System, test: MeasuredTest, columns: tuple[InputColumn, ...], domain: Domain) -> None:
         for channel in test.channels:
             check_channel(system, test.name, channel)
         self.test, self._time = test, np.zeros(0)
         self.channels = [Comparable.of(test.name, one) for one in test.channels]
-        self.series = [one.series for one in self.channels]
+        self._spectra = [] if domain == "time" else [Spectral.of(one.series, domain) for one in self.channels]
+        self.series = [one.series for one in self._spectra or self.channels]
         rate = SAMPLED / min(one.width for one in self.channels)
         end = max(one.series.at[-1] + 6.0 * one.width for one in self.channels)
         self._work = work_of(
@@ -192,7 +194,8 @@ class TransientRuns:
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
         """Return the series of a history as a chain with gain [-], delay [s] and offset [SI] shows it."""
-        return gain * self.channels[number].of_response(self._time, raw, delay) + offset
+        samples = gain * self.channels[number].of_response(self._time, raw, delay) + offset
+        return self._spectra[number].of_samples(samples) if self._spectra else samples
 
 
 def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
