@@ -99,6 +99,17 @@ def genset():
     Path("start.csv").write_text("time [s], fz [N], mx [N.m]\n0, 0, 0\n0.1, 500, 20\n0.5, 0, 0\n", encoding="utf-8")
 
 
+def measured_drop():
+    system = wr.load_system("sdof_shaker")
+    truth = wr.varied(system, isolators={name: one.isolator.scaled(1.2) for name, one in system.mounts.items()})
+    motion = wr.HalfSine(peak=4.0 * wr.STANDARD_GRAVITY, duration=0.011, direction="z", start=0.05)
+    test = wr.simulate(truth, motion, duration=0.6, sample_rate=1e4)
+    base, top = (a[:, 2] / wr.STANDARD_GRAVITY for a in (test.base.acceleration, test.points["mass_top"].acceleration))
+    mount = test.mounts["m1"]
+    columns = (test.time + 12.0, base, top, 1e3 * mount.deflection[:, 2], 1e-3 * mount.force[:, 2])
+    np.savetxt("drop.csv", np.column_stack(columns), delimiter=",", header="time [s],B,T,D,F", comments="")
+
+
 PREPARED = {
     "README.md": lambda: os.symlink(ROOT / "models", "models"),
     "calibrate.md": drop_of_the_shock_table,
@@ -106,6 +117,7 @@ PREPARED = {
     "exchange.md": run_of_the_cabinet,
     "identification.md": identification,
     "motions.md": genset,
+    "overlay.md": measured_drop,
     "shock.md": deck_record,
     "studies.md": run_of_a_shock,
 }

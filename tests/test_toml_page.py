@@ -12,7 +12,7 @@ from wirerope_mj.mounts.isolator import AXES, tables
 from wirerope_mj.mounts.isolator.parts import Travel
 from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.mounts.vendor_parts import sheet_file
-from wirerope_mj.runs import judging, scenario_file
+from wirerope_mj.runs import judging, measured, scenario_file
 
 PAGE = (Path(__file__).parents[1] / "docs" / "toml_files.md").read_text(encoding="utf-8")
 NAMED = set(re.findall(r"`\[*([\w-]+)\]*`", PAGE))
@@ -51,3 +51,8 @@ def test_every_key_of_levels_and_of_a_run_is_there():
     keys |= {*scenario_file._NEEDED, "format", "name", "question", "judge"}
     assert keys <= NAMED
     assert judging.read_judge_table({}).keys() <= NAMED
+
+
+@pytest.mark.quick
+def test_every_key_of_a_map_of_a_measurement_is_there():
+    assert {*measured._OPTIONS, "channels", "file", "name"} <= NAMED

@@ -57,7 +57,7 @@ def test_a_run_agrees_with_itself(tmp_path, floor):
         assert one.rms_ratio == pytest.approx(1.0, abs=0.01), one.label
         assert one.rating.grade == "excellent", one.label
         assert one.frac > 0.99, one.label
-    assert found.statement == "Model within 10 % of the measurement from 3.69 to 23.4 Hz in all 4 channels."
+    assert found.statement == "Model within 10 % of the measurement from 3.7 to 23 Hz in all 4 channels."
     assert not found.warnings
 
 
@@ -82,7 +82,7 @@ def test_without_the_base_the_channel_that_fits_best_aligns(tmp_path, floor):
 def test_the_statement_says_where_the_model_is_low(tmp_path, floor):
     louder = measured_of(tmp_path, floor, change=lambda name, values: values / 0.75 if name == "T" else values)
     found = wr.correlate(floor, louder)
-    assert found.statement == "Model 25 % low between 2.61 and 99.2 Hz (point rack_top, z)."
+    assert found.statement == "Model 25 % low between 2.6 and 99 Hz (point rack_top, z)."
     marks = {row[0][0]: row for row in found.table.marks()}
     assert float(marks["point rack_top, z"][2][0]) == pytest.approx(0.75, abs=0.01)
     assert len(found.ratings.rows) == len(found.channels) == 5

@@ -5,6 +5,8 @@ import shutil
 import warnings
 
 import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
 import pytest
 
 import wirerope_mj as wr
@@ -162,6 +164,14 @@ def test_what_is_wrong_is_one_message(run, drop, capfd, options, message):
     assert message in said
     assert "Traceback" not in said
     assert sorted(path.name for path in run.iterdir()) == before
+
+
+@pytest.mark.slow
+def test_a_table_of_measurements_is_no_damaged_run(run, tmp_path, capfd):
+    path = tmp_path / "drop.parquet"
+    pq.write_table(pa.table({"time_s": np.arange(100) / 1e3, "A1": np.ones(100)}), path)
+    assert main(["compare", str(run), str(path)]) == 2
+    assert "drop.parquet is no run. If it was measured, say what its columns are" in capfd.readouterr().err
 
 
 @pytest.mark.slow

@@ -72,7 +72,7 @@ COMMANDS = {
     ),
     "compare": (
         "compare:compare",
-        "Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.",
+        "Lay two or more runs over each other, or a run and measured tests: what differs, and how well the model agrees.",
     ),
     "share": (
         "exports:share",

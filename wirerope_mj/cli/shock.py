@@ -91,7 +91,8 @@ def shock(
         moment: "engine 80 N.m 12 Hz 10 s y": harmonic moment.
         force_table: "engine start.csv at 1 s": forces and moments of a file with "time [s], fz [N], mx [N.m]" and the like.
         levels: TOML file of motions, as `wirerope levels` writes one to fill in.
-        record: CSV file with units in its header, such as "time [s], x [g], z [m/s^2]", or universal file with datasets 58.
+        record: CSV, MATLAB (-v7), XLSX or Parquet file with units in its header, such as "time [s], x [g], z [m/s^2]", or
+            universal file with datasets 58.
         scale: of a record: factor on the acceleration.
         direction: in which a record of one channel moves the base: x, y, z, -x, -y, -z or a vector such as 1,1,0.
         channels: of a record: which to use, NAME=DIRECTION, one or several; those named x, y and z by default. A universal

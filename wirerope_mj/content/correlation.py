@@ -101,8 +101,8 @@ def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
             axis = "xyz".index(one.channel.axis)
             key = (one.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
             panel = _panel(one)
-            if key in laid:
-                ghost = replace(panel.curves[1], name=short(f"{subject or kind} measured"), kind=GHOST)
+            if key in laid and kind != "base":
+                ghost = replace(panel.curves[1], name=short(f"{subject} measured"), kind=GHOST)
                 laid[key] = replace(laid[key], curves=[*laid[key].curves, ghost])
             laid["measured", f"{one.channel.quantity}s", test.name, one.label] = replace(
                 panel, title=f"{panel.title} {panel.ylabel}"

@@ -25,6 +25,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.foundation.units import significant
 from wirerope_mj.motions import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 
@@ -168,9 +169,9 @@ class Correlation(Summarised):
             band, one = worst
             side, size = ("high" if band.deviation > 0.0 else "low"), abs(100.0 * band.deviation)
             where = (
-                f"between {band.first:.3g} and {band.last:.3g} Hz"
+                f"between {_hertz(band.first)} and {_hertz(band.last)} Hz"
                 if band.last > band.first
-                else f"at {band.first:.3g} Hz"
+                else f"at {_hertz(band.first)} Hz"
             )
             return f"Model {size:.0f} % {side} {where} ({one.label})."
         known = [one.spectrum for one in self.responses if one.spectrum]
@@ -178,7 +179,7 @@ class Correlation(Summarised):
             return "The test is too short to say over which frequencies the model is low or high."
         first, last = max(one.frequency[0] for one in known), min(one.frequency[-1] for one in known)
         every = "the channel" if len(known) == 1 else f"all {len(known)} channels"
-        return f"Model within {100.0 * _NEARLY:.0f} % of the measurement from {first:.3g} to {last:.3g} Hz in {every}."
+        return f"Model within {100.0 * _NEARLY:.0f} % of the measurement from {_hertz(first)} to {_hertz(last)} Hz in {every}."
 
     @cached_property
     def table(self) -> Table:
@@ -313,6 +314,10 @@ def _warnings(
             )
         if one.channel.saturated.any():
             yield f'{name}: column "{column}" was saturated: its true peak is higher, and the peak ratio lower.'
+
+
+def _hertz(frequency: float) -> str:
+    return significant(frequency, 2)
 
 
 def _period(pair: Pair) -> float:

@@ -13,7 +13,8 @@ from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
-from wirerope_mj.foundation.errors import RecordWarning
+from wirerope_mj.foundation.errors import RecordError, RecordWarning
+from wirerope_mj.foundation.parquet_files import read_content
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.piecewise import PiecewiseLinear
@@ -140,11 +141,12 @@ def load_record(
     gaps: str = "refuse",
     unit: str | None = None,
 ) -> Record:
-    """Return the base motion that a CSV file or a universal file (dataset 58) holds, on up to three axes at once.
+    """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
     The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;
-    cells are separated by commas, semicolons or tabs; lines before the header may begin with #. A universal file names a
-    channel by its response node and direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
+    cells are separated by commas, semicolons or tabs; lines before the header may begin with #. MATLAB (-v7), XLSX and Parquet
+    files have columns so named, too, and the time in any of them. A universal file names a channel by its response node and
+    direction, `12:z` or `12:-x`; its unit is the ordinate's label or that of dataset 164.
 
     The base moves in straight lines between evenly spaced samples. A record that is sampled unevenly is resampled at its usual
     interval, on curves through its samples. What had to be done, and what looks wrong (a pulse that is cut off, a saturated
@@ -221,7 +223,13 @@ def record_warnings(motion: BaseMotion) -> tuple[str, ...]:
 
 
 def is_measurement(path: Path) -> bool:
-    """Return whether a file is of a kind that measured channels are read from."""
+    """Return whether a file is of a kind that measured channels are read from, and no result of this package."""
+    if path.suffix.lower() == ".parquet":
+        try:
+            read_content(path, kind="", remedy="")
+        except RecordError:  # it has no metadata of ours
+            return True
+        return False
     return path.suffix.lower() in (".csv", ".txt", ".mat", ".xlsx", ".uff", ".unv") or is_uff(path)
 
 

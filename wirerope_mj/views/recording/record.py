@@ -31,7 +31,7 @@ from wirerope_mj.views.recording.paths import AtEvents, Below, at, entity, known
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.state import log_state
 from wirerope_mj.views.recording.target import atomic_recording, target_of
-from wirerope_mj.views.recording.texts import overlay_texts, run_texts
+from wirerope_mj.views.recording.texts import overlay_texts, run_texts, test_texts
 
 OVERLAY_FILE = "overlay.rrd"
 
@@ -82,8 +82,9 @@ def record_run(
     `over_frequency` is what is drawn over frequency; measured channels of `tests` are ghosts among the curves of the run.
     """
     drawn = one_run(run, over_frequency)
-    drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests)) if tests else drawn
-    drawn = replace(drawn, texts=run_texts(run, title=title, scenario_text=scenario_text))
+    drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests))
+    texts = run_texts(run, title=title, scenario_text=scenario_text)
+    drawn = replace(drawn, texts=(*texts, *test_texts(tests)))
     target = target_of(path)
     with atomic_recording(target) as rec:
         shown = AtEvents(rec, main_instants(run.response, run.selection))

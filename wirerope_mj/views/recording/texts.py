@@ -5,10 +5,12 @@ import tomllib
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.comparison import Comparison
+from wirerope_mj.assessment.correlation import Correlation
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.comparison import comparison_content
 from wirerope_mj.content.comparison_findings import Inputs
 from wirerope_mj.content.contacts import contact_blocks
+from wirerope_mj.content.correlation import agreement
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.mounts import mount_blocks
 from wirerope_mj.content.payload import acceleration_blocks
@@ -38,6 +40,17 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
         Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
         Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),
     )
+
+
+def test_texts(tests: Sequence[Correlation]) -> tuple[Text, ...]:
+    """Return how a run agrees with each test, in a tab of their own."""
+    return tuple(
+        Text(
+            path=("tests", one.name), name=one.name, place="Agreement",
+            text=markdown_blocks([agreement(one), one.table, one.ratings]),
+        )
+        for one in tests
+    )  # fmt: skip
 
 
 def overlay_texts(comparison: Comparison, inputs: Inputs, tables: Sequence[Table]) -> tuple[Text, ...]:
