@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.calibration.fit import Fit, Problem
+from wirerope_mj.studies.calibration.prior import Prior
 
 REACH = 1.3
 """Standard deviations of the points that the emulator is made from: a little beyond what the posterior holds."""
@@ -17,6 +18,12 @@ CHECKED = 16
 
 GOOD = 0.3
 """Root mean square error of the emulator's log likelihood within which it is taken: a band moves by less than a tenth."""
+
+ROUNDS = 4
+"""Times that runs at draws may join the emulator."""
+
+_FAR, _SMALL = 4.0, 1e-4
+"""Standard normals at which a prior is held to be positive, and the step of its slopes."""
 
 WALKERS, STEPS, BURNED, THIN = 48, 1200, 300, 20
 
@@ -42,41 +49,67 @@ class Posterior:
     series: Array
 
 
+class Coordinates:
+    """Coordinates in which a model bends least: logarithms of values that are positive, over the fit's covariance.
+
+    A response depends on stiffness over mass; in logarithms that is straight, however long the ridge.
+    """
+
+    def __init__(self, prior: Prior, found: Fit) -> None:
+        self._prior, self._middle = prior, found.normals
+        self.root = np.asarray(np.linalg.cholesky(found.covariance), dtype=np.float64)
+        self._positive = (prior.values(np.outer([-_FAR, _FAR], np.ones(prior.size))) > 0.0).all(axis=0)
+        self._at = self._plain(found.normals[np.newaxis])[0]
+        steps = _SMALL * np.eye(prior.size)
+        slopes = (self._plain(found.normals + steps) - self._plain(found.normals - steps)).T / (2.0 * _SMALL)
+        self._inverse = np.linalg.inv(slopes @ self.root)
+
+    def normals(self, s: Array) -> Array:
+        """Return u at standard deviations s of the fit, (n, d)."""
+        return self._middle + s @ self.root.T
+
+    def bent(self, normals: Array) -> Array:
+        """Return the coordinates of u, (n, d): s where the priors are straight."""
+        return np.asarray((self._plain(normals) - self._at) @ self._inverse.T)
+
+    def _plain(self, normals: Array) -> Array:
+        values = self._prior.values(normals)
+        return np.where(self._positive, np.log(np.where(self._positive, values, 1.0)), values)
+
+
 def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) -> Posterior:
     """Return draws of the posterior.
 
-    The whitened residual is a quadratic of s = (u - u*) / root of the covariance, made from runs about the fit, and its sum of
-    squares a form of the coefficients' Gram matrix: a thousand steps of the sampler cost less than a run. The model is run
-    again at draws; where the emulator misses there, these runs join it.
+    The whitened residual is a quadratic of `Coordinates`, made from runs about the fit, and its sum of squares a form of the
+    coefficients' Gram matrix: a thousand steps of the sampler cost less than a run. The model is run again at draws; where the
+    emulator misses there, these runs join it.
     """
     generator = np.random.default_rng(seed)
-    root = np.asarray(np.linalg.cholesky(found.covariance), dtype=np.float64)
-    roots = problem.roots(found.noises)
+    coordinates, roots = Coordinates(problem.prior, found), problem.roots(found.noises)
     size = found.normals.size
     count = _terms(np.zeros((1, size))).shape[1]
     points = REACH * generator.standard_normal((max(2 * count, 24), size))
-    points = np.concatenate([np.zeros((1, size)), points])
-    residuals = _residuals(problem, found.normals + points @ root.T, roots)
-    error, rounds = np.inf, 3
-    for number in range(rounds):
+    normals = coordinates.normals(np.concatenate([np.zeros((1, size)), points]))
+    residuals = _residuals(problem, normals, roots)
+    error = np.inf
+    for number in range(ROUNDS):
         good = np.isfinite(residuals).all(axis=1)
-        coefficients = np.linalg.lstsq(_terms(points[good]), residuals[good], rcond=None)[0]
+        terms = _terms(coordinates.bent(normals[good]))
+        coefficients = np.linalg.lstsq(terms, residuals[good], rcond=None)[0]
         gram = coefficients @ coefficients.T
-        chain, acceptance = _walked(found, root, gram, draws, seed + number)
+        chain, acceptance = _walked(coordinates, gram, draws, seed + number)
         rows = generator.choice(len(chain), CHECKED, replace=False)
-        u = found.normals + chain[rows] @ root.T
-        series = problem.model(u)
+        series = problem.model(chain[rows])
         true = problem.whitened((series - problem.measured).T, roots).T
-        emulated = -0.5 * np.einsum("ni,ij,nj->n", _terms(chain[rows]), gram, _terms(chain[rows]))
+        emulated = _logarithm(coordinates, gram, chain[rows])
         difference = emulated + 0.5 * np.sum(true**2, axis=1)
         error = float(np.sqrt(np.mean((difference - np.mean(difference)) ** 2)))
         if error < GOOD:
             break
-        points, residuals = np.concatenate([points, chain[rows]]), np.concatenate([residuals, true])
-    normals = found.normals + chain @ root.T
+        normals, residuals = np.concatenate([normals, chain[rows]]), np.concatenate([residuals, true])
     return Posterior(
-        normals=normals, values=problem.prior.values(normals), emulator_error=error, acceptance=acceptance,
-        checked=rows, series=series,
+        normals=chain, values=problem.prior.values(chain), emulator_error=error, acceptance=acceptance, checked=rows,
+        series=series,
     )  # fmt: skip
 
 
@@ -90,13 +123,19 @@ def _terms(s: Array) -> Array:
     return np.concatenate([np.ones((len(s), 1)), s, s[:, rows] * s[:, columns]], axis=1)
 
 
-def _walked(found: Fit, root: Array, gram: Array, draws: int, seed: int) -> tuple[Array, float]:
-    """Return draws of s by the sampler, (draws, d), and its acceptance."""
-    size = found.normals.size
+def _logarithm(coordinates: Coordinates, gram: Array, normals: Array) -> Array:
+    """Return the emulator's log likelihood at u, (n,)."""
+    terms = _terms(coordinates.bent(normals))
+    return np.asarray(-0.5 * np.einsum("ni,ij,nj->n", terms, gram, terms))
+
+
+def _walked(coordinates: Coordinates, gram: Array, draws: int, seed: int) -> tuple[Array, float]:
+    """Return draws of u by the sampler, (draws, d), and its acceptance."""
+    size = coordinates.root.shape[0]
 
     def logarithm(s: Array) -> Array:
-        terms, u = _terms(s), found.normals + s @ root.T
-        return -0.5 * (np.einsum("ni,ij,nj->n", terms, gram, terms) + np.sum(u**2, axis=1))
+        u = coordinates.normals(s)
+        return _logarithm(coordinates, gram, u) - 0.5 * np.sum(u**2, axis=1)
 
     walkers = max(WALKERS, 4 * size)
     sampler = emcee.EnsembleSampler(walkers, size, logarithm, vectorize=True)
@@ -105,4 +144,4 @@ def _walked(found: Fit, root: Array, gram: Array, draws: int, seed: int) -> tupl
     sampler.run_mcmc(0.5 * begin.standard_normal((walkers, size)), STEPS)
     chain = sampler.get_chain(discard=BURNED, thin=THIN, flat=True)
     rows = np.random.default_rng(seed).choice(len(chain), min(draws, len(chain)), replace=False)
-    return chain[rows], float(np.mean(sampler.acceptance_fraction))
+    return coordinates.normals(chain[rows]), float(np.mean(sampler.acceptance_fraction))
