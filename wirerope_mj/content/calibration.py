@@ -112,20 +112,22 @@ def _values_table(result: Calibration) -> Table:
     rows: list[list[Cell]] = []
     for k, name in enumerate(result.names):
         low, high = result.intervals()[k]
+        decimals = 3 - math.floor(math.log10(high - low)) if high > low else 12
+        value, low, high = (round(float(one), decimals) for one in (result.values[k], low, high))
         left = float(result.learned[k])
         note: Cell = ""
         if left > LITTLE:
             note = Mark("the tests say little of it", "unjudged")
         elif name in result.insignificant:
             note = Mark("not significant; consider dropping it", "unjudged")
-        rows.append([name, result.values[k], low, high, result.units[k] or "factor", left, note])
+        rows.append([name, value, low, high, result.units[k] or "factor", left, note])
     percent = f"{100.0 * LEVEL:.0f} %"
     return Table(
         id="values",
         title=f"Values, and the interval that holds each with a probability of {percent}",
         columns=(
-            Column("quantity", align="left"), Column("median", form=".5g"), Column("from", form=".5g"),
-            Column("to", form=".5g"), Column("unit", align="left"), Column("left of the prior", "%", ".2g"),
+            Column("quantity", align="left"), Column("median", form="z.5g"), Column("from", form="z.5g"),
+            Column("to", form="z.5g"), Column("unit", align="left"), Column("left of the prior", "%", ".2g"),
             Column("note", align="left"),
         ),
         rows=rows,

@@ -21,6 +21,9 @@ LITTLE = 0.7
 TOGETHER = 0.95
 """Correlation from which on two unknowns are known together only."""
 
+OPEN = 0.2
+"""Standard deviation after the tests over that before from which on such a pair is named: less is known well enough apart."""
+
 DISCREPANT = 0.1
 """Discrepancy over the response from which on the model does not follow a channel."""
 
@@ -108,8 +111,9 @@ class Calibrated(Summarised):
         ]
         for i, one in enumerate(self.names):
             for k, other in enumerate(self.names[:i]):
-                if abs(rho := self.correlation[i, k]) > TOGETHER:
-                    kind = "their ratio" if rho > 0.0 else "their sum in logarithms"
+                rho = self.correlation[i, k]
+                if abs(rho) > TOGETHER and max(self.learned[i], self.learned[k]) > OPEN:
+                    kind = "their ratio" if rho > 0.0 else "their product"
                     texts.append(f"{other} and {one} are known together only (correlation {rho:+.2f}): {kind} is")
         return tuple(texts)
 
