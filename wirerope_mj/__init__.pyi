@@ -159,5 +159,12 @@ from .studies import Uniform as Uniform
 from .studies import load_study as load_study
 from .studies import redrawn as redrawn
 from .studies import sobol_indices as sobol_indices
+from .studies.calibration import Calibration as Calibration
+from .studies.calibration import FrequencyTest as FrequencyTest
+from .studies.calibration import LoopTest as LoopTest
+from .studies.calibration import MeasuredTest as MeasuredTest
+from .studies.calibration import Prediction as Prediction
+from .studies.calibration import calibrate as calibrate
+from .studies.calibration import predict as predict
 from .views.recording import record_overlay as record_overlay
 from .views.recording import record_rerun as record_rerun

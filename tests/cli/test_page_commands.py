@@ -79,6 +79,18 @@ def deck_record():
     Path("deck.csv").write_text(f"time [s], acceleration [g]\n{rows}\n", encoding="utf-8")
 
 
+def drop_of_the_shock_table():
+    table = wr.load_system("shock_table")
+    stiffer = wr.varied(table, isolators={"m1": table.mounts["m1"].written.scaled(1.15)})
+    motion = wr.HalfSine(peak=80.0, duration=0.011, direction="z", start=0.02)
+    r = wr.simulate(stiffer, motion, duration=0.5, sample_rate=2000.0)
+    columns = [r.time, r.base.acceleration[:, 2] / 9.80665, r.bodies["block"].acceleration[:, 2] / 9.80665]
+    columns[2] += 0.01 * np.random.default_rng(1).standard_normal(r.time.size)
+    np.savetxt(
+        "drop.csv", np.column_stack(columns), delimiter=",", header="time [s],A0 [g],A1 [g]", comments="", fmt="%.7g"
+    )
+
+
 def genset():
     assert main(["new", "genset", "--template", "genset"]) == 0
     os.chdir("genset")
@@ -100,6 +112,7 @@ def measured_drop():
 
 PREPARED = {
     "README.md": lambda: os.symlink(ROOT / "models", "models"),
+    "calibrate.md": drop_of_the_shock_table,
     "durability.md": durability,
     "exchange.md": run_of_the_cabinet,
     "identification.md": identification,

@@ -30,7 +30,7 @@ HOUSE = {
     "engine": (("response", "control"), ("system", "from_tables"), ("kernel",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "correlation", "selection", "durability")),
-    "studies": (("inputs",), ("engines",), ("results",), ("search",)),
+    "studies": (("inputs",), ("engines",), ("results",), ("search", "calibration")),
     "content": (),
     "views": (("plots", "recording"), ("report",), ("explore",), ("share",)),
     "runs": (),

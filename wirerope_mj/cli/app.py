@@ -51,6 +51,10 @@ COMMANDS = {
         "identify:identify_records",
         "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
     ),
+    "calibrate": (
+        "calibrate:calibrate",
+        "Bring a model to measured tests: the values that they tell and how well, a page, and a calibrated model.",
+    ),
     "laws": (
         "loops:laws",
         "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",

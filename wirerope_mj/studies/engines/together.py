@@ -13,7 +13,8 @@ from wirerope_mj.engine.kernel.equations import Equations, equations
 from wirerope_mj.engine.kernel.variants import Numbers
 from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.grid import joined, time_grid
-from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
+from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
+from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import MOST_STEPS, check_direction, checked_corners
 from wirerope_mj.engine.simulation.stability import rates_of, stable_step, step_bound
 from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
@@ -57,16 +58,74 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
     last bit as those that `wirerope_mj.studies.inputs.variants.Maker` makes, and are not made.
     """
     system = work.system
-    if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
+    done = _go(work, rows)
+    if done is None:
         return NONE
+    columns = measures_together(system, done.extremes, None if done.forces is None else done.forces[done.chosen])
+    return Together(
+        indices=done.indices[done.good], columns={name: one[done.good] for name, one in columns.items()}
+    )  # fmt: skip
+
+
+def histories_together(
+    work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str], threads: int
+) -> tuple[Array, dict[int, Array]]:
+    """Return sample instants (n_t,), and columns of the responses of those variants that can be computed side by side.
+
+    Args:
+        work: what all variants share.
+        rows: their inputs.
+        columns: of a response, such as "bodies/rack/acceleration/z"; none of the base.
+        threads: number of threads.
+    """
+    plan = column_plan(work.system)
+    wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
+    found: dict[int, dict[int, Array]] = {}
+
+    def sink(number: int, first: int, values: Array) -> None:
+        found.setdefault(number, {})[first] = values[:, wanted].copy()
+
+    done = _go(work, rows, sink, threads)
+    if done is None:
+        return np.zeros(0), {}
+    parts = {number: np.concatenate([own[first] for first in sorted(own)]) for number, own in found.items()}
+    return done.time, {int(done.indices[k]): parts[k] for k in np.flatnonzero(done.good).tolist()}
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Done:
+    """Variants at the end of their grid.
+
+    Attributes:
+        indices: which of the rows they are.
+        chosen: numbers of those among the variants whose equations could be written.
+        forces: of the mounts at rest of these, if they start there.
+        extremes: over every step.
+        good: which of them hold.
+        time: sample instants [s].
+    """
+
+    indices: npt.NDArray[np.int64]
+    chosen: npt.NDArray[np.int64]
+    forces: Array | None
+    extremes: Extremes
+    good: Flags
+    time: Array
+
+
+def _go(work: Work, rows: Sequence[dict[str, Any]], sink: Sink | None = None, threads: int = 1) -> _Done | None:
+    """Step those variants that can be computed side by side; None if none can."""
+    system = work.system
+    if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
+        return None
     variants = _variants(work, rows)
     if not variants.indices:
-        return NONE
+        return None
     states, forces, good = _starts(work, variants)
     good &= _steps_hold(work, variants, rows)
     chosen = np.flatnonzero(good)
     if not chosen.size:
-        return NONE
+        return None
     motions = [variants.motions[i] for i in chosen]
     grid = time_grid(
         start=0.0, duration=work.duration, sample_rate=work.sample_rate, timestep=work.timestep, motion=motions[0],
@@ -75,16 +134,15 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
     own = equations(system)
     done = go_in_lanes(
         [Equations(lay=own.lay, fix=own.fix, num=variants.numbers[i], rest=own.rest, counts=own.counts) for i in chosen],
-        system.assembly.tables.drive, motions, states[chosen], grid,
+        system.assembly.tables.drive, motions, states[chosen], grid, threads=threads, sink=sink,
     )  # fmt: skip
     extremes = Extremes.of(system, done)
-    columns = measures_together(system, extremes, None if forces is None else forces[chosen])
     deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
     low, high = (one[:, deflections::2] for one in (extremes.lowest, extremes.highest))
-    good = ~extremes.failed & _lawful(system, low, high)
-    return Together(
-        indices=np.array(variants.indices)[chosen[good]], columns={name: one[good] for name, one in columns.items()}
-    )
+    return _Done(
+        indices=np.array(variants.indices)[chosen], chosen=chosen, forces=forces, extremes=extremes,
+        good=~extremes.failed & _lawful(system, low, high), time=grid.sample_times,
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -120,13 +178,18 @@ def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
     bound = step_bound(system)
     own_rates = np.array([bound.stiffness, bound.damping, bound.decay])
     laws: _Laws = {}
+    checked: set[int] = set()  # of motions, by their identity: `make` keeps them
     indices, motions, numbers, rates, moved = [], [], [], [], []
     for index, row in enumerate(rows):
         try:
             draft, motion = make.draft(row), make.motion(row)
-            if draft.failed or draft.absent or unsupported_motion(system, motion):
+            if draft.failed or draft.absent:
                 continue
-            check_direction(system, motion)
+            if id(motion) not in checked:
+                if unsupported_motion(system, motion):
+                    continue
+                check_direction(system, motion)
+                checked.add(id(motion))
             own = equations(system).num.copy(), own_rates.copy()
             if valid and _plain(draft):
                 _write_laws(draft, *own, laws)
@@ -231,11 +294,14 @@ def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags
         found &= _lawful(system, rests.mounts[:, :, 0], rests.mounts[:, :, 0])
     else:
         states = np.tile(unloaded.values[where], (n, 1))
-    moves: dict[int, bool] = {}
+    moves: dict[int, Array] = {}
     for number, motion in enumerate(variants.motions):
         if id(motion) not in moves:
-            moves[id(motion)] = moving_with_base(system, motion, unloaded) is not unloaded
-        if moves[id(motion)]:
+            moves[id(motion)] = moving_with_base(system, motion, unloaded).values[where] - unloaded.values[where]
+        move = moves[id(motion)]
+        if not move[: system.model.nq].any():  # velocities alone, from rest: the same of every state
+            states[number] += move
+        else:
             values = unloaded.values.copy()
             values[where] = states[number]
             states[number] = moving_with_base(system, motion, State(values=values, time=0.0)).values[where]

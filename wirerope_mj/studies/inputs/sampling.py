@@ -48,7 +48,7 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
             points = _points(sampling, variants, len(columns), seed)
         ends = np.cumsum([len(quantity.columns) for quantity in quantities])[:-1]
         blocks = zip(quantities, np.split(points, ends, axis=1), strict=True)
-        values = [column for quantity, own in blocks for column in _values(quantity, own)]
+        values = [column for quantity, own in blocks for column in values_at(quantity, own)]
     numbers = pa.array(np.arange(len(values[0])), type=pa.int64())
     arrays = [pa.array(value, type=column.type) for value, column in zip(values, columns, strict=True)]
     return pa.table([numbers, *arrays], names=["variant", *(column.name for column in columns)])
@@ -82,7 +82,7 @@ def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
     return np.asarray(points[:variants])
 
 
-def _values(quantity: Quantity, points: Array) -> list[npt.NDArray[Any]]:
+def values_at(quantity: Quantity, points: Array) -> list[npt.NDArray[Any]]:
     """Return the values of a quantity's columns from numbers between 0 and 1, (n, n_columns)."""
     distribution = quantity.distribution
     if not isinstance(distribution, Specimens):

@@ -1,0 +1,152 @@
+"""`wirerope calibrate`: measured tests and a model to the values that they tell, a page, and a calibrated model."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from wirerope_mj.studies.inputs.vary_option import EXAMPLE
+
+if TYPE_CHECKING:
+    from wirerope_mj.engine.system import System
+    from wirerope_mj.motions import BaseMotion
+
+NOT_CONVERGED = 1
+"""Exit code of a fit that did not converge."""
+
+_RING = 5.0
+"""Periods of the slowest mode that a prediction goes on after the motion."""
+
+Several = Annotated[list[str] | None, Parameter(negative=())]
+
+
+def calibrate(
+    model: str,
+    *,
+    test: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    vary: Several = None,
+    out: Path,
+    predict: Several = None,
+    limit: Several = None,
+    baseline: Literal["none", "rest", "mean"] = "none",
+    initial: Literal["settled", "relaxed", "unloaded"] = "settled",
+    start: float = 0.0,
+    residuals: Literal["time", "srs", "spectrum"] = "time",
+    draws: int = 1000,
+    seed: int = 1,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.
+
+    wirerope calibrate cabinet --test drop1.csv --test drop2.csv --map "A0=base z g" "A1=body/rack z g"
+    --vary "mount/*/stiffness = Uniform(0.7, 1.4)" --vary "channel/*/gain = Normal(1, 0.02)" --out calibrated
+
+    What varies is named as in a study, with what is known before as its distribution; faults of the measuring chain are
+    channel/NAME/gain, channel/NAME/delay [s] and channel/NAME/offset [SI]. The folder holds the page, the draws, and the model
+    with isolators whose [spread] is what the tests leave open: a study with "mount/*/spread = Specimens" draws from it.
+
+    Args:
+        model: path of a model, the name of one that ships with the package, or the folder of a run.
+        test: file of a test: CSV, MATLAB, XLSX, Parquet or a universal file; several may be given.
+        map: what each column of the tests is, COLUMN=PHRASE, such as "A1=body/rack z g", or a TOML file. Tests whose base was
+            not measured move as the run does.
+        vary: what is to be found, with its prior: "mount/*/stiffness = Uniform(0.7, 1.4)".
+        out: folder of the calibration.
+        predict: another motion that is predicted with bands, its kind first: "half-sine 15 g 11 ms z".
+        limit: on a measure of the predictions, "acceleration/rack = 15 g": with which probability is it exceeded?
+        baseline: what is taken off the channels: none, their level at rest, or their mean.
+        initial: state in which the tests began.
+        start: instant of the run at which the tests' first samples were taken [s].
+        residuals: what of the channels is compared: their histories, or logarithms of their shock response or amplitude
+            spectra.
+        draws: of the posterior.
+        seed: of design and sampler.
+        force: replace a calibration that is there.
+    """
+    from rich.markup import escape
+
+    from wirerope_mj.content.calibration import calibration_content
+    from wirerope_mj.engine.simulation.stability import slowest_period
+    from wirerope_mj.foundation.arguments import integer
+    from wirerope_mj.motions.records.measured import load_measured
+    from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
+    from wirerope_mj.runs.folder import check_target
+    from wirerope_mj.runs.measured import read_map
+    from wirerope_mj.studies.calibration import MeasuredTest
+    from wirerope_mj.studies.calibration import calibrate as calibrated
+    from wirerope_mj.studies.calibration.predict import predict as predicted
+    from wirerope_mj.studies.measures import measure_names
+    from wirerope_mj.studies.results.stated_limits import limit_of_text
+    from wirerope_mj.views.terminal import console, print_headline, show
+
+    if not test:
+        raise ValueError(
+            "name the tests: wirerope calibrate MODEL --test TEST.csv --map COLUMN=PHRASE .. --vary .. --out FOLDER"
+        )
+    if not vary:
+        raise ValueError(f"`--vary` must say what is to be found, with its prior, such as {EXAMPLE!r}, got none.")
+    check_target(out, force=force, kind=KIND, marks=MARKS)
+    system, motion = _system_and_motion(model)
+    motions = [_spoken(phrase) for phrase in predict or ()]
+    limits = [limit_of_text(text, measure_names(system)) for text in limit or ()]
+    if limits and not motions:
+        raise ValueError(
+            "`--limit` is on a prediction; say of which motion, for instance --predict 'half-sine 15 g 11 ms z'."
+        )
+    if not map:
+        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
+    said = read_map(map)
+    settings: dict[str, Any] = {"baseline": baseline, "start": start} | said
+    measured = [load_measured(file, **settings) for file in test]
+    moved = any(phrase.split()[:1] == ["base"] for phrase in said["channels"].values())
+    if not moved and motion is None:
+        raise ValueError(
+            "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
+        )
+    tests = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
+    result = calibrated(
+        system, tests, vary=vary, residuals=residuals, draws=integer("--draws", draws, least=100), seed=seed
+    )
+    content = calibration_content(
+        result,
+        title=f"{Path(model).stem}, calibrated from {', '.join(one.name for one in measured)}",
+        sources=[f"{one.path.name}: {', '.join(channel.key for channel in one.channels)}" for one in measured],
+        warnings=[text for one in measured for text in one.warnings],
+        predictions=[
+            (predicted(result, one, duration=one.end + _RING * slowest_period(system), initial=initial), limits)
+            for one in motions
+        ],
+    )
+    files = write_calibration(result, content, out, force=force)
+    screen = console()
+    screen.print(f"\n[bold]{escape(content.title)}[/]")
+    show(content, *content.sections_of("summary"))
+    print_headline(content.verdict)
+    show(content, "answer")
+    screen.print(f"\n  written to {escape(str(out))}/\n  {escape(', '.join(files))}", soft_wrap=True)
+    return 0 if result.fit.converged else NOT_CONVERGED
+
+
+def _system_and_motion(model: str) -> "tuple[System, BaseMotion | None]":
+    """Return a model's system, or system and motion of a run."""
+    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.foundation.resources import model_source
+    from wirerope_mj.runs.scenario_file import scenario_content
+    from wirerope_mj.runs.sources import is_run, system_and_motion
+
+    if is_run(model):
+        return system_and_motion(Path(model), scenario_content(Path(model)))
+    return load_system(model_source(model, folder=None, asker="a calibration")), None
+
+
+def _spoken(phrase: str) -> "BaseMotion":
+    """Return the motion of a kind and its phrase."""
+    from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
+
+    kind, _, rest = phrase.strip().partition(" ")
+    if kind not in SPOKEN_MOTIONS:
+        raise ValueError(
+            f"`--predict` begins with the kind of the motion, {', '.join(SPOKEN_MOTIONS)}; got {phrase!r}."
+        )
+    return motion_from_phrase(kind, rest)

@@ -1,0 +1,40 @@
+"""A calibration as one folder: page, summary, draws, the calibrated model with its isolators, and a run of the first test."""
+
+import json
+from pathlib import Path
+
+from wirerope_mj.content.blocks import Content
+from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.parquet_files import write_rows
+from wirerope_mj.runs.folder import atomic_run
+from wirerope_mj.runs.page import REPORT
+from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
+from wirerope_mj.studies.calibration.result import Calibration
+from wirerope_mj.views.json_content import plain_content
+from wirerope_mj.views.report import report_html
+
+KIND = "calibration"
+SUMMARY, DRAWS, ISOLATORS = "calibration.json", "draws.parquet", "isolators"
+MARKS = (SUMMARY,)
+
+_SECTIONS = ("values", "answer", "prediction", "channels", "known-together", "read-from")
+
+
+def write_calibration(result: Calibration, content: Content, folder: Path, *, force: bool = False) -> list[str]:
+    """Write a calibration as `folder`, atomically, and return the names of what lies there.
+
+    It holds `report.html`, `calibration.json`, the draws, and `model/`: the model with the calibrated isolators, each with its
+    spread. What an isolator file cannot say, other masses or isolators that differ where the model has one, stands in
+    `model/changes.toml`.
+
+    Raises:
+        RecordError: the folder exists and must not be replaced.
+    """
+    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
+        isolators = calibrated_isolators(result, [test.name for test in result.forward.tests])
+        write_model(calibrated_system(result, isolators), temporary / "model")
+        said = {"format": 1, **plain_content(content, *_SECTIONS)}
+        (temporary / SUMMARY).write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        write_rows(temporary / DRAWS, list(result.names), result.samples, {"units": list(result.units)})
+        (temporary / REPORT).write_text(report_html(content), encoding="utf-8")
+    return sorted(f"{path.name}{'/' if path.is_dir() else ''}" for path in folder.iterdir())

@@ -1,0 +1,167 @@
+"""Fit of any forward model to measured series: a coarse design, least squares, and the noise that is left."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise, first_noise
+from wirerope_mj.studies.calibration.prior import Prior
+
+Forward = Callable[[Array], Array]
+"""Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any."""
+
+DESIGN, STARTS = 64, 2
+"""Points of the coarse design, and how many of the best begin a search."""
+
+STEP = 0.02
+"""Step of the differences that make the Jacobian, in standard deviations of the prior."""
+
+ROUNDS = 4
+"""Times that the noise is estimated and the search goes on."""
+
+REFUSED = 1e3
+"""Whitened residual where the model cannot be computed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Fit:
+    """The most likely point and what surrounds it.
+
+    Attributes:
+        normals: u there, (d,).
+        covariance: of u about it, prior included, (d, d).
+        noises: of each series.
+        model: the model's series there, (n_samples,).
+        residual: whitened, (n_samples,).
+        converged: whether the last search ended by itself.
+        runs: of the model so far.
+    """
+
+    normals: Array
+    covariance: Array
+    noises: tuple[Noise, ...]
+    model: Array
+    residual: Array
+    converged: bool
+    runs: int
+
+
+class Problem:
+    """A forward model, a prior and measured series, with a memory of runs.
+
+    Attributes:
+        runs: of the model so far.
+    """
+
+    def __init__(self, forward: Forward, series: Sequence[Series], prior: Prior) -> None:
+        self.series, self.prior, self.runs = tuple(series), prior, 0
+        self._forward = forward
+        self.ends = np.cumsum([one.values.size for one in series])
+        self.measured = np.concatenate([one.values for one in series])
+
+    def split(self, values: Array) -> list[Array]:
+        """Cut the last axis into the series."""
+        return np.split(values, self.ends[:-1], axis=-1)
+
+    def model(self, normals: Array) -> Array:
+        """Return the model's series, (n, n_samples), at u (n, d)."""
+        self.runs += len(normals)
+        return self._forward(self.prior.values(normals))
+
+    def jacobian(self, normals: Array) -> Array:
+        """Return the derivative of the model's series by u, (n_samples, d), by central differences in one batch."""
+        steps = STEP * np.eye(normals.size)
+        values = self.model(np.concatenate([normals + steps, normals - steps]))
+        ahead, behind = np.split(values, 2)
+        slopes = ((ahead - behind) / (2.0 * STEP)).T
+        if not np.isfinite(slopes).all():
+            raise ConvergenceError(
+                "the model cannot be computed beside the best point found; narrow the priors to values that it takes."
+            )
+        return np.asarray(slopes)
+
+    def roots(self, noises: Sequence[Noise]) -> list[Array]:
+        """Return the Cholesky factors of the series' covariances."""
+        return [noise.root(one) for noise, one in zip(noises, self.series, strict=True)]
+
+    def whitened(self, values: Array, roots: Sequence[Array]) -> Array:
+        """Return L^-1 times values whose first axis is the samples."""
+        parts = np.split(values, self.ends[:-1], axis=0)
+        return np.concatenate(
+            [
+                scipy.linalg.solve_triangular(root, part, lower=True, check_finite=False)
+                for root, part in zip(roots, parts, strict=True)
+            ]
+        )
+
+
+def fit(problem: Problem, *, seed: int = 1) -> Fit:
+    """Return the most likely unknowns, the noise of every series estimated along with them.
+
+    Raises:
+        ConvergenceError: the model cannot be computed anywhere in the prior, or not beside the best point.
+    """
+    noises: Sequence[Noise] = [first_noise(one) for one in problem.series]
+    found = None
+    for start in _starts(problem, noises, seed):
+        ended = _searched(problem, noises, start)
+        if found is None or ended.cost < found.cost:
+            found = ended
+    assert found is not None
+    for _ in range(ROUNDS):
+        jacobian = problem.jacobian(found.x)
+        model = problem.model(found.x[np.newaxis])[0]
+        linear = problem.measured - model + jacobian @ found.x
+        noises = estimate_noise(problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear))
+        before = found.x
+        found = _searched(problem, noises, before)
+        if np.abs(found.x - before).max() < 1e-3:
+            break
+    model, roots = problem.model(found.x[np.newaxis])[0], problem.roots(noises)
+    white = problem.whitened(problem.jacobian(found.x), roots)
+    return Fit(
+        normals=found.x,
+        covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(found.x.size)), dtype=np.float64),
+        noises=tuple(noises),
+        model=model,
+        residual=problem.whitened(model - problem.measured, roots),
+        converged=found.status > 0,
+        runs=problem.runs,
+    )
+
+
+def _starts(problem: Problem, noises: Sequence[Noise], seed: int) -> Array:
+    """Return the best points of a coarse design, (n, d)."""
+    points = scipy.stats.qmc.Sobol(problem.prior.size, scramble=True, rng=np.random.default_rng(seed)).random(DESIGN)
+    normals = np.vstack([np.zeros(problem.prior.size), scipy.special.ndtri(np.clip(points, 1e-3, 1.0 - 1e-3))])
+    values = problem.model(normals)
+    good = np.isfinite(values).all(axis=1)
+    if not good.any():
+        raise ConvergenceError(
+            f"the model could be computed at none of {len(normals)} points of the prior; narrow it to values that it takes."
+        )
+    white = problem.whitened((values[good] - problem.measured).T, problem.roots(noises))
+    costs = np.sum(white**2, axis=0) + np.sum(normals[good] ** 2, axis=1)
+    return np.asarray(normals[good][np.argsort(costs)[:STARTS]])
+
+
+def _searched(problem: Problem, noises: Sequence[Noise], start: Array) -> scipy.optimize.OptimizeResult:
+    """Return the end of a search by least squares over the whitened residual and the prior."""
+    roots = problem.roots(noises)
+
+    def residual(u: Array) -> Array:
+        values = problem.model(u[np.newaxis])[0]
+        if not np.isfinite(values).all():
+            return np.full(values.size + u.size, REFUSED)
+        return np.concatenate([problem.whitened(values - problem.measured, roots), u])
+
+    def jacobian(u: Array) -> Array:
+        return np.vstack([problem.whitened(problem.jacobian(u), roots), np.eye(u.size)])
+
+    return scipy.optimize.least_squares(
+        residual, start, jac=jacobian, method="trf", x_scale="jac", ftol=1e-6, xtol=1e-5, gtol=1e-6, max_nfev=30
+    )

@@ -1,0 +1,120 @@
+"""The forward model of a calibration: values of quantities to the series that tests would have measured, many at once."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any, Protocol
+
+import numpy as np
+
+from wirerope_mj.engine.system import Changes, System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.studies.calibration.frequency_test import FrequencyRuns, FrequencyTest
+from wirerope_mj.studies.calibration.loop_test import LoopRuns, LoopTest
+from wirerope_mj.studies.calibration.measured_test import MeasuredTest, TransientRuns
+from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.calibration.nuisance import UNITS, chains, nuisances
+from wirerope_mj.studies.calibration.prior import Prior
+from wirerope_mj.studies.calibration.spectral import Domain
+from wirerope_mj.studies.inputs.column import InputColumn
+from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic
+from wirerope_mj.studies.inputs.quantities import quantities
+from wirerope_mj.studies.inputs.sampling import values_at
+from wirerope_mj.studies.inputs.variants import Maker
+
+Test = MeasuredTest | FrequencyTest | LoopTest
+
+
+class Runs(Protocol):
+    """Runs of one test with many values: raw channels, and the series that a measuring chain makes of each."""
+
+    series: list[Series]
+
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the raw channels with the values of each row; None where one failed."""
+
+    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+        """Return the series of a raw channel as a chain with gain [-], delay [s] and offset [SI] shows it."""
+
+
+class SystemForward:
+    """Series of all tests of a system as a function of what varies.
+
+    Attributes:
+        system: as the model has it.
+        tests: measured.
+        series: of all tests.
+        prior: of what varies: first the quantities of the system, then those of the channels.
+        columns: of the quantities.
+    """
+
+    def __init__(
+        self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
+    ) -> None:
+        self.system, self.tests = system, tuple(tests)
+        own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
+        for name, one in vary.items():
+            if isinstance(one, Choice | Isotropic):
+                raise ValueError(
+                    f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}."
+                )
+        resolved = quantities(own, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
+        self.columns = tuple(column for quantity in resolved for column in quantity.columns)
+        self._runs = [_runs_of(system, test, self.columns, domain) for test in tests]
+        self.series = [one for runs in self._runs for one in runs.series]
+        self._nuisances = nuisances(vary, [one.name for one in self.series])
+        counts = np.cumsum([len(quantity.columns) for quantity in resolved])
+
+        def quantiles(p: Array) -> Array:
+            parts = zip(resolved, np.split(p[:, : counts[-1]], counts[:-1], axis=1), strict=True)
+            system_values = [values for quantity, own in parts for values in values_at(quantity, own)]
+            chain = [one.distribution.values(p[:, counts[-1] + k]) for k, one in enumerate(self._nuisances)]
+            return np.stack([*system_values, *chain], axis=1)
+
+        self.prior = Prior(
+            names=(*(column.name for column in self.columns), *(one.name for one in self._nuisances)),
+            units=tuple([*(column.unit for column in self.columns), *(UNITS[one.kind] for one in self._nuisances)]),
+            quantiles=quantiles,
+        )
+        self._maker = Maker(system, (), self.columns)
+
+    def __call__(self, values: Array) -> Array:
+        """Return the series of values (n, d), one behind the other, (n, n_samples)."""
+        cut = len(self.columns)
+        rows, which = np.unique(values[:, :cut], axis=0, return_inverse=True)  # a channel's fault needs no run
+        named = [self._row(row) for row in rows]
+        chain = chains(self._nuisances, values[:, cut:], len(self.series))
+        parts, k = [], 0
+        for runs in self._runs:
+            done = runs(named)
+            for number, one in enumerate(runs.series):
+                out = np.full((len(values), one.at.size), np.nan)
+                for i, place in enumerate(which.ravel().tolist()):
+                    raw = done[place]
+                    if raw is not None:
+                        out[i] = runs.seen(number, raw[number], *(float(chain[kind][i, k]) for kind in UNITS))
+                parts.append(out)
+                k += 1
+        return np.concatenate(parts, axis=1)
+
+    def system_at(self, values: Array) -> System:
+        """Return the system with values of the unknowns, (d,)."""
+        return self._maker.system(self._row(values))
+
+    def isolators_at(self, values: Array) -> Mapping[str, Isolator]:
+        """Return the isolators that values of the unknowns (d,) change, by mount; equal ones are one object."""
+        return self._maker.changes(self._row(values)).isolators
+
+    def moves_at(self, values: Array) -> Changes:
+        """Return the changes of masses, centres and positions at values of the unknowns, (d,)."""
+        return self._maker.moves(self._maker.draft(self._row(values)), {})
+
+    def _row(self, values: Array) -> dict[str, Any]:
+        return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
+
+
+def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domain: Domain) -> Runs:
+    if isinstance(test, FrequencyTest):
+        return FrequencyRuns(system, test, columns)
+    return (
+        LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
+    )

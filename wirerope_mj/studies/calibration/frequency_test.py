@@ -1,0 +1,105 @@
+"""A measured frequency response: transmissibility at one level of the base, and the same of a system in lanes."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.motions import Sine
+from wirerope_mj.studies.calibration.measured_test import work_of
+from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.inputs.column import InputColumn
+
+SETTLED, MEASURED = 20, 12
+"""Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside."""
+
+FEWEST = 5
+"""Frequencies that a response must have."""
+
+_STEPS = 16.0
+"""Samples of a cycle at which steps end."""
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FrequencyTest:
+    """A transmissibility measured with a steady or slowly swept sine.
+
+    It is the amplitude of the absolute acceleration at the base's frequency, as a tracking filter shows it, over the base's.
+
+    Attributes:
+        name: in tables and in names of quantities.
+        payload: body whose acceleration was measured.
+        acceleration: amplitude of the base [m/s^2].
+        frequency: [Hz], rising, (n,).
+        transmissibility: [-], (n,).
+        direction: "x", "y" or "z", of the base and of what was measured.
+        initial: state in which the sine begins.
+    """
+
+    name: str
+    payload: str
+    acceleration: float
+    frequency: Array = field(repr=False)
+    transmissibility: Array = field(repr=False)
+    direction: str = "z"
+    initial: str = "settled"
+
+    def __post_init__(self) -> None:
+        positive("acceleration", self.acceleration, unit="m/s^2")
+        f, t = (np.asarray(one, dtype=np.float64) for one in (self.frequency, self.transmissibility))
+        if f.size < FEWEST or f.shape != t.shape or not (np.diff(f) > 0.0).all() or f[0] <= 0.0 or (t <= 0.0).any():
+            raise RecordError(
+                f"{self.name}: a frequency response needs {FEWEST} rising frequencies > 0 Hz at least and as many "
+                f"transmissibilities > 0, got {f.size} and {t.size}."
+            )
+
+
+class FrequencyRuns:
+    """Transmissibilities of systems at the frequencies of a test; the series is their logarithm over that of frequency."""
+
+    def __init__(self, system: System, test: FrequencyTest, columns: tuple[InputColumn, ...]) -> None:
+        if test.payload not in system.assembly.subjects.body_names:
+            raise RecordError(
+                f"{test.name}: this model has no body {test.payload!r}, so that the response is another model's. It has: "
+                f"{', '.join(system.assembly.subjects.body_names)}."
+            )
+        self.test = test
+        name = f"{test.name}/body/{test.payload}/transmissibility/{test.direction}"
+        at = np.log(np.asarray(test.frequency, dtype=np.float64))
+        values = np.log(np.asarray(test.transmissibility, dtype=np.float64))
+        self.series = [Series(name=name, at=at, values=values, size=np.ones(at.size), across="logarithm of frequency")]
+        self._works = [
+            work_of(
+                system, columns, Sine(frequency=float(one), acceleration=test.acceleration, direction=test.direction),
+                duration=(SETTLED + MEASURED) / float(one), sample_rate=_STEPS * float(one), initial=test.initial,
+            )
+            for one in test.frequency
+        ]  # fmt: skip
+
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the transmissibilities with the values of each row, (n,); None where one failed."""
+        found = np.full((len(rows), len(self._works)), np.nan)
+        column = f"bodies/{self.test.payload}/acceleration/{self.test.direction}"
+        for k, (work, frequency) in enumerate(zip(self._works, self.test.frequency, strict=True)):
+            time, done = histories(work, rows, [column])
+            last = time >= SETTLED / frequency
+            for i, one in enumerate(done):
+                if one is not None:
+                    found[i, k] = _tracked(time[last], one[last, 0], frequency) / self.test.acceleration
+        return [[row] if np.isfinite(row).all() else None for row in found]
+
+    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+        """Return the series of raw transmissibilities as a chain with a gain shows them."""
+        return np.log(gain * raw)
+
+
+def _tracked(time: Array, values: Array, frequency: float) -> float:
+    """Return the amplitude of a history at a frequency [Hz], as a tracking filter shows it."""
+    window = np.hanning(time.size)
+    return float(2.0 * abs(np.sum(window * values * np.exp(-2j * np.pi * frequency * time))) / window.sum())

@@ -1,0 +1,99 @@
+"""Isolators with the laws that a calibration found, their spread, and the provenance of both."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from wirerope_mj.engine.system import Changes, System, load_system
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.isolator import Isolator, Provenance, Spread
+from wirerope_mj.studies.calibration.result import Calibration
+
+_DRAWS = 400
+"""Draws from which a spread is taken: its standard deviations are then known to 4 %."""
+
+_MOVED = 1e-9
+"""Relative standard deviation below which a parameter did not vary."""
+
+
+def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict[str, Isolator]:
+    """Return the isolators that a calibration changed, by mount, with the spread that the tests leave.
+
+    The spread is the covariance of the laws' parameters over draws of the posterior, so that a study with
+    `"mount/NAME/spread": Specimens()` draws from it.
+
+    Args:
+        calibration: of a system.
+        tests: names of what it was calibrated from.
+    """
+    forward = calibration.forward
+    middle = forward.isolators_at(calibration.values)
+    draws = [forward.isolators_at(row) for row in calibration.samples[:_DRAWS]]
+    what = [name for name in calibration.names if name.startswith("mount/")]
+    found: dict[str, Isolator] = {}
+    same: dict[tuple[int, ...], Isolator] = {}
+    for mount, isolator in middle.items():
+        key = tuple(id(one[mount]) for one in draws)  # mounts that vary together share their isolators
+        if key not in same:
+            written = forward.system.mounts[mount].written
+            before = written.provenance
+            provenance = Provenance(
+                kind="identified",
+                source=f"calibrated from {', '.join(tests)}" + (f"; before: {before.source}" if before.source else ""),
+                fitted_to=f"{', '.join(what)}; {calibration.message}",
+                assumed=(*before.assumed, *calibration.not_identified),
+            )
+            spread = _spread(isolator, [one[mount] for one in draws])
+            same[key] = replace(isolator, provenance=provenance, spread=spread)
+        found[mount] = same[key]
+    return found
+
+
+def calibrated_system(calibration: Calibration, isolators: dict[str, Isolator]) -> System:
+    """Return the system with the medians of what varies, loaded anew, so that its isolator files say it where they can.
+
+    Mounts that share an isolator file get one calibrated file; where they differ now, and of masses, centres and positions,
+    `changes` say it.
+    """
+    system = calibration.forward.system
+    files: dict[str, Isolator] = dict(system.isolators)
+    own: dict[str, Isolator] = {}
+    for name in files:
+        mounts = [mount for mount, one in system.mounts.items() if one.isolator_name == name]
+        changed = {id(isolators.get(mount)): isolators.get(mount) for mount in mounts}
+        (first, *others) = changed.values() or [None]
+        if first is not None and not others:
+            files[name] = first
+        else:
+            own |= {mount: isolators[mount] for mount in mounts if mount in isolators}
+    loaded = load_system(system.path or system.mjcf, isolators=files)
+    moves = calibration.forward.moves_at(calibration.values)
+    changes = [*system.changes, replace(moves, isolators=own)]
+    return with_changes(loaded, [one for one in changes if one != Changes()])
+
+
+def _parameters(isolator: Isolator) -> Iterator[tuple[str, float]]:
+    """Yield names, such as "axial.alpha", and values of all numbers of an isolator's laws."""
+    for axis, law in isolator.axes.items():
+        for number, part in enumerate(law.components if law is not None else ()):
+            before = f"{axis}.laws[{number}]." if law is not part else f"{axis}."
+            for key, value in part.to_dict().items():
+                if key == "law" or key in part.options or isinstance(value, str | bool):
+                    continue
+                if isinstance(value, list):
+                    yield from ((f"{before}{key}[{k}]", float(one)) for k, one in enumerate(value))
+                else:
+                    yield f"{before}{key}", float(value)
+
+
+def _spread(middle: Isolator, draws: Sequence[Isolator]) -> Spread | None:
+    names = [name for name, _ in _parameters(middle)]
+    values: Array = np.array([[value for _, value in _parameters(one)] for one in draws])
+    moved = np.std(values, axis=0) > _MOVED * np.abs(values).max(axis=0)
+    if not moved.any():
+        return None
+    covariance = np.atleast_2d(np.cov(values[:, moved].T))
+    kept = tuple(name for name, one in zip(names, moved, strict=True) if one)
+    return Spread(parameters=kept, covariance=tuple(map(tuple, covariance.tolist())))

@@ -1,0 +1,234 @@
+"""A measured test: what moved the base, what was measured, and the same series of a response."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.simulation.stepper import initial_state
+from wirerope_mj.engine.simulation.timestep import choose_timestep
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.channel_map import SI
+from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
+from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.calibration.spectral import Domain, Spectral
+from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.inputs.column import InputColumn
+from wirerope_mj.studies.inputs.variants import Work
+
+SAMPLES = 250
+"""Samples of a channel that a fit compares at most: the covariance of their errors is a matrix."""
+
+SMOOTH = 0.6
+"""Standard deviation of the smoothing before samples are thinned, in intervals of the thinned ones."""
+
+QUIET = 0.01
+"""Part of a channel's largest value below which what comes before and after it is left out."""
+
+FEWEST = 30
+"""Samples of a channel that a test must have."""
+
+ACCURACY = 1e-3
+"""Error of the peaks for which steps are chosen: a tenth of what a good channel measures."""
+
+SAMPLED = 3.0
+"""Samples of a simulation in one width of the smoothing of the samples that are compared."""
+
+_XYZ = ("x", "y", "z")
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class MeasuredTest:
+    """One test of the system.
+
+    Attributes:
+        name: in tables and in names of quantities.
+        motion: of the base.
+        channels: that were measured.
+        initial: the state in which it began, as `simulate` takes it.
+    """
+
+    name: str
+    motion: BaseMotion
+    channels: Sequence[MeasuredChannel]
+    initial: str = "settled"
+
+    @classmethod
+    def of(cls, measured: Measured, motion: BaseMotion | None = None, *, initial: str = "settled") -> "MeasuredTest":
+        """Make a test of measured channels, moved by `motion`, or by what was measured at the base.
+
+        Raises:
+            RecordError: there is no motion, or nothing but the base was measured.
+        """
+        moved = measured.base if motion is None else motion
+        channels = [one for one in measured.channels if one.subject != "base"]
+        if not channels:
+            raise RecordError(
+                f"{measured.path}: nothing but the base was measured; map a column to a body, a point or a mount."
+            )
+        return cls(name=measured.name, motion=moved, channels=channels, initial=initial)
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Comparable:
+    """A channel brought to few samples, and the same of a response.
+
+    Attributes:
+        channel: as measured.
+        name: "TEST/body/rack/acceleration/z".
+        series: the measured samples that are compared.
+        width: standard deviation of the smoothing [s].
+    """
+
+    channel: MeasuredChannel
+    name: str
+    series: Series
+    width: float
+
+    @classmethod
+    def of(cls, test: str, channel: MeasuredChannel) -> "Comparable":
+        """Bring a measured channel to few samples, without what was clipped and before and after it moves.
+
+        Raises:
+            RecordError: it is too short, or does not move.
+        """
+        name = f"{test}/{channel.subject}/{channel.quantity}/{channel.axis}"
+        time, values, bad = channel.time, channel.values, channel.saturated
+        moved = np.abs(values - np.median(values))
+        largest = float(moved[~bad].max(initial=0.0))
+        if largest == 0.0:
+            raise RecordError(f"{name}: all samples are the same; a dead channel says nothing. Leave it out.")
+        loud = np.flatnonzero(moved > QUIET * largest)
+        first, last = max(int(loud[0]) - 2, 0), min(int(loud[-1]) + 2, time.size - 1)
+        step = max((time[last] - time[first]) / SAMPLES, float(np.median(np.diff(time))))
+        at = np.arange(time[first], time[last] + 0.5 * step, step)
+        weights = _smoothing(time, at, SMOOTH * step)
+        at, weights = at[weights @ bad < 1e-3], weights[weights @ bad < 1e-3]
+        if at.size < FEWEST:
+            raise RecordError(
+                f"{name}: {at.size} samples are left of it without what was saturated and what stands still; a calibration "
+                f"needs {FEWEST}. Measure longer, or leave the channel out."
+            )
+        smooth = weights @ np.where(bad, 0.0, values)
+        frequency = _dominant(at, smooth)
+        size = _local_size(at, smooth - np.median(values), 0.5 / frequency)
+        series = Series(
+            name=name, at=at, values=smooth, size=size, frequency=frequency, unit=SI[channel.quantity], across="time"
+        )
+        return cls(channel=channel, name=name, series=series, width=SMOOTH * step)
+
+    def of_response(self, time: Array, values: Array, delay: float) -> Array:
+        """Return what the channel would have shown of a simulated history (n_t,), later by `delay` [s]."""
+        key = (time[0], time[-1], time.size)
+        if key not in self._weights:
+            # beyond the response's ends the smoothing sees its last value
+            self._weights[key] = _smoothing(time, self.series.at, self.width)
+        return self._weights[key] @ (np.interp(time - delay, time, values) if delay else values)
+
+    @cached_property
+    def _weights(self) -> dict[tuple[float, float, int], Array]:
+        return {}
+
+    @property
+    def column(self) -> str:
+        """The column of a response that the channel measures."""
+        kind, _, name = self.channel.subject.partition("/")
+        axes, quantity = (AXES, self.channel.quantity) if kind == "mount" else (_XYZ, self.channel.quantity)
+        part = "position" if quantity == "displacement" else quantity
+        groups = {"body": "bodies", "point": "points", "mount": "mounts"}
+        return f"{groups[kind]}/{name}/{part}/{axes[_XYZ.index(self.channel.axis)]}"
+
+    def of_column(self, values: Array, base: Array) -> Array:
+        """Return what the channel measures of its column (n_t,); `base`: displacement of the base [m], (n_t, 3)."""
+        if self.channel.quantity != "displacement":
+            return values
+        moved = values - values[0]
+        return moved if self.channel.absolute else moved - base[:, _XYZ.index(self.channel.axis)]
+
+
+def work_of(
+    system: System, columns: tuple[InputColumn, ...], motion: BaseMotion, *, duration: float, sample_rate: float, initial: str
+) -> Work:  # fmt: skip
+    """Return what all runs under one motion share, with a step for `ACCURACY`."""
+    start = initial_state(system, motion, initial)
+    chosen = choose_timestep(system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=ACCURACY)
+    return Work(
+        system=system, motions=(motion,), columns=columns, duration=duration, timestep=chosen.timestep,
+        sample_rate=sample_rate, initial=initial, corners=motion.corners,
+    )  # fmt: skip
+
+
+class TransientRuns:
+    """Responses of systems to the motion of a test, brought to what its channels compare."""
+
+    def __init__(self, system: System, test: MeasuredTest, columns: tuple[InputColumn, ...], domain: Domain) -> None:
+        for channel in test.channels:
+            check_channel(system, test.name, channel)
+        self.test, self._time = test, np.zeros(0)
+        self.channels = [Comparable.of(test.name, one) for one in test.channels]
+        self._spectra = [] if domain == "time" else [Spectral.of(one.series, domain) for one in self.channels]
+        self.series = [one.series for one in self._spectra or self.channels]
+        rate = SAMPLED / min(one.width for one in self.channels)
+        end = max(one.series.at[-1] + 6.0 * one.width for one in self.channels)
+        self._work = work_of(
+            system, columns, test.motion, duration=math.ceil(rate * end) / rate, sample_rate=rate, initial=test.initial
+        )
+
+    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+        """Return the histories of every channel with the values of each row, (n_t,) each; None where one failed."""
+        self._time, done = histories(self._work, rows, [one.column for one in self.channels])
+        base = self.test.motion.displacement(self._time)
+        return [
+            None
+            if one is None
+            else [channel.of_column(values, base) for channel, values in zip(self.channels, one.T, strict=True)]
+            for one in done
+        ]
+
+    def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
+        """Return the series of a history as a chain with gain [-], delay [s] and offset [SI] shows it."""
+        samples = gain * self.channels[number].of_response(self._time, raw, delay) + offset
+        return self._spectra[number].of_samples(samples) if self._spectra else samples
+
+
+def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
+    """Raise RecordError unless a system has what a channel measures."""
+    kind, _, subject = channel.subject.partition("/")
+    subjects = system.assembly.subjects
+    there = {"body": subjects.body_names, "point": subjects.point_names, "mount": list(system.mounts)}
+    if kind not in there or subject not in there[kind]:
+        names = ", ".join(f"{kind}/{one}" for kind, names in there.items() for one in names)
+        raise RecordError(
+            f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It "
+            f"has: {names}."
+        )
+
+
+def _smoothing(time: Array, at: Array, width: float) -> Array:
+    """Return the weights by which samples at `time` are smoothed to `at`, (n_at, n_t)."""
+    weights = np.exp(-0.5 * ((at[:, np.newaxis] - time) / width) ** 2) * np.gradient(time)
+    total = weights.sum(axis=1)
+    alone = total <= 1e-12 * width  # outside the samples: the nearest one
+    weights[alone, np.abs(at[alone, np.newaxis] - time).argmin(axis=1)] = 1.0
+    return np.asarray(weights / np.where(alone, 1.0, total)[:, np.newaxis])
+
+
+def _dominant(at: Array, values: Array) -> float:
+    """Return the frequency about which a series swings [1 / unit of `at`]: the root mean square of its spectrum's."""
+    even = np.linspace(at[0], at[-1], at.size)
+    moved = np.interp(even, at, values)
+    power = np.abs(np.fft.rfft((moved - moved.mean()) * np.hanning(at.size))) ** 2
+    frequencies = np.fft.rfftfreq(at.size, float(np.mean(np.diff(even))))
+    return max(float(frequencies[np.argmax(power)]), 1.0 / float(np.ptp(at)))
+
+
+def _local_size(at: Array, values: Array, width: float) -> Array:
+    """Return the local amplitude of a series, sqrt(2) times its rms over about a period, (n,)."""
+    return np.sqrt(2.0 * np.maximum(_smoothing(at, at, width) @ values**2, math.ulp(1.0)))

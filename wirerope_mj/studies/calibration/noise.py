@@ -1,0 +1,180 @@
+"""Noise and model discrepancy of measured series, estimated from what a fit leaves.
+
+A residual is white noise and, where the model does not follow, a smooth error of its own: a Gaussian process that grows with
+the response there, oscillates with it, and forgets itself over a correlation length (Kennedy and O'Hagan 2001; Brynjarsdottir
+and O'Hagan 2014). So a wrong model gets wide bands, and a right one narrow ones.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
+
+import numpy as np
+import scipy
+
+from wirerope_mj.foundation.arrays import Array
+
+WHITE, DISCREPANT = 0.05, 0.1
+"""Noise and discrepancy from which the first fit starts, over the rms and the local size of a series."""
+
+LEAST = 1e-4
+"""Least noise over a series' rms: less is rounding and the error of the simulation."""
+
+MOST = 2.0
+"""Largest discrepancy over the local size: a model that far off explains nothing."""
+
+POWERS = (0.0, 1.5)
+"""Of the local size, with which a discrepancy may grow."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Series:
+    """A measured series.
+
+    Attributes:
+        name: in tables and messages.
+        at: instants [s], or logarithms of frequencies, rising, (n,).
+        values: (n,).
+        size: local size of the response, relative to which the discrepancy is, (n,).
+        frequency: about which the discrepancy oscillates [1 / unit of `at`]; 0 for none.
+        unit: of the values; "" for logarithms and what has none.
+        across: what `at` is.
+    """
+
+    name: str
+    at: Array
+    values: Array
+    size: Array
+    frequency: float = 0.0
+    unit: str = ""
+    across: Literal["time", "logarithm of frequency", "loop", "other"] = "other"
+
+    @cached_property
+    def rms(self) -> float:
+        """Root mean square of the values."""
+        return float(np.sqrt(np.mean(self.size**2)))
+
+    @cached_property
+    def lags(self) -> tuple[Array, Array]:
+        """Distances between samples, and how the discrepancy swings over them, (n, n) each."""
+        lag = np.abs(self.at[:, np.newaxis] - self.at)
+        return lag, np.cos(2.0 * np.pi * self.frequency * lag)
+
+    @cached_property
+    def largest(self) -> float:
+        """Largest local size."""
+        return float(self.size.max())
+
+    @cached_property
+    def lengths(self) -> tuple[float, float]:
+        """Shortest and longest correlation length that is looked for."""
+        step, whole = float(np.median(np.diff(self.at))), float(np.ptp(self.at))
+        shortest = max(2.0 * step, 0.25 / self.frequency if self.frequency else 0.0)
+        return shortest, max(whole, 2.0 * shortest)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Noise:
+    """Noise of a series.
+
+    Attributes:
+        white: standard deviation [unit of the series].
+        discrepancy: standard deviation of the model's own error where the response is largest, over its size there [-].
+        length: over which that error forgets itself [unit of `at`].
+        power: of the local size with which it grows: 1 in proportion, 0 the same everywhere.
+    """
+
+    white: float
+    discrepancy: float
+    length: float
+    power: float = 1.0
+
+    def deviation(self, series: Series) -> Array:
+        """Return the standard deviation of the model's own error, (n,)."""
+        return self.discrepancy * series.largest * (series.size / series.largest) ** self.power
+
+    def root(self, series: Series) -> Array:
+        """Return the lower Cholesky factor of the covariance, (n, n)."""
+        lag, swing = series.lags
+        deviation = self.deviation(series)
+        covariance = np.exp(-lag / self.length) * swing * deviation * deviation[:, np.newaxis]
+        covariance.flat[:: lag.shape[0] + 1] += self.white**2
+        return np.asarray(scipy.linalg.cholesky(covariance, lower=True, overwrite_a=True, check_finite=False))
+
+
+def first_noise(series: Series) -> Noise:
+    """Return the noise of the first fit."""
+    low, high = series.lengths
+    return Noise(white=WHITE * series.rms, discrepancy=DISCREPANT, length=float(np.sqrt(low * high)))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Information:
+    """What series say of the unknowns u, standard normal before: precision J^T K^-1 J (d, d) and J^T K^-1 r (d,)."""
+
+    precision: Array
+    pull: Array
+
+
+def information(series: Series, noise: Noise, jacobian: Array, linear: Array) -> tuple[Information, float, float]:
+    """Return what a series says, half the log determinant of its covariance, and r^T K^-1 r.
+
+    Args:
+        series: measured.
+        noise: of it.
+        jacobian: of the model's series by u, (n, d).
+        linear: measured minus model at u = 0 on the tangent, (n,).
+    """
+    root = noise.root(series)
+    white = scipy.linalg.solve_triangular(
+        root, np.column_stack([jacobian, linear]), lower=True, check_finite=False, overwrite_b=True
+    )
+    j, r = white[:, :-1], white[:, -1]
+    return Information(precision=j.T @ j, pull=j.T @ r), float(np.log(np.diag(root)).sum()), float(r @ r)
+
+
+def estimate_noise(
+    series: Sequence[Series], noises: Sequence[Noise], jacobians: Sequence[Array], linear: Sequence[Array]
+) -> list[Noise]:
+    """Estimate the noise of every series by the likelihood with the unknowns integrated out.
+
+    With the model linear about the fit, u standard normal before and K the covariance of a residual, the marginal likelihood is
+    that of K + J J^T of all series together (Patterson and Thompson 1971: what a fit absorbs does not count as small noise).
+    Arguments as those of `information`, of each series.
+    """
+    known = [information(*one)[0] for one in zip(series, noises, jacobians, linear, strict=True)]
+    found = list(noises)
+    for k, one in enumerate(series):
+        others = [info for i, info in enumerate(known) if i != k]
+        size = jacobians[k].shape[1]
+        precision = np.eye(size) + sum((info.precision for info in others), np.zeros((size, size)))
+        pull = sum((info.pull for info in others), np.zeros(size))
+        found[k] = _most_likely(one, found[k], jacobians[k], linear[k], Information(precision=precision, pull=pull))
+        known[k] = information(one, found[k], jacobians[k], linear[k])[0]
+    return found
+
+
+def _most_likely(series: Series, start: Noise, jacobian: Array, linear: Array, others: Information) -> Noise:
+    """Return the noise of one series that is most likely beside the others."""
+    low, high = series.lengths
+    ends = np.log([(LEAST * series.rms, 10.0 * series.rms), (LEAST, MOST), (low, high)])
+    bounds = np.vstack([ends, POWERS])
+
+    def noise_of(x: Array) -> Noise:
+        white, discrepancy, length = np.exp(x[:3]).tolist()
+        return Noise(white=white, discrepancy=discrepancy, length=length, power=float(x[3]))
+
+    def unlikely(x: Array) -> float:
+        own, determinant, square = information(series, noise_of(x), jacobian, linear)
+        precision, pull = others.precision + own.precision, others.pull + own.pull
+        root = scipy.linalg.cho_factor(precision, lower=True)
+        explained = float(pull @ scipy.linalg.cho_solve(root, pull))
+        return determinant + float(np.log(np.diag(root[0])).sum()) + 0.5 * (square - explained)
+
+    begin = np.array([*np.log([start.white, start.discrepancy, start.length]), start.power])
+    best = scipy.optimize.minimize(
+        unlikely, np.clip(begin, bounds[:, 0], bounds[:, 1]), method="L-BFGS-B", bounds=bounds,
+        options={"maxiter": 25, "ftol": 1e-6},
+    )  # fmt: skip
+    return noise_of(best.x)
