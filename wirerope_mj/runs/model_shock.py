@@ -9,10 +9,8 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine
+from wirerope_mj.runs.said_motion import RING_DOWN
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
-
-RING_DOWN = 10.0
-"""Periods of the slowest mode that are simulated after the pulse: at a damping ratio of a tenth a five-hundredth is left."""
 
 _START = 0.05
 """Instant at which the pulse begins [s]: the curves show the rest before it."""
