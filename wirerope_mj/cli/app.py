@@ -33,6 +33,10 @@ COMMANDS = {
         "Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.",
     ),
     "run": ("run:run_app", "Simulate a scenario into one folder and print its peaks against the limits."),
+    "cases": (
+        "cases:cases",
+        "Simulate the load cases of a job: which case governs each limit, and one document of all of them.",
+    ),
     "study": (
         "study:study_app",
         "Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.",
@@ -60,7 +64,7 @@ COMMANDS = {
     ),
     "report": (
         "report:report",
-        "Make the report of a run: one HTML page that holds everything it shows, and a PDF of it.",
+        "Make the report of a run or a job: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
     ),
     "study-report": (
         "study:study_report",

@@ -1,29 +1,28 @@
-"""The report of a run, from its folder alone: what the run does not hold, statics, modes and spectra, is computed here."""
+"""The report of a run or a job, from its folder alone: what that does not hold, statics, modes, spectra, is computed here."""
 
 from pathlib import Path
 
-from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.content.job import job_content
 from wirerope_mj.content.run import run_content
-from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.checksums import update_checksums, warn_of_alterations
 from wirerope_mj.runs.frequency_response import KIND, MARKS
+from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.page import REPORT, page_files, write_page
-from wirerope_mj.runs.scenario_file import scenario_content
-from wirerope_mj.runs.sources import check_one_run, system_and_motion
-from wirerope_mj.views.report import report_html
+from wirerope_mj.runs.sources import judged_folder
 
 
 def write_report(
-    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False
+    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False, docx: bool = False
 ) -> list[Path]:
-    """Write the report of a run and return the files, the page first.
+    """Write the report of a run or a job and return the files, the page first.
 
     Args:
-        folder: of the run; nothing outside it is read.
-        out: the page, .html; by default report.html in the run's folder, which is made anew.
+        folder: of the run or the job; nothing outside it is read.
+        out: the page, .html; by default report.html in that folder, which is made anew.
         pdf: whether a PDF of the page is written beside it.
         force: whether files at `out` are replaced.
+        docx: whether a DOCX of it is.
 
     Raises:
         RecordError: the folder is not a run, its files are damaged or not of one run, or a file is there and must not be
@@ -31,13 +30,12 @@ def write_report(
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
-    files = page_files(folder, out, pdf=pdf, force=force)
+    files = page_files(folder, out, pdf=pdf, force=force, docx=docx)
+    if is_job(folder):
+        write_page(job_content(judged_job(folder)), files)
+        return files
     warn_of_alterations(_run_folder(folder))
-    content = scenario_content(folder)
-    system, motion = system_and_motion(folder, content)
-    response = load_response(folder)
-    check_one_run(folder, content, system, response)
-    write_page(report_html(run_content(judged_run(system, motion, response, content))), files)
+    write_page(run_content(judged_folder(folder)), files)
     update_checksums(folder, files)
     return files
 

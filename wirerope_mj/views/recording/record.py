@@ -73,12 +73,17 @@ def record_run(
     tab: str = "Overview",
     state: bool = False,
     over_frequency: Panel | None = None,
+    case: str = "",
 ) -> Path:
-    """Write a judged run, and return the path; `over_frequency` is what is drawn over frequency, the rest as `record_rerun`."""
+    """Write a judged run, and return the path.
+
+    `over_frequency` is what is drawn over frequency, `case` names the load case among several in one file; the rest as
+    `record_rerun`.
+    """
     drawn = one_run(run, over_frequency)
     drawn = replace(drawn, texts=run_texts(run, title=title, scenario_text=scenario_text))
     target = target_of(path)
-    with atomic_recording(target) as rec:
+    with atomic_recording(target, case=case) as rec:
         shown = AtEvents(rec, main_instants(run.response, run.selection))
         _write(rec, shown, drawn, tab=tab, scene="", state=state)
         _send_properties(rec, drawn.runs[0], title)
