@@ -8,7 +8,7 @@ from wirerope_mj.assessment.criteria.sentences import OWN_RULE
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import devices_of
-from wirerope_mj.content.numbers import listed, with_unit
+from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.run import START
 from wirerope_mj.mounts.isolator import Isolator
 
@@ -40,8 +40,8 @@ def _assumed(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iter
     yield f"Gravity is {first.gravity:g} m/s²." if first.gravity else "There is no gravity."
     yield "The base moves as the load case says, whatever the mounts do to it; bodies are those of the model."
     for device in devices:
-        for text in device.provenance.assumed:
-            yield f"{device.name}: {text.rstrip('.')}."
+        if assumed := len(device.provenance.assumed):
+            yield f"{device.name}: {several(assumed, 'assumption')} about its figures, listed with the model and its mounts."
     if any(row.criterion == COMBINED and row.utilisation is not None for run in runs.values() for row in run.verdicts):
         yield OWN_RULE.partition(";")[0] + "."
 

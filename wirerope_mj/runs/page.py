@@ -6,7 +6,6 @@ from wirerope_mj.content.appendices import with_appendices
 from wirerope_mj.content.blocks import Content
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.report import check_docx, check_pdf, report_html, write_docx, write_pdf
 
 REPORT = "report.html"
 """The report in a folder."""
@@ -27,6 +26,8 @@ def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, 
         RecordError: a file is there and must not be replaced.
         WireRopeError: a PDF or a DOCX cannot be made here.
     """
+    from wirerope_mj.views.report import check_docx, check_pdf  # late: its libraries take long to import
+
     page = folder / REPORT if out is None else Path(out)
     if page.suffix.lower() not in (".html", ".htm"):
         raise ValueError(
@@ -50,6 +51,8 @@ def write_page(content: Content, files: list[Path]) -> None:
 
     On paper nothing is folded away: long tables stand whole in appendices.
     """
+    from wirerope_mj.views.report import report_html, write_docx, write_pdf
+
     files[0].parent.mkdir(parents=True, exist_ok=True)
     whole = with_appendices(content) if len(files) > 1 else content
     for path in files:

@@ -1,6 +1,7 @@
 """A content as a DOCX document: title block, numbered sections, tables, charts as pictures, appendices, page numbers."""
 
 import tempfile
+from collections.abc import Sequence
 from functools import singledispatchmethod
 from pathlib import Path
 from typing import Any
@@ -13,16 +14,17 @@ from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.views.plots.png_chart import save_charts
-from wirerope_mj.views.plots.scene_plan import save_scenes
 
 _COLOURS = {"within": "176B2F", "near": "7A5600", "unjudged": "7A5600", "exceeded": "B30000", "quiet": "56616F"}
 _SHADES = {"within": "E9F6EC", "exceeded": "FCEBEA", "unjudged": "FDF5E1"}
 _BOLD = ("exceeded", "strong")
 _WIDTH = 17.4  # of the text [cm]
-_PICTURE, _DRAWING = 15.6, 13.0  # widths of charts and scenes [cm]
-_FONT, _SMALL = "Liberation Sans", 15  # of the text; of tables in half points
-_MANY, _TINY = 10, 13  # columns from which on a table has smaller letters, in half points
+_PICTURE, _DRAWING = 15.0, 11.0  # widths of charts and scenes [cm]
+_FONT, _SMALL = "Arial", 15  # of the text; size of the letters of tables in half points
+_LETTER, _CELL = 5.2, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
+_LEAST, _LINE = 6, 60  # letters of a column of text at the least, and at the most where there is room
+_TWIPS = 567.0  # 1/20 pt to a centimetre
+_BOTTOM = '<w:vAlign w:val="bottom"/>'
 _W = 'xmlns:w="http://schemas.openxmlformats.org/wordprocessingml/2006/main"'
 
 
@@ -100,7 +102,8 @@ class _Writer:
         self.document.add_heading("Question and answer", level=1)
         for text in content.question:
             self._paragraph(text, bold=True)
-        self._verdict(content.verdict)
+        if content.document is None:
+            self._verdict(content.verdict)
         for section in content.sections:
             if not section.title:
                 for block in section.blocks:
@@ -134,15 +137,19 @@ class _Writer:
         if block.title:
             self._paragraph(block.title, bold=True, keep=True)
         self._table(block)
-        self._paragraph(block.note, tone="quiet", small=True)
+        self._paragraph(block.note, tone="quiet", small=True)  # also without a note: tables must not touch
 
     @set_block.register
     def _(self, block: Chart) -> None:
+        from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes long to import
+
         save_charts([block], self._picture())
         self._place(_PICTURE, block.caption, block.alt)
 
     @set_block.register
     def _(self, block: SceneView) -> None:
+        from wirerope_mj.views.plots.scene_plan import save_scenes
+
         save_scenes([block], self._picture())
         self._place(_DRAWING, block.caption, block.caption)
 
@@ -180,29 +187,56 @@ class _Writer:
     def _table(self, table: Table) -> None:
         """Set a table as wide as its texts, whose header is repeated on every page; cell by cell it would take minutes."""
         heads = [column.title().replace("/\n", "/").replace("\n", " ") for column in table.columns]
-        size = _TINY if len(heads) >= _MANY else _SMALL
+        body = table.marks(absent=ABSENT, minus=MINUS)
+        size, widths = _widths(table.columns, heads, [[text for text, _ in row] for row in body])
         aligned = ["right" if column.align == "right" else "left" for column in table.columns]
-        rows = [_row([(head, "strong") for head in heads], aligned, size, head=True)] if any(heads) else []
-        rows += [_row(row, aligned, size) for row in table.marks(absent=ABSENT, minus=MINUS)]
+        rows = [_row([(head, "strong") for head in heads], aligned, widths, size, head=True)] if any(heads) else []
+        rows += [_row(row, aligned, widths, size) for row in body]
         line = 'w:val="single" w:sz="4" w:space="0" w:color="CFD6DE"'
         borders = "".join(f"<w:{edge} {line}/>" for edge in ("top", "bottom", "insideH"))
-        margins = '<w:left w:w="40" w:type="dxa"/><w:right w:w="80" w:type="dxa"/>'
+        margins = '<w:left w:w="20" w:type="dxa"/><w:right w:w="80" w:type="dxa"/>'
+        grid = "".join(f'<w:gridCol w:w="{width}"/>' for width in widths)
         text = (
-            f'<w:tbl {_W}><w:tblPr><w:tblW w:w="0" w:type="auto"/><w:tblBorders>{borders}</w:tblBorders>'
-            f'<w:tblLayout w:type="autofit"/><w:tblCellMar>{margins}</w:tblCellMar></w:tblPr>'
-            f"<w:tblGrid>{'<w:gridCol/>' * len(heads)}</w:tblGrid>{''.join(rows)}</w:tbl>"
+            f'<w:tbl {_W}><w:tblPr><w:tblW w:w="{sum(widths)}" w:type="dxa"/><w:tblBorders>{borders}</w:tblBorders>'
+            f'<w:tblLayout w:type="fixed"/><w:tblCellMar>{margins}</w:tblCellMar></w:tblPr>'
+            f"<w:tblGrid>{grid}</w:tblGrid>{''.join(rows)}</w:tbl>"
         )
         self.document._body._body.insert_element_before(_xml(text), "w:sectPr")
 
 
-def _row(cells: list[tuple[str, str]], aligned: list[str], size: int, *, head: bool = False) -> str:
+def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) -> tuple[int, list[int]]:
+    """Return the size of the letters, and the widths of the columns that their texts need within that of the page.
+
+    Where there is too little room columns of text break into lines first, then letters are smaller.
+    """
+    words = [max(map(len, head.split()), default=0) for head in heads]
+    longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
+    breaks = [column.align == "text" or long > _LINE // 2 for column, long in zip(columns, longest, strict=True)]
+    letters = [float(min(long, _LINE) if broken else long) for long, broken in zip(longest, breaks, strict=True)]
+    for size in range(_SMALL, 9, -1):
+        letter = _LETTER * size
+        room = (_WIDTH * _TWIPS - _CELL * len(columns)) / letter
+        over = sum(letters) - room
+        give = [
+            max(count - _LEAST - word, 0.0) if b else 0.0 for count, word, b in zip(letters, words, breaks, strict=True)
+        ]
+        if over <= 0.0 or over <= sum(give):
+            part = max(over, 0.0) / (sum(give) or 1.0)
+            return size, [
+                round(letter * (count - part * less) + _CELL) for count, less in zip(letters, give, strict=True)
+            ]
+    scale = room / sum(letters)
+    return size, [round(letter * scale * count + _CELL) for count in letters]
+
+
+def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], size: int, *, head: bool = False) -> str:
     keep = "<w:keepNext/>" if head else ""
     texts = [
-        f'<w:tc><w:tcPr/><w:p><w:pPr>{keep}<w:spacing w:before="10" w:after="10" w:line="240" w:lineRule="auto"/>'
-        f'<w:jc w:val="{side}"/></w:pPr><w:r><w:rPr>{"<w:b/>" if tone in _BOLD else ""}'
-        f'<w:color w:val="{_COLOURS.get(tone, "1C2430")}"/><w:sz w:val="{size}"/></w:rPr>'
-        f'<w:t xml:space="preserve">{escape(plain_lines(text))}</w:t></w:r></w:p></w:tc>'
-        for (text, tone), side in zip(cells, aligned, strict=True)
+        f'<w:tc><w:tcPr><w:tcW w:w="{width}" w:type="dxa"/>{_BOTTOM if head else ""}</w:tcPr><w:p><w:pPr>{keep}'
+        f'<w:spacing w:before="10" w:after="10" w:line="240" w:lineRule="auto"/><w:jc w:val="{side}"/></w:pPr>'
+        f'<w:r><w:rPr>{"<w:b/>" if tone in _BOLD else ""}<w:color w:val="{_COLOURS.get(tone, "1C2430")}"/>'
+        f'<w:sz w:val="{size}"/></w:rPr><w:t xml:space="preserve">{escape(plain_lines(text))}</w:t></w:r></w:p></w:tc>'
+        for (text, tone), side, width in zip(cells, aligned, widths, strict=True)
     ]
     return f"<w:tr><w:trPr><w:cantSplit/>{'<w:tblHeader/>' if head else ''}</w:trPr>{''.join(texts)}</w:tr>"
 
@@ -219,8 +253,11 @@ def _set_page(document: Any, content: Content) -> None:
     for name, size in (("Normal", 9.5), ("Heading 1", 14), ("Title", 20)):
         style = document.styles[name]
         style.font.name, style.font.size = _FONT, Pt(size)
+        fonts = style.element.get_or_add_rPr().get_or_add_rFonts()
+        for name_of in list(fonts.attrib):  # those of a theme go before a name
+            del fonts.attrib[name_of]
         for kind in ("ascii", "hAnsi", "cs", "eastAsia"):
-            style.element.get_or_add_rPr().get_or_add_rFonts().set(f"{{{_W[9:-1]}}}{kind}", _FONT)
+            fonts.set(f"{{{_W[9:-1]}}}{kind}", _FONT)
     document.styles["Normal"].paragraph_format.space_after = Pt(4)
     said = document.core_properties
     said.title, said.author = plain_lines(content.title), plain_lines(filed.author) if filed else ""
@@ -228,7 +265,7 @@ def _set_page(document: Any, content: Content) -> None:
     above = (content.title, filed.classification if filed else "")
     for place, (left, right) in ((section.header, above), (section.footer, (filed.reference if filed else "", None))):
         paragraph = place.paragraphs[0]
-        paragraph.paragraph_format.tab_stops.clear_all()
+        paragraph.style.paragraph_format.tab_stops.clear_all()
         paragraph.paragraph_format.tab_stops.add_tab_stop(Cm(_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
         paragraph.add_run(f"{plain_lines(left or '')}\t{plain_lines(right or '')}")
         if right is None:
