@@ -41,10 +41,10 @@ COMMANDS = {
         "study:study_app",
         "Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.",
     ),
-    "show": ("show:show", "Open a run, or the worst variants of a study, in the rerun viewer."),
+    "show": ("show:show", "Open a run, a job, or the worst variants of a study, in the rerun viewer."),
     "replay": (
         "replay:replay",
-        "Simulate a run again from its folder alone and say whether the numbers agree and which files were altered.",
+        "Simulate a run or a job again from its folder alone: whether the numbers agree, and which files were altered.",
     ),
     "loops": (
         "loops:loops",
@@ -72,7 +72,7 @@ COMMANDS = {
     ),
     "compare": (
         "compare:compare",
-        "Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.",
+        "Lay two or more runs over each other, peaks side by side and one recording; or two jobs, case by case.",
     ),
     "share": (
         "exports:share",

@@ -1,4 +1,4 @@
-"""`wirerope compare`: two or more runs over each other, as tables on the screen and as one recording."""
+"""`wirerope compare`: two or more runs over each other, as tables and one recording; or two jobs, case by case."""
 
 import os
 from collections.abc import Sequence
@@ -21,14 +21,15 @@ def compare(
     align: Literal["start", "shock"] = "start",
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Lay two or more runs over each other: peaks side by side on the screen, and one recording that shows what differs.
+    """Lay two or more runs over each other, peaks side by side and one recording; or two jobs, case by case.
 
     The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,
     and tables of what differs, where and when. Runs of different models are compared in what they share by name; the rest is
-    listed. Differences are those to the first run.
+    listed. Differences are those to the first run. Of two jobs the tables say what each uses of the limits in every load case,
+    and which inputs differ.
 
     Args:
-        runs: folders of runs, two or more.
+        runs: folders of runs, two or more, or of two jobs.
         out: recording to write (.rrd); runs/compare-DATE-TIME.rrd by default.
         names: what the runs are called, one for each; the names of their folders by default.
         align: start: runs begin together; shock: their base motions do.
@@ -37,6 +38,7 @@ def compare(
     from wirerope_mj.content.comparison import comparison_content
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.runs.checksums import warn_of_alterations
+    from wirerope_mj.runs.job import is_job
     from wirerope_mj.runs.sources import run_inputs, run_verdicts
     from wirerope_mj.views.recording.drawn_runs import several_runs
     from wirerope_mj.views.recording.record import record_runs
@@ -45,6 +47,8 @@ def compare(
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
     called = _names(runs, names)
+    if any(map(is_job, runs)):
+        return _compare_jobs(runs, called, out)
     target = _target(out, force=force)
     for folder in runs:
         warn_of_alterations(folder)
@@ -61,6 +65,32 @@ def compare(
     written = escape(str(target))
     screen.print(f"\n  written to {written}, {target.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
     screen.print(f"  [bold]wirerope show {written}[/] opens the view", soft_wrap=True)
+    return 0
+
+
+def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) -> int:
+    """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
+    from wirerope_mj.content.job_comparison import job_comparison_content
+    from wirerope_mj.runs.job import CASES, is_job, judged_job
+    from wirerope_mj.runs.sources import run_inputs
+    from wirerope_mj.views.terminal import print_headline, show
+
+    if len(jobs) != 2 or not all(map(is_job, jobs)):
+        raise ValueError(
+            "compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN"
+        )
+    if out is not None:
+        raise ValueError(
+            "`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs."
+        )
+    judged = {name: judged_job(folder) for name, folder in zip(names, jobs, strict=True)}
+    inputs = {
+        name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}
+        for name, folder in zip(names, jobs, strict=True)
+    }
+    content = job_comparison_content(judged, inputs)
+    show(content)
+    print_headline(content.verdict)
     return 0
 
 

@@ -44,7 +44,7 @@ from wirerope_mj.runs.write import write_run
 from wirerope_mj.studies.engines.local import TRIES, in_processes
 from wirerope_mj.views.json_content import plain_content
 
-JOB, CASES, RECORDING = "job.toml", "cases", "job.rrd"
+JOB, CASES = "job.toml", "cases"
 FORMAT = 1
 
 INPUTS = "inputs"
@@ -132,6 +132,15 @@ def is_job(path: str | Path) -> bool:
     return (Path(path) / JOB).is_file()
 
 
+def case_folders(folder: Path) -> list[Path]:
+    """Return the folders of the runs of a job, in its order; RecordError if one is missing."""
+    runs = [folder / CASES / str(table["folder"]) for table in job_table(folder)["case"]]
+    for run in runs:
+        if not is_run(run):
+            raise RecordError(f"{run}: this load case was not simulated; `wirerope cases` goes on with the job.")
+    return runs
+
+
 def judged_job(folder: Path) -> JudgedJob:
     """Judge the runs of a job; nothing outside its folder is read.
 
@@ -140,12 +149,7 @@ def judged_job(folder: Path) -> JudgedJob:
     """
     content = job_table(folder)
     cases = []
-    for table in content["case"]:
-        run = folder / CASES / table["folder"]
-        if not is_run(run):
-            raise RecordError(
-                f"{run}: this load case of the job was not simulated; `wirerope cases` goes on with the job."
-            )
+    for table, run in zip(content["case"], case_folders(folder), strict=True):
         warn_of_alterations(run)
         cases.append(JudgedCase(name=table["name"], folder=table["folder"], note=table["note"], run=judged_folder(run)))
     document = read_document(content["document"], folder / JOB) if "document" in content else None
@@ -284,6 +288,7 @@ def _run_all(questions: list[tuple[Scenario, Path]], workers: int | None, done: 
 def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> None:
     """Write what the cases say together: summary, page, documents and recording."""
     from wirerope_mj.views.recording.joined import join_recordings  # late: rerun takes long to import
+    from wirerope_mj.views.recording.viewer import JOINED
 
     content = job_content(judged)
     with atomic_file(folder / SUMMARY) as beside:
@@ -294,4 +299,4 @@ def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> N
         }
         beside.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
     write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
-    join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / RECORDING)
+    join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / JOINED)

@@ -21,8 +21,8 @@ _BOLD = ("exceeded", "strong")
 _WIDTH = 17.4  # of the text [cm]
 _PICTURE, _DRAWING = 15.0, 11.0  # widths of charts and scenes [cm]
 _FONT, _SMALL = "Arial", 15  # of the text; size of the letters of tables in half points
-_LETTER, _CELL = 5.2, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
-_LEAST, _LINE = 6, 60  # letters of a column of text at the least, and at the most where there is room
+_LETTER, _CELL = 5.3, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
+_LEAST, _LINE = 6, 90  # letters of a column of text at the least, and at the most where there is room
 _TWIPS = 567.0  # 1/20 pt to a centimetre
 _BOTTOM = '<w:vAlign w:val="bottom"/>'
 _W = 'xmlns:w="http://schemas.openxmlformats.org/wordprocessingml/2006/main"'
@@ -209,9 +209,9 @@ def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) 
 
     Where there is too little room columns of text break into lines first, then letters are smaller.
     """
-    words = [max(map(len, head.split()), default=0) for head in heads]
+    words = [1.3 * max(map(len, head.split()), default=0) for head in heads]  # which are bold
     longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
-    breaks = [column.align == "text" or long > _LINE // 2 for column, long in zip(columns, longest, strict=True)]
+    breaks = [column.align == "text" or long > _LINE / 3 for column, long in zip(columns, longest, strict=True)]
     letters = [float(min(long, _LINE) if broken else long) for long, broken in zip(longest, breaks, strict=True)]
     for size in range(_SMALL, 9, -1):
         letter = _LETTER * size
