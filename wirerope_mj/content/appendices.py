@@ -6,6 +6,8 @@ from dataclasses import replace
 from wirerope_mj.content.blocks import Block, Content, Section
 from wirerope_mj.foundation.tables import Table
 
+_FITS = 30  # rows of a table that stands whole where it belongs
+
 
 def with_appendices(content: Content) -> Content:
     """Return the content with every table whole: what is folded on a page goes into appendices behind all sections."""
@@ -18,7 +20,9 @@ def with_appendices(content: Content) -> Content:
             continue
         blocks: list[Block] = []
         for block in section.blocks:
-            if isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows):
+            if isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows) <= _FITS:
+                blocks.append(replace(block, shown=None))
+            elif isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows):
                 letter = letter_of(len(appendices))
                 rest = f"{block.shown} of {len(block.rows)} rows; all of them stand in appendix {letter}."
                 cut = replace(

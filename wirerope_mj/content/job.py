@@ -5,8 +5,9 @@ from dataclasses import dataclass, replace
 from functools import partial
 
 from wirerope_mj.assessment.criteria import NOT_JUDGED, STRUCK, Verdict
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RATTLE_SPACE
 from wirerope_mj.assessment.criteria.headline import FAIL, PASS, UNKNOWN, limit_of
-from wirerope_mj.assessment.criteria.verdict import most_used, one_each
+from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job_basis import basis_blocks
@@ -17,16 +18,20 @@ from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.numbers import listed, several, shown, shown_unit
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
-from wirerope_mj.content.verdicts import TONE, headline, used_mark
+from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
 REPORTED = (
-    "accelerations", "mounts", "contacts", "payload", "mounts-in-motion", "verdicts",
-    "grounds", "base", "contact-histories", "deck", "numerics",
+    "accelerations", "mounts", "contacts", "payload", "mounts-in-motion", "deck", "verdicts",
+    "grounds", "base", "contact-histories", "numerics",
 )  # fmt: skip
-"""Sections of a run that a case of a job may show; the first six by default."""
+"""Sections of a run that a case of a job may show; the first seven by default."""
 
 _GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
+_PAYLOAD = (
+    ACCELERATION,
+    RATTLE_SPACE,
+)  # kinds of limits that are those of the job, and stand before those of the mounts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -163,6 +168,8 @@ def _paragraphs(name: str, paragraphs: Sequence[str]) -> Iterator[Statement]:
 def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]:
     yield matrix_table(verdicts)
     yield governing_table(verdicts)
+    reasons = dict.fromkeys(text for rows in verdicts.values() for text in unjudged(rows))
+    yield Statement(id="not-judged", text="Not judged:", items=tuple(reasons), tone="unjudged") if reasons else None
 
 
 def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
@@ -172,26 +179,21 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
     )
     contacts = any(row.contact for rows in verdicts.values() for row in rows)
     rows: list[Row] = []
-    largest: dict[str, tuple[float, str]] = {}
-    for name, own in verdicts.items():
-        cells: list[Cell] = [name]
+    largest: dict[str, list[tuple[float, int]]] = {}
+    for number, (name, own) in enumerate(verdicts.items(), start=1):
+        cells: list[Cell] = [str(number), name]
         for kind in kinds:
-            used = max(
-                (row.utilisation for row in own if row.criterion.kind == kind and row.utilisation is not None),
-                default=None,
-            )
-            cells.append(used_mark(used))
-            if used is not None and used > largest.get(kind, (-1.0, ""))[0]:
-                largest[kind] = used, name
+            used = [row.utilisation for row in own if row.criterion.kind == kind and row.utilisation is not None]
+            cells.append(used_mark(max(used, default=None)))
+            largest.setdefault(kind, []).extend((value, number) for value in used)
         touched = [row.contact for row in own if row.contact]
         answer = headline(own)
         cells += [f"{touched.count(STRUCK)} of {len(touched)}"] if contacts else []
         rows.append([*cells, Mark(answer.text.partition(":")[0], answer.tone)])
-    rows.append(["governs", *(largest[kind][1] for kind in kinds), *([""] if contacts else []), ""])
-    columns = [
-        Column("load case", align="left"),
-        *(Column(kind.replace(" in ", "\nin "), "%", "z.0f") for kind in kinds),
-    ]
+    if len(verdicts) > 1:
+        rows.append(["", "governed by", *(_governs(largest[kind]) for kind in kinds), *([""] if contacts else []), ""])
+    columns = [Column(align="left"), Column("load case", align="text")]
+    columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
     columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
     return Table(
         id="matrix",
@@ -202,27 +204,35 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
     )
 
 
+def _governs(used: Sequence[tuple[float, int]]) -> str:
+    """Name the case with the largest utilisation by its number; all where it is the same in all."""
+    worst = max(value for value, _ in used)
+    cases = {number for value, number in used if value == worst}
+    return "all" if cases == {number for _, number in used} else f"case {min(cases)}"
+
+
 def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
-    """Tabulate every limit with the case that uses most of it; None where nothing is judged."""
+    """Tabulate every limit of a kind and a subject with the case that uses most of it; None where nothing is judged."""
     found: dict[tuple[str, str], list[tuple[str, Verdict]]] = {}
     for name, own in verdicts.items():
-        for row in one_each(own):
+        for row in own:
             if row.utilisation is not None:
-                found.setdefault((row.criterion, row.subject), []).append((name, row))
-    rows: list[tuple[float, Row]] = []
-    for several_cases in found.values():
-        name, worst = max(several_cases, key=lambda pair: pair[1].utilisation or 0.0)
-        same = len(several_cases) > 1 and len({row.value for _, row in several_cases}) == 1
+                found.setdefault((row.criterion.kind, row.subject), []).append((name, row))
+    rows: list[tuple[tuple[bool, bool, float], Row]] = []
+    for of_all in found.values():
+        name, worst = max(of_all, key=lambda pair: pair[1].utilisation or 0.0)
+        cases = {case for case, row in of_all if row.value == worst.value}
+        used = worst.utilisation or 0.0
         cells: list[Cell] = [
             str(worst.criterion), worst.subject, shown(worst.limit, worst.unit), shown(worst.value, worst.unit),
-            shown_unit(worst.unit), used_mark(worst.utilisation), "every case" if same else name, worst.time,
+            shown_unit(worst.unit), used_mark(used), "all" if len(cases) == len(verdicts) > 1 else name, worst.time,
             Mark(worst.verdict, TONE[worst.verdict]),
         ]  # fmt: skip
-        rows.append((-(worst.utilisation or 0.0), cells))
+        rows.append(((used <= 1.0, worst.criterion.kind not in _PAYLOAD, -used), cells))
     if not rows:
         return None
     rows.sort(key=lambda pair: pair[0])
-    over = sum(used < -1.0 for used, _ in rows)
+    over = sum(not within for (within, *_), _ in rows)
     return Table(
         id="governing",
         title="Every limit and the load case that governs it",
@@ -232,6 +242,8 @@ def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
             Column("at", "s", "z.4f"), Column("verdict", align="left"),
         ),
         rows=[cells for _, cells in rows],
+        note="Of a limit with several directions or senses the one that is used most. Exceeded limits stand first, then those "
+        "of the payload, then those of the mounts.",
         shown=max(over, _GOVERNING),
     )  # fmt: skip
 

@@ -12,6 +12,9 @@ from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.run import START
 from wirerope_mj.mounts.isolator import Isolator
 
+STATED = "Stated by the author: "
+"""Stands before what no computation says."""
+
 
 def basis_blocks(
     runs: Mapping[str, JudgedRun], assumptions: Sequence[str], validation: Sequence[str]
@@ -20,10 +23,10 @@ def basis_blocks(
     devices = list({one.name: one for run in runs.values() for one in devices_of(run)}.values())
     yield Statement(id="assumed", text="Assumed:", items=tuple(_assumed(runs, devices)))
     for number, text in enumerate(assumptions, start=1):
-        yield Statement(id=f"assumptions-{number}", text=text)
+        yield Statement(id=f"assumptions-{number}", text=f"{STATED}{text}")
     yield Statement(id="validated", text="Validated:", items=tuple(_validated(runs, devices)))
     for number, text in enumerate(validation, start=1):
-        yield Statement(id=f"validation-{number}", text=text)
+        yield Statement(id=f"validation-{number}", text=f"{STATED}{text}")
     yield Statement(
         id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged"
     )

@@ -149,7 +149,7 @@ def _limits(path: Path, table: Mapping[str, Any]) -> Iterator[PayloadLimit]:
 
 
 def _report(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
-    names = tuple(_texts(content.get("report", list(REPORTED[:6]))))
+    names = tuple(_texts(content.get("report", list(REPORTED[:7]))))
     for name in names:
         if name not in REPORTED:
             raise ModelError(f"{path}: `report` may hold {', '.join(REPORTED)}, got {quoted(name)}.")

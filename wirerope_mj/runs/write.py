@@ -104,7 +104,7 @@ def write_run(
         when_judged: called with the judged run before anything is made of them; what it raises ends the run,
             whose folder is not written then.
         state: whether the recording keeps every sample, too.
-        case: name of the load case that it is among several, so that its recording has a layout of its own beside theirs.
+        case: which load case it is among several, in letters of a file's name: its recording has a layout of its own then.
 
     Raises:
         WireRopeError: as `run_scenario`.
