@@ -11,8 +11,6 @@ from wirerope_mj.cli import main
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRopeError
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.runs import page as page_module
-from wirerope_mj.runs import report as report_module
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.views.report import pdf as pdf_module
@@ -30,7 +28,9 @@ def table(tmp_path_factory):
 @pytest.fixture
 def quick(monkeypatch):
     """Pages without pictures, where only files and messages are looked at."""
-    monkeypatch.setattr(report_module, "report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>")
+    monkeypatch.setattr(
+        "wirerope_mj.views.report.report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>"
+    )
 
 
 def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):
@@ -88,8 +88,8 @@ def test_a_failure_leaves_no_half_written_pdf(table, tmp_path, monkeypatch, quic
         path.write_bytes(b"%PDF-1.7 half")
         raise ConvergenceError("no page.")
 
-    monkeypatch.setattr(page_module, "check_pdf", lambda: None)
-    monkeypatch.setattr(page_module, "write_pdf", fail)
+    monkeypatch.setattr("wirerope_mj.views.report.check_pdf", lambda: None)
+    monkeypatch.setattr("wirerope_mj.views.report.write_pdf", fail)
     with pytest.raises(ConvergenceError):
         write_report(table, out=tmp_path / "page.html", pdf=True)
     (tmp_path / "page.html").unlink()  # whole, and written before

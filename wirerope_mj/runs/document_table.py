@@ -68,7 +68,8 @@ def read_document(table: Mapping[str, Any], path: Path) -> Document:
 def logo_ending(logo: Path, where: str) -> str:
     """Return ".png" or ".jpg" by what a picture's file begins with; ModelError if it is neither."""
     try:
-        begins = regular(logo).open("rb").read(8)
+        with regular(logo).open("rb") as file:
+            begins = file.read(8)
     except OSError:
         raise ModelError(f"{where}: there is no file {str(logo)!r} for `logo`.") from None
     ending = next((ending for mark, ending in _PICTURES.items() if begins.startswith(mark)), "")

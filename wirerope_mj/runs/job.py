@@ -41,7 +41,6 @@ from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import is_run, judged_folder
 from wirerope_mj.runs.write import write_run
-from wirerope_mj.studies.engines.local import TRIES, in_processes
 from wirerope_mj.views.json_content import plain_content
 
 JOB, CASES = "job.toml", "cases"
@@ -258,7 +257,7 @@ def _simulated(question: tuple[Scenario, Path]) -> _Outcome:
                 folder,
                 force=True,
                 when_judged=lambda judged: answers.append(judged.headline),
-                case=scenario.name,
+                case=folder.name,
             )
         except (WireRopeError, ValueError, OSError) as error:
             return _Outcome(scenario.name, perf_counter() - began, "", error=str(error))
@@ -267,13 +266,13 @@ def _simulated(question: tuple[Scenario, Path]) -> _Outcome:
 
 
 def _lost(question: tuple[Scenario, Path], reason: str) -> _Outcome:
-    return _Outcome(
-        question[0].name, 0.0, "", error=f"its process {reason}, {TRIES} times in a row; perhaps it ran out of memory."
-    )
+    return _Outcome(question[0].name, 0.0, "", error=f"its process {reason} each time; perhaps it ran out of memory.")
 
 
 def _run_all(questions: list[tuple[Scenario, Path]], workers: int | None, done: Done) -> Iterator[tuple[str, str]]:
     """Simulate cases side by side; yield name and reason of those that failed."""
+    from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
+
     if len(questions) == 1:
         workers = 1
     for outcome in in_processes(_simulated, questions, lost=_lost, workers=workers):
