@@ -5,6 +5,7 @@ import sys
 from pathlib import Path
 
 import pytest
+from shown import words
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -68,7 +69,7 @@ def test_bad_input_is_one_message(table, tmp_path, capsys):
     curve.mkdir()
     for name in ("settings.toml", "frequency_response.json"):
         (curve / name).write_text("", encoding="utf-8")
-    for arguments, words in (
+    for arguments, said in (
         ([str(tmp_path / "nothing")], "there is no such folder"),
         ([str(bare)], "this is not a run; there is no scenario.toml here"),
         ([str(damaged)], "there is no response.parquet here"),
@@ -77,7 +78,7 @@ def test_bad_input_is_one_message(table, tmp_path, capsys):
     ):
         assert main(["report", *arguments]) == 2
         error = capsys.readouterr().err
-        assert words in error
+        assert said in error
         assert error.startswith("wirerope: ")
         assert "Traceback" not in error
     assert not [path for path in bare.iterdir()]
@@ -133,11 +134,3 @@ def test_long_tables_repeat_their_heading_on_every_page():
     assert len(pages) > 2
     assert all("headed" in page for page in pages)
     assert all(f"page {number} of {len(pages)}" in page for number, page in enumerate(pages, start=1))
-
-
-def words(box):
-    """Return the texts of a box and of all that are in it."""
-    if hasattr(box, "text"):
-        yield box.text
-    for child in getattr(box, "children", ()):
-        yield from words(child)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from shown import words
 
 from wirerope_mj.content.appendices import letter_of, with_appendices
 from wirerope_mj.content.blocks import Content, Section, Statement
@@ -79,32 +80,20 @@ def test_a_docx_holds_every_row_and_every_sentence(written):
     rows = rows_of(written)
     for name, count in (("s", 12), ("l", 80), ("v", 9)):
         for n in range(count):
-            assert [f"{name}{n}", "0" if n == 0 else f"{n:.3g}" if n >= 10 else f"{n:.2f}"][0] in {
-                row[0] for row in rows
-            }
+            assert f"{name}{n}" in {row[0] for row in rows}
             assert f"remark {n} of {name}" in {row[-1] for row in rows}
     texts = [paragraph.text for paragraph in written.paragraphs]
-    for text in (
-        "Does it hold?",
-        "In short",
-        "first",
-        "The force over time.",
-        "Note of l. 4 of 80 rows; all of them stand in appendix A.",
-    ):
-        assert text in texts
+    assert {"Does it hold?", "In short", "first", "The force over time.", "Note of s."} <= set(texts)
     assert texts.count("PASS: it holds.") == 1
     assert texts.index("PASS: it holds.") == texts.index("Cabinet <4>") + 1  # the answer is what is read first
 
 
 def test_a_docx_has_title_block_signatures_history_and_numbered_pages(written):
     rows = rows_of(written)
-    for row in (
-        ["Document", "NV-7"],
-        ["Client", "Yard & Sons"],
-        ["Author", "A. Maker", "", ""],
-        ["Approved", "C. Third", "", ""],
-    ):
-        assert row in rows
+    assert ["Document", "NV-7"] in rows
+    assert ["Client", "Yard & Sons"] in rows
+    assert ["Author", "A. Maker", "", ""] in rows
+    assert ["Approved", "C. Third", "", ""] in rows
     assert ["B", "", "", "Sweep added"] in rows
     (section,) = written.sections
     assert section.header.paragraphs[0].text == "Cabinet <4>\tCONFIDENTIAL <B>"
@@ -169,11 +158,3 @@ def test_the_page_of_a_document_answers_first_and_repeats_who_it_is_on_paper():
         assert f"page {number} of {len(pages)}" in text
         assert "NV-7 revision B" in text
         assert "CONFIDENTIAL" in text
-
-
-def words(box):
-    """Yield the texts of a page, its margins among them."""
-    if hasattr(box, "text"):
-        yield box.text
-    for child in getattr(box, "children", ()):
-        yield from words(child)

@@ -51,8 +51,13 @@ def cases(
     screen = console()
     screen.print(f"\n[bold]{escape(read.name)}[/]  {several(len(read.cases), 'load case')}")
 
+    count = iter(range(1, len(read.cases) + 1))
+
     def done(name: str, seconds: float, answer: str) -> None:
-        screen.print(f"  {escape(name)}: {escape(answer)} [dim]{seconds:.1f} s[/]", soft_wrap=True)
+        screen.print(
+            f"  {next(count)}/{len(read.cases)} {escape(name)}: {escape(answer)} [dim]{seconds:.1f} s[/]",
+            soft_wrap=True,
+        )
         sys.stdout.flush()
 
     result = run_job(read, folder, force=force, workers=workers, pdf=pdf, docx=docx, done=done)
