@@ -24,3 +24,11 @@ def missing_rows(printed, table):
     """Return the rows of a table that a terminal did not print, of those that it shows."""
     lines = [line.split() for line in printed.splitlines()]
     return [row for row in table.marks()[: table.shown] if " ".join(text for text, _ in row).split() not in lines]
+
+
+def words(box):
+    """Yield the texts of a page as WeasyPrint sets it, those of its margins among them."""
+    if hasattr(box, "text"):
+        yield box.text
+    for child in getattr(box, "children", ()):
+        yield from words(child)

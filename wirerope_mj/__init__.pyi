@@ -141,7 +141,11 @@ from .mounts.test_rig import read_cyclic_test as read_cyclic_test
 from .mounts.test_rig import save_cyclic_test as save_cyclic_test
 from .mounts.test_rig import steady_loops as steady_loops
 from .mounts.vendor_parts import load_isolator as load_isolator
+from .runs import Job as Job
+from .runs import JobRun as JobRun
+from .runs import load_job as load_job
 from .runs import replay as replay
+from .runs import run_job as run_job
 from .runs import run_scenario as run_scenario
 from .runs.from_scenario import study_of as study_of
 from .runs.report import write_report as write_report

@@ -131,8 +131,8 @@ def test_commands_of_a_page_run(page, tmp_path, monkeypatch, capsys):
         pytest.skip("written by the program, or run by its own test")
     monkeypatch.chdir(tmp_path)
     PREPARED.get(page.name, lambda: None)()
-    for *_, kind, text in BLOCK.findall(page.read_text(encoding="utf-8")):
-        if kind == "python" and (named := re.match(r"# (\w+\.py)\n", text)):  # a whole file
+    for *_, text in BLOCK.findall(page.read_text(encoding="utf-8")):
+        if named := re.match(r"# (\w+\.(?:py|csv|toml))\n", text):  # a whole file
             Path(named[1]).write_text(text, encoding="utf-8")
     for program, *arguments in commands_of(page):
         assert program == "wirerope", program

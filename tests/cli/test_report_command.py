@@ -5,14 +5,13 @@ import sys
 from pathlib import Path
 
 import pytest
+from shown import words
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.foundation.errors import ConvergenceError, RecordError, WireRopeError
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.runs import page as page_module
-from wirerope_mj.runs import report as report_module
 from wirerope_mj.runs.report import write_report
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.views.report import pdf as pdf_module
@@ -30,7 +29,9 @@ def table(tmp_path_factory):
 @pytest.fixture
 def quick(monkeypatch):
     """Pages without pictures, where only files and messages are looked at."""
-    monkeypatch.setattr(report_module, "report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>")
+    monkeypatch.setattr(
+        "wirerope_mj.views.report.report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>"
+    )
 
 
 def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):
@@ -68,7 +69,7 @@ def test_bad_input_is_one_message(table, tmp_path, capsys):
     curve.mkdir()
     for name in ("settings.toml", "frequency_response.json"):
         (curve / name).write_text("", encoding="utf-8")
-    for arguments, words in (
+    for arguments, said in (
         ([str(tmp_path / "nothing")], "there is no such folder"),
         ([str(bare)], "this is not a run; there is no scenario.toml here"),
         ([str(damaged)], "there is no response.parquet here"),
@@ -77,7 +78,7 @@ def test_bad_input_is_one_message(table, tmp_path, capsys):
     ):
         assert main(["report", *arguments]) == 2
         error = capsys.readouterr().err
-        assert words in error
+        assert said in error
         assert error.startswith("wirerope: ")
         assert "Traceback" not in error
     assert not [path for path in bare.iterdir()]
@@ -88,8 +89,8 @@ def test_a_failure_leaves_no_half_written_pdf(table, tmp_path, monkeypatch, quic
         path.write_bytes(b"%PDF-1.7 half")
         raise ConvergenceError("no page.")
 
-    monkeypatch.setattr(page_module, "check_pdf", lambda: None)
-    monkeypatch.setattr(page_module, "write_pdf", fail)
+    monkeypatch.setattr("wirerope_mj.views.report.check_pdf", lambda: None)
+    monkeypatch.setattr("wirerope_mj.views.report.write_pdf", fail)
     with pytest.raises(ConvergenceError):
         write_report(table, out=tmp_path / "page.html", pdf=True)
     (tmp_path / "page.html").unlink()  # whole, and written before
@@ -133,11 +134,3 @@ def test_long_tables_repeat_their_heading_on_every_page():
     assert len(pages) > 2
     assert all("headed" in page for page in pages)
     assert all(f"page {number} of {len(pages)}" in page for number, page in enumerate(pages, start=1))
-
-
-def words(box):
-    """Return the texts of a box and of all that are in it."""
-    if hasattr(box, "text"):
-        yield box.text
-    for child in getattr(box, "children", ()):
-        yield from words(child)

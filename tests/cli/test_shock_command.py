@@ -134,20 +134,20 @@ def test_doubts_are_one_line_each_on_standard_error(record, asked, capsys):
         (["--record", "gone.csv"], "gone.csv: no such file"),
         (
             ["--record", "deck.csv", "--channels", "a", "--direction", "up"],
-            "`--direction` must be x, y, z, -x, -y, -z or a vector",
+            "`direction` must be x, y, z, -x, -y, -z or a vector",
         ),
         (
             ["--record", "deck.csv", "--direction", "z"],
             "turns a record of one channel, and here are a, b. Say where each",
         ),
-        (["--record", "deck.csv", "--channels", "a"], "`--channels` are NAME=DIRECTION, for instance ch3=z, got 'a'"),
+        (["--record", "deck.csv", "--channels", "a"], "`channels` are NAME=DIRECTION, for instance ch3=z, got 'a'"),
         (["--record", "deck.csv", "--channels", "q=z"], 'there is no column "q"; the columns are a, b'),
         (["--record", "deck.csv"], "(--channels b=z)"),
         (["--record", "still.csv"], "still.csv: all of its samples are zero, so that the base would not move"),
         (["--record", "z.csv", "--start", "-1"], "the record end at -0.8005 s, before the simulation begins at 0 s"),
         (
             ["--record", "z.csv", "--start", "0.1"],
-            "`--duration` 0.1 ends the simulation before the record begins, at 0.1 s",
+            "`duration` 0.1 ends the simulation before the record begins, at 0.1 s",
         ),
         (
             ["--record", "deck.csv", "--channels", "a=z", "--baseline", "highpass"],
@@ -222,7 +222,7 @@ def test_a_limit_of_the_command_is_judged_stored_and_replayed(tmp_path, monkeypa
     [
         ([], "say how the base moves"),
         (["--half-sine", "15 g z"], "a time must stand there"),
-        (["--half-sine", "15 g 11 ms z", "--direction", "x"], "belong to a `--record`"),
+        (["--half-sine", "15 g 11 ms z", "--direction", "x"], "belong to a `record`"),
         (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/rack = 15"], "is written like"),
         (["--half-sine", "15 g 11 ms z", "--limit", "acceleration/nothing = 15 g", *QUICK], "no point 'nothing'"),
         (["--levels", "missing.toml"], "missing.toml"),

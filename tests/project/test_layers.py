@@ -53,6 +53,7 @@ OWNERS = {
     },
     "jinja2": {"views/report"},
     "weasyprint": {"views/report"},
+    "docx": {"views/report"},
     "pyuff": {"motions/records"},
     "pymoo": {"studies/search"},
 }  # fmt: skip

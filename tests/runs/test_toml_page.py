@@ -7,12 +7,13 @@ from pathlib import Path
 
 import pytest
 
+from wirerope_mj.content.document import TEXTS, Document, Revision
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import AXES, tables
 from wirerope_mj.mounts.isolator.parts import Travel
 from wirerope_mj.mounts.laws import LAWS
 from wirerope_mj.mounts.vendor_parts import sheet as sheet_file
-from wirerope_mj.runs import measured, scenario_file
+from wirerope_mj.runs import job_file, measured, scenario_file
 
 PAGE = (Path(__file__).parents[2] / "docs" / "toml_files.md").read_text(encoding="utf-8")
 NAMED = set(re.findall(r"`\[*([\w-]+)\]*`", PAGE))
@@ -56,3 +57,11 @@ def test_every_key_of_levels_and_of_a_run_is_there():
 @pytest.mark.quick
 def test_every_key_of_a_map_of_a_measurement_is_there():
     assert {*measured._OPTIONS, "channels", "file", "name"} <= NAMED
+
+
+@pytest.mark.quick
+def test_every_key_of_a_job_is_there():
+    keys = {*job_file._JOB, *job_file._CASE, *job_file.REPORTED, "files", "text", *TEXTS}
+    keys |= {field.name for kind in (Document, Revision) for field in fields(kind)} - {"texts"}
+    assert {f"document.{name}" for name in ("history", "text")} <= set(re.findall(r"`\[+([\w.]+)\]+`", PAGE))
+    assert keys - {"case", "document", "history", "text"} <= NAMED

@@ -242,7 +242,7 @@ def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_compute
 
 def test_a_worker_ends_in_the_middle_of_a_chunk_when_nobody_waits_for_it_any_more():
     study = table_study(variants=1, duration=1e5)  # a hundred million steps
-    worker = local._Process(pickle.dumps(study.work))
+    worker = local._Process(pickle.dumps(functools.partial(compute, study.work)))
     process = worker._process
     process.stdin.write(pickle.dumps(next(chunks(study, [0]))))
     process.stdin.flush()

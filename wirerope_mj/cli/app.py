@@ -34,14 +34,18 @@ COMMANDS = {
         "Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.",
     ),
     "run": ("run:run_app", "Simulate a scenario into one folder and print its peaks against the limits."),
+    "cases": (
+        "cases:cases",
+        "Simulate the load cases of a job: which case governs each limit, and one document of all of them.",
+    ),
     "study": (
         "study:study_app",
         "Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.",
     ),
-    "show": ("show:show", "Open a run, or the worst variants of a study, in the rerun viewer."),
+    "show": ("show:show", "Open a run, a job, or the worst variants of a study, in the rerun viewer."),
     "replay": (
         "replay:replay",
-        "Simulate a run again from its folder alone and say whether the numbers agree and which files were altered.",
+        "Simulate a run or a job again from its folder alone: whether the numbers agree, and which files were altered.",
     ),
     "loops": (
         "loops:loops",
@@ -65,7 +69,7 @@ COMMANDS = {
     ),
     "report": (
         "report:report",
-        "Make the report of a run: one HTML page that holds everything it shows, and a PDF of it.",
+        "Make the report of a run or a job: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
     ),
     "study-report": (
         "study:study_report",
@@ -73,7 +77,7 @@ COMMANDS = {
     ),
     "compare": (
         "compare:compare",
-        "Lay two or more runs over each other, or a run and measured tests: what differs, and how well the model agrees.",
+        "Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.",
     ),
     "share": (
         "exports:share",

@@ -1,4 +1,4 @@
-"""`wirerope compare`: runs over each other, or a run and what was measured, as tables, one page and one recording."""
+"""`wirerope compare`: runs over each other, a run and what was measured, or two jobs, as tables, a page and a recording."""
 
 import os
 from collections.abc import Sequence
@@ -26,11 +26,12 @@ def compare(
     gaps: Literal["refuse", "fill"] | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Lay two or more runs over each other, or a run and measured tests: what differs, and how well the model agrees.
+    """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 
     The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,
     and tables of what differs, where and when. Runs of different models are compared in what they share by name; the rest is
-    listed. Differences are those to the first run.
+    listed. Differences are those to the first run. Of two jobs the tables say what each uses of the limits in every load case,
+    and which inputs differ.
 
     With --map the files behind the first run are measured tests, CSV, MATLAB, XLSX, Parquet or universal files:
 
@@ -39,10 +40,10 @@ def compare(
     Their files are kept in the run's folder; correlation.html and correlation.rrd there show all curves over each other.
 
     Args:
-        runs: folders of runs, two or more; or one, and files of tests.
+        runs: folders of runs, two or more, or of two jobs; or one run, and files of tests.
         out: recording to write (.rrd); runs/compare-DATE-TIME.rrd by default. Of tests the page (.html), by default
             correlation.html in the run's folder, with the recording beside it.
-        names: what the runs, or the tests, are called, one for each; the names of their folders or files by default.
+        names: what the runs, jobs or tests are called, one for each; the names of their folders or files by default.
         align: start: runs begin together; shock: their base motions do.
         map: what the columns of the tests are, COLUMN=PHRASE, such as "A1=point/rack_top -z g" or "F1=mount/m1 axial kN", or a
             TOML file with a table [channels].
@@ -63,6 +64,7 @@ def compare(
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.motions.records.record import is_measurement, record_channels
     from wirerope_mj.runs.folder import warn_of_alterations
+    from wirerope_mj.runs.job import is_job
     from wirerope_mj.runs.sources import run_inputs, run_verdicts
     from wirerope_mj.views.recording.drawn_runs import several_runs
     from wirerope_mj.views.recording.record import record_runs
@@ -77,6 +79,8 @@ def compare(
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
     called = _names(runs, names)
+    if any(is_job(folder) for folder in runs):
+        return _compare_jobs(runs, called, out)
     target = _target(out, force=force)
     for folder in runs:
         warn_of_alterations(folder)
@@ -132,6 +136,32 @@ def _compare_tests(
     print_headline(content.verdict)
     for path in (page, page.with_suffix(".rrd")):
         screen.print(f"  written to {escape(str(path))}, {path.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+    return 0
+
+
+def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) -> int:
+    """Print what two jobs use of their limits, case by case, and what differs between their inputs."""
+    from wirerope_mj.content.job_comparison import job_comparison_content
+    from wirerope_mj.runs.job import CASES, is_job, judged_job
+    from wirerope_mj.runs.sources import run_inputs
+    from wirerope_mj.views.terminal import print_headline, show
+
+    if len(jobs) != 2 or not all(map(is_job, jobs)):
+        raise ValueError(
+            "compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN"
+        )
+    if out is not None:
+        raise ValueError(
+            "`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs."
+        )
+    judged = {name: judged_job(folder) for name, folder in zip(names, jobs, strict=True)}
+    inputs = {
+        name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}
+        for name, folder in zip(names, jobs, strict=True)
+    }
+    content = job_comparison_content(judged, inputs)
+    show(content)
+    print_headline(content.verdict)
     return 0
 
 

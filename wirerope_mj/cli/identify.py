@@ -30,7 +30,7 @@ from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.runs.folder import atomic_run, check_target
 from wirerope_mj.runs.page import REPORT, write_page
-from wirerope_mj.views.report import check_pdf, report_html
+from wirerope_mj.views.report import check_pdf
 from wirerope_mj.views.terminal import console, print_headline, show
 
 NOT_CONVERGED = 1  # Exit code of a fit that did not converge
@@ -128,7 +128,7 @@ def identify_records(
     )  # fmt: skip
     wanted = result.converged or accept_unconverged
     with atomic_run(target, force=force, kind="report", marks=_marks(target)) as folder:
-        write_page(report_html(content), [folder / REPORT, *([folder / _PDF] if pdf else [])])
+        write_page(content, [folder / REPORT, *([folder / _PDF] if pdf else [])])
         _keep_others(target, folder)
         if wanted:
             isolator.save(out)

@@ -1,4 +1,4 @@
-"""`wirerope replay`: a run computed again from its folder alone."""
+"""`wirerope replay`: a run, or the load cases of a job, computed again from the folder alone."""
 
 import math
 import sys
@@ -10,18 +10,24 @@ from wirerope_mj.runs.repeat import Replay
 
 
 def replay(folder: Path) -> int:
-    """Simulate a run again from its folder alone and say whether the numbers agree and which files were altered.
+    """Simulate a run or a job again from its folder alone: whether the numbers agree, and which files were altered.
 
     Compared are all stored numbers: samples, peaks, states, and those of summary.json. The exit code is 0, or 1 if they do not
     agree or a file was altered or removed since the run was written.
 
     Args:
-        folder: folder of a run.
+        folder: folder of a run, or of a job, whose load cases are simulated one after the other.
     """
+    from wirerope_mj.runs.job import case_folders, is_job
+
+    return max(map(_replay_run, case_folders(folder) if is_job(folder) else [folder]))
+
+
+def _replay_run(folder: Path) -> int:
     from wirerope_mj.runs import replay as replay_run
 
     result = replay_run(folder, progress=sys.stderr.isatty())
-    print(plain(f"{folder}: {_replayed(result)}"))
+    print(plain(f"{folder}: {_replayed(result)}"), flush=True)
     if result.alterations is None:
         print("There is no checksums.txt here: what else was altered since the run was written is not known.")
     else:

@@ -1,24 +1,15 @@
 """`wirerope shock`: a base motion said on the command line, or a measured record, played into a model."""
 
-import math
-from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from wirerope_mj.cli.options import with_numerics
-from wirerope_mj.foundation.directions import direction_in
-from wirerope_mj.foundation.errors import RecordError
-
-if TYPE_CHECKING:
-    from wirerope_mj.motions.records.record import Record
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
-# Periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left.
-RING_DOWN = 10.0
 Phrases = Annotated[list[str] | None, Parameter(negative=())]
 
 
@@ -116,12 +107,9 @@ def shock(
         force: replace a run that is there.
     """
     from wirerope_mj.cli.printed_run import run_and_print
-    from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
-    from wirerope_mj.motions import Sweep, load_record
-    from wirerope_mj.motions.restore import motion_of_levels
-    from wirerope_mj.motions.spoken import motion_from_phrase
+    from wirerope_mj.runs.said_motion import duration_of, said_motion
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
@@ -132,24 +120,17 @@ def shock(
         "force-table": force_table,
     }  # fmt: skip
     phrases = [(kind, phrase) for kind, several in spoken.items() for phrase in several or ()]
-    motions = [motion_from_phrase(kind, phrase) for kind, phrase in phrases]
-    names = [*dict.fromkeys(kind for kind, _ in phrases)]
-    for file in levels or ():
-        motions.append(motion_of_levels(file))
-        names.append(file.stem)
-    if record is not None:
-        played = load_record(
-            record, channels=_channels(record, channels, direction), scale=scale, baseline=baseline, start=start,
-            highpass=highpass, resample=resample, gaps=gaps, unit=unit,
-        )  # fmt: skip
-        _check_that_it_moves(record, played, duration)
-        motions.append(played)
-        names.append(record.stem)
-    elif channels is not None or direction is not None:
-        raise ValueError("`--direction` and `--channels` belong to a `--record`; other motions say their direction.")
-    if not motions:
+    names = [*dict.fromkeys(kind for kind, _ in phrases), *(file.stem for file in levels or ())]
+    names += [record.stem] if record is not None else []
+    if not (names or channels or direction):
         raise ValueError('say how the base moves, for instance --half-sine "15 g 11 ms z" or --record deck.csv.')
-    motion = sum(motions[1:], start=motions[0])
+    played = {
+        "scale": scale, "baseline": baseline, "start": start, "highpass": highpass, "resample": resample, "gaps": gaps,
+        "unit": unit,
+    }  # fmt: skip
+    motion = said_motion(
+        phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
+    )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
     options: dict[str, Any] = {
         **{kind: "; ".join(several) if several else None for kind, several in spoken.items()},
@@ -163,72 +144,14 @@ def shock(
         question=QUESTION, model=model, motion=motion, simulate={}, name=name, options=_given(options),
         combined_travel=combined_travel, limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
-    if duration is None:
-        if not math.isfinite(motion.end):
-            raise ValueError('this motion has no end: give `--duration`, or say how long it lasts, as in "for 10 s".')
-        sweeps = any(
-            isinstance(part, Sweep) for part in motion.parts
-        )  # goes on at its last frequency, and is best cut there
-        duration = motion.end
-        if not sweeps:
-            duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
-    if motion.events and duration <= motion.events[0][0]:
-        raise ValueError(
-            f"`--duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s."
-        )
+    duration = duration_of(motion, duration, load_system(made.model_source()))
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)
     return 0
 
 
-def _check_that_it_moves(path: Path, motion: "Record", duration: float | None) -> None:
-    """Raise an error for a record that would leave the base at rest all the time."""
-    if not motion.samples.any():
-        zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
-        raise RecordError(
-            f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
-        )
-    if motion.end <= 0.0:
-        raise ValueError(
-            f"`--start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
-            "base would not move. Start it at 0 s or later."
-        )
-    if duration is not None and duration <= motion.start:
-        raise ValueError(
-            f"`--duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (--start)."
-        )
-
-
-def _rounded_up(seconds: float) -> float:
-    """Return the next tenth of a second."""
-    return math.ceil(10.0 * seconds - 1e-6) / 10.0
-
-
 def _given(options: dict[str, Any]) -> dict[str, Any]:
     """Return the options that were given, as plain text."""
     plain = {name: " ".join(value) if isinstance(value, list) else value for name, value in options.items()}
     return {name: value for name, value in plain.items() if value is not None}
-
-
-def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> dict[str, Any] | None:
-    """Return which channel moves the base in which direction; None leaves it to their names."""
-    from wirerope_mj.motions.records.record import record_channels
-
-    if channels is None and direction is None:
-        return None
-    if channels is not None and direction is None:
-        pairs = [item.rpartition("=") for item in channels]
-        for item, (name, _, _) in zip(channels, pairs, strict=True):
-            if not name:
-                raise ValueError(f"`--channels` are NAME=DIRECTION, for instance ch3=z, got {item!r}.")
-        return {name: direction_in(text, "--channels") for name, _, text in pairs}
-    names = tuple(channels) if channels is not None else record_channels(record)
-    if len(names) != 1 or "=" in names[0]:
-        raise ValueError(
-            f"`--direction` turns a record of one channel, and here are {', '.join(names) or 'none'}. Say where each one "
-            f"goes, for instance --channels {(names or ('ch1',))[0].partition('=')[0]}=z, or name one: --channels NAME "
-            "--direction z."
-        )
-    assert direction is not None
-    return {names[0]: direction_in(direction, "--direction")}

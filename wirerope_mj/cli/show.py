@@ -7,10 +7,10 @@ from cyclopts import Parameter
 
 
 def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) -> int:
-    """Open a run, or the worst variants of a study, in the rerun viewer.
+    """Open a run, a job, or the worst variants of a study, in the rerun viewer.
 
     Args:
-        folder: folder of a run, or of a study whose worst variants --open-worst wrote, or a .rrd file.
+        folder: folder of a run, of a job, or of a study whose worst variants --open-worst wrote, or a .rrd file.
         web: show it in a browser of this machine instead of a window.
     """
     from wirerope_mj.runs.folder import warn_of_alterations

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal
 
+from wirerope_mj.content.document import Document
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.arrays import Array
@@ -72,12 +73,14 @@ class Section:
         title: its heading.
         build: makes its blocks in reading order; None among them is left out.
         depth: from which on it is shown.
+        appendix: whether it stands behind all others, with a letter in place of a number.
     """
 
     id: str
     title: str
     build: Callable[[], Iterable[Block | None]]
     depth: Depth = "full"
+    appendix: bool = False
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
@@ -95,6 +98,7 @@ class Content:
         sections: everything else, the grounds of the conclusion first.
         facts: name and value of what stands below the title: model, base motion, date.
         question: what was asked, a text for each paragraph.
+        document: data of a document that is filed and signed; None for a plain report.
     """
 
     title: str
@@ -102,6 +106,7 @@ class Content:
     sections: tuple[Section, ...]
     facts: tuple[tuple[str, str], ...] = ()
     question: tuple[str, ...] = ()
+    document: Document | None = None
 
     def blocks(self, *depths: Depth) -> Iterator[Block]:
         """Yield the blocks of the sections of these depths, of all without any."""

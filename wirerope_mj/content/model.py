@@ -29,7 +29,7 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
         yield SceneView(id="geometry", scene=scene, caption=caption)
     yield _masses(run)
     yield _mounts(run)
-    devices = _devices(run)
+    devices = devices_of(run)
     if devices:
         yield ratings_table(devices)
         for device in devices:
@@ -92,7 +92,7 @@ def _mounts(run: JudgedRun) -> Table | None:
     )
 
 
-def _devices(run: JudgedRun) -> list[Isolator]:
+def devices_of(run: JudgedRun) -> list[Isolator]:
     """Return the isolators, each once, in the order of the mounts."""
     devices: list[Isolator] = []
     for mount in run.response.scene.mounts:

@@ -23,7 +23,7 @@ from wirerope_mj.engine.response import Numerics
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.tables import Column, Table
 
-_START = {
+START = {
     "settled": "at rest in the equilibrium of the first loading",
     "relaxed": "at rest in the relaxed equilibrium, as after long vibration",
     "unloaded": "in the modelled geometry, with unloaded mounts",
@@ -103,7 +103,7 @@ def _numerics(run: JudgedRun) -> Iterator[Block]:
     numerics, arguments = run.response.numerics, run.inputs.get("simulate", {})
     initial, versions = str(arguments.get("initial", "settled")), run.inputs.get("versions", {})
     rows = [
-        ("simulated", f"{arguments.get('duration', run.response.time[-1]):g} s from {_START.get(initial, initial)}"),
+        ("simulated", f"{arguments.get('duration', run.response.time[-1]):g} s from {START.get(initial, initial)}"),
         ("steps", f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}"),
         ("step limited by", numerics.limited_by or "not recorded"),
         ("estimated error", _error(numerics)),

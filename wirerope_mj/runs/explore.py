@@ -19,6 +19,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine
+from wirerope_mj.runs.said_motion import RING_DOWN
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
@@ -28,8 +29,6 @@ from wirerope_mj.views.explore.recorder import Recorder
 from wirerope_mj.views.explore.shown import ShownRun
 from wirerope_mj.views.explore.turns import OvertakenError
 
-# Periods of the slowest mode that are simulated after the pulse: at a damping ratio of a tenth a five-hundredth is left.
-RING_DOWN = 10.0
 _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest before it
 
 

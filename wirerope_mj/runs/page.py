@@ -1,15 +1,16 @@
-"""Files of a report: the page, and its PDF."""
+"""Files of a report: the page, and its PDF and DOCX."""
 
 from pathlib import Path
 
+from wirerope_mj.content.appendices import with_appendices
+from wirerope_mj.content.blocks import Content
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.report import check_pdf, write_pdf
 
 REPORT = "report.html"  # The report in a folder
 
 
-def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool) -> list[Path]:
+def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, docx: bool = False) -> list[Path]:
     """Return the files that a report will be, the page first, before anything is computed.
 
     Args:
@@ -17,34 +18,47 @@ def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool) 
         out: the page, .html; None: report.html in the folder, which is made anew.
         pdf: whether a PDF of the page stands beside it.
         force: whether files at `out` are replaced.
+        docx: whether a DOCX of it does.
 
     Raises:
         ValueError: the page does not end with .html.
         RecordError: a file is there and must not be replaced.
-        WireRopeError: a PDF cannot be made here.
+        WireRopeError: a PDF or a DOCX cannot be made here.
     """
+    from wirerope_mj.views.report import check_docx, check_pdf  # late: its libraries take long to import
+
     page = folder / REPORT if out is None else Path(out)
     if page.suffix.lower() not in (".html", ".htm"):
         raise ValueError(
             f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
         )
-    files = [page, page.with_suffix(".pdf")] if pdf else [page]
+    wanted = ((".pdf", pdf, check_pdf), (".docx", docx, check_docx))
+    files = [page, *(page.with_suffix(ending) for ending, asked, _ in wanted if asked)]
     for path in files:
         if out is not None and path.exists() and not (force and path.is_file()):
             raise RecordError(
                 f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
             )
-    if pdf:
-        check_pdf()
+    for _, asked, check in wanted:
+        if asked:
+            check()
     return files
 
 
-def write_page(text: str, files: list[Path]) -> None:
-    """Write a page to the first of `files`, and its PDF to the second if there is one, each whole or not at all."""
-    page, *pdf = files
-    page.parent.mkdir(parents=True, exist_ok=True)
-    with atomic_file(page) as beside:
-        beside.write_text(text, encoding="utf-8")
-    for path in pdf:
+def write_page(content: Content, files: list[Path]) -> None:
+    """Write a content as the page, a PDF or a DOCX, by the endings of the files, each whole or not at all.
+
+    On paper nothing is folded away: long tables stand whole in appendices.
+    """
+    from wirerope_mj.views.report import report_html, write_docx, write_pdf
+
+    files[0].parent.mkdir(parents=True, exist_ok=True)
+    whole = with_appendices(content) if len(files) > 1 else content
+    for path in files:
         with atomic_file(path) as beside:
-            write_pdf(text, beside)
+            if path.suffix == ".docx":
+                write_docx(whole, beside)
+            elif path.suffix == ".pdf":
+                write_pdf(report_html(whole), beside)
+            else:
+                beside.write_text(report_html(content), encoding="utf-8")

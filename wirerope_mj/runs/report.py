@@ -1,4 +1,4 @@
-"""A run handed on, from its folder alone: its report, and a folder that any web server shows."""
+"""A run or a job handed on, from its folder alone: its report, and a folder that any web server shows."""
 
 import shutil
 from dataclasses import replace
@@ -6,32 +6,31 @@ from pathlib import Path
 
 from wirerope_mj.assessment.correlation import correlate
 from wirerope_mj.content.correlation import correlation_sections
-from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.content.job import job_content
 from wirerope_mj.content.run import run_content
-from wirerope_mj.engine.response import load_response
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.analyses import KIND, MARKS
 from wirerope_mj.runs.folder import alterations, atomic_run, update_checksums, warn_of_alterations
+from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.page import REPORT, page_files, write_page
-from wirerope_mj.runs.scenario_file import scenario_content
-from wirerope_mj.runs.sources import check_one_run, system_and_motion
+from wirerope_mj.runs.sources import judged_folder
 from wirerope_mj.views.recording.paths import FILE
 from wirerope_mj.views.recording.viewer import find_recording
-from wirerope_mj.views.report import report_html
 from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages
 
 
 def write_report(
-    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False
+    folder: str | Path, *, out: str | Path | None = None, pdf: bool = False, force: bool = False, docx: bool = False
 ) -> list[Path]:
-    """Write the report of a run and return the files, the page first.
+    """Write the report of a run or a job and return the files, the page first.
 
     Args:
-        folder: of the run; nothing outside it is read.
-        out: the page, .html; by default report.html in the run's folder, which is made anew.
+        folder: of the run or the job; nothing outside it is read.
+        out: the page, .html; by default report.html in that folder, which is made anew.
         pdf: whether a PDF of the page is written beside it.
         force: whether files at `out` are replaced.
+        docx: whether a DOCX of it is.
 
     Raises:
         RecordError: the folder is not a run, its files are damaged or not of one run, or a file is there and must not be
@@ -39,17 +38,17 @@ def write_report(
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
-    files = page_files(folder, out, pdf=pdf, force=force)
+    files = page_files(folder, out, pdf=pdf, force=force, docx=docx)
+    if is_job(folder):
+        write_page(job_content(judged_job(folder)), files)
+        return files
     warn_of_alterations(_run_folder(folder))
-    content = scenario_content(folder)
-    system, motion = system_and_motion(folder, content)
-    response = load_response(folder)
-    check_one_run(folder, content, system, response)
-    page = run_content(judged_run(system, motion, response, content))
-    tests = tuple(correlate(response, one) for one in tests_of(folder))
+    run = judged_folder(folder)
+    content = run_content(run)
+    tests = tuple(correlate(run.response, one) for one in tests_of(folder))
     if tests:
-        page = replace(page, sections=(*page.sections, *correlation_sections(tests)))
-    write_page(report_html(page), files)
+        content = replace(content, sections=(*content.sections, *correlation_sections(tests)))
+    write_page(content, files)
     update_checksums(folder, files)
     return files
 

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, judge
-from wirerope_mj.content.judged_run import judged_run
-from wirerope_mj.engine.response import Response
+from wirerope_mj.content.judged_run import JudgedRun, judged_run
+from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.response import FILE
 from wirerope_mj.engine.simulation.recorder import column_plan
@@ -56,12 +56,21 @@ def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
         RecordError: scenario, motion or model cannot be read, or are not those of the response; names which.
     """
     folder = Path(folder)
-    if not (folder / SCENARIO).is_file():
-        return tuple(judge(response))
+    return judged_folder(folder, response).verdicts if is_run(folder) else tuple(judge(response))
+
+
+def judged_folder(folder: Path, response: Response | None = None) -> JudgedRun:
+    """Judge the run in a folder, whose response may have been read already; nothing outside the folder is read.
+
+    Raises:
+        RecordError: the folder is not a run, or its files are damaged or not of one run.
+        ModelError: the model or an isolator in it is not what it must be.
+    """
     content = scenario_content(folder)
     system, motion = system_and_motion(folder, content)
+    response = response or load_response(folder)
     check_one_run(folder, content, system, response)
-    return judged_run(system, motion, response, content).verdicts
+    return judged_run(system, motion, response, content)
 
 
 _REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."

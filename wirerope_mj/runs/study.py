@@ -90,16 +90,14 @@ def write_study_report(
         ValueError: there is no such measure.
         WireRopeError: a PDF cannot be made here.
     """
-    from wirerope_mj.runs.page import page_files
-    from wirerope_mj.runs.report import write_page  # late, too
-    from wirerope_mj.views.report.page import report_html
+    from wirerope_mj.runs.page import page_files, write_page
 
     folder = Path(folder)
     files = page_files(folder, out, pdf=pdf, force=force)
     result = load_study(folder)
     if not result.complete:
         raise RecordError(result.message)
-    write_page(report_html(result_content(result, by)), files)
+    write_page(result_content(result, by), files)
     return files
 
 

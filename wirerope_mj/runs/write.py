@@ -87,6 +87,7 @@ def write_run(
     progress: bool = False,
     when_judged: Callable[[JudgedRun], None] = lambda judged: None,
     state: bool = False,
+    case: str = "",
 ) -> None:
     """Do what `run_scenario` does without reading the response back.
 
@@ -98,6 +99,7 @@ def write_run(
         when_judged: called with the judged run before anything is made of them; what it raises ends the run,
             whose folder is not written then.
         state: whether the recording keeps every sample, too.
+        case: which load case it is among several, in letters of a file's name: its recording has a layout of its own then.
 
     Raises:
         WireRopeError: as `run_scenario`.
@@ -123,7 +125,7 @@ def write_run(
             (beside / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(judged, seconds=round(seconds, 3))
             (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
-            _write_views(scenario, judged, beside, writing, state=state)
+            _write_views(scenario, judged, beside, writing, state=state, case=case)
             write_checksums(beside)
 
 
@@ -207,7 +209,7 @@ def _scenario_text(
 
 
 def _write_views(
-    scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool
+    scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool, case: str
 ) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
     from wirerope_mj.content.over_frequency import panel_over_frequency
@@ -220,7 +222,9 @@ def _write_views(
     title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
     writing("the recording")
     panel = panel_over_frequency(judged)
-    record_run(judged, folder / "run.rrd", title=title, scenario_text=text, state=state, over_frequency=panel)
+    record_run(
+        judged, folder / "run.rrd", title=title, scenario_text=text, state=state, over_frequency=panel, case=case
+    )
     writing("the pictures")
     charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
     drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]

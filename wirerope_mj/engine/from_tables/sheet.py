@@ -20,7 +20,7 @@ from wirerope_mj.foundation.csv_units import (
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
 from wirerope_mj.foundation.xlsx_rows import xlsx_rows
 
 _POUND = 0.45359237
@@ -32,6 +32,7 @@ UNITS: dict[str, Mapping[str, float]] = {
         "kg m^2": 1.0, "kg m2": 1.0, "kg m²": 1.0, "kg*m^2": 1.0, "kg mm^2": 1e-6, "kg mm2": 1e-6, "kg*mm^2": 1e-6,
         "t m^2": 1e3, "g mm^2": 1e-9, "lb in^2": _POUND * LENGTH_UNITS["in"] ** 2,
     },
+    "time": TIME_UNITS,
     "angle": {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0},
     "stiffness": {
         f"{force}/{length}": newtons / metres

@@ -1,4 +1,4 @@
-"""The engine of one machine: processes side by side, each with a lock-step batch on one thread."""
+"""Processes side by side on one machine, each on one thread; with a lock-step batch in each, the engine of studies."""
 
 import os
 import pickle
@@ -6,16 +6,20 @@ import queue
 import subprocess
 import sys
 import threading
-from collections.abc import Generator, Iterable
+from collections.abc import Callable, Generator, Iterable
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Generic, TypeVar
 
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
 from wirerope_mj.studies.inputs.variants import Work
 
 TRIES = 2  # Tries of a chunk whose process dies: the first death may have been an accident
+
+Question = TypeVar("Question")
+Answer = TypeVar("Answer")
 
 
 class WorkerDiedError(Exception):
@@ -33,12 +37,39 @@ def run_local(
         workers: number of processes; None for one per processor. One worker is this process itself.
         address: of no use here; engines with a cluster take one.
     """
+
+    def lost(chunk: Chunk, reason: str) -> Part:
+        return died(
+            work,
+            chunk,
+            f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. It may have run out of "
+            "memory: go on with --resume (`resume=True`), which computes it again, and with fewer --workers (`workers`).",
+        )
+
+    yield from in_processes(partial(compute, work), chunks, lost=lost, workers=workers)
+
+
+def in_processes(
+    function: Callable[[Question], Answer],
+    questions: Iterable[Question],
+    *,
+    lost: Callable[[Question, str], Answer],
+    workers: int | None = None,
+) -> Generator[Answer, None, None]:
+    """Yield what a function makes of each question as they are ready, in any order; all of them must be pickled.
+
+    Args:
+        function: of a module; one worker calls it in this process.
+        questions: read as processes become free.
+        lost: answers a question during which a process died `TRIES` times; its second argument says how.
+        workers: number of processes; None for one per processor.
+    """
     workers = processors() if workers is None else workers
     if workers == 1:
-        for chunk in chunks:
-            yield compute(work, chunk)
+        for question in questions:
+            yield function(question)
         return
-    yield from _Pool(work, chunks, workers).results()
+    yield from _Pool(function, questions, lost, workers).results()
 
 
 def processors() -> int:
@@ -55,18 +86,24 @@ def environment_of_children() -> dict[str, str]:
     return {**os.environ, "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)), "PYTHONSAFEPATH": "1"}
 
 
-class _Pool:
-    """One thread for each worker process: it hands out chunks, and starts the process again if it dies."""
+class _Pool(Generic[Question, Answer]):
+    """One thread for each worker process: it hands out questions, and starts the process again if it dies."""
 
-    def __init__(self, work: Work, chunks: Iterable[Chunk], workers: int) -> None:
-        self._work, self._chunks, self._workers = work, iter(chunks), workers
-        self._pickled = pickle.dumps(work, protocol=pickle.HIGHEST_PROTOCOL)
+    def __init__(
+        self,
+        function: Callable[[Question], Answer],
+        questions: Iterable[Question],
+        lost: Callable[[Question, str], Answer],
+        workers: int,
+    ) -> None:
+        self._questions, self._lost, self._workers = iter(questions), lost, workers
+        self._pickled = pickle.dumps(function, protocol=pickle.HIGHEST_PROTOCOL)
         self._lock, self._stop = threading.Lock(), threading.Event()
         # A slow reader holds the workers up, so that memory does not grow.
-        self._done: queue.Queue[Part | BaseException | None] = queue.Queue(maxsize=2 * workers)
+        self._done: queue.Queue[Answer | BaseException | None] = queue.Queue(maxsize=2 * workers)
         self._processes: list[_Process | None] = [None] * workers
 
-    def results(self) -> Generator[Part, None, None]:
+    def results(self) -> Generator[Answer, None, None]:
         threads = [threading.Thread(target=self._serve, args=(n,), daemon=True) for n in range(self._workers)]
         for thread in threads:
             thread.start()
@@ -98,12 +135,12 @@ class _Pool:
         try:
             while not self._stop.is_set():
                 with self._lock:
-                    chunk = next(self._chunks, None)
-                if chunk is None:
+                    question = next(self._questions, None)
+                if question is None:
                     break
-                part = self._part(number, chunk)
+                answer = self._answer(number, question)
                 if not self._stop.is_set():
-                    self._done.put(part)
+                    self._done.put(answer)
             self._done.put(None)
         except BaseException as error:
             self._done.put(error)
@@ -112,28 +149,23 @@ class _Pool:
             if process is not None:
                 process.kill()
 
-    def _part(self, number: int, chunk: Chunk) -> Part:
+    def _answer(self, number: int, question: Question) -> Answer:
         reason = ""
         for _ in range(TRIES):
             try:
                 process = self._processes[number] = self._processes[number] or _Process(self._pickled)
-                return process.compute(chunk)
+                return process.compute(question)
             except WorkerDiedError as death:
                 reason, self._processes[number] = str(death), None
                 if self._stop.is_set():
                     break
-        return died(
-            self._work,
-            chunk,
-            f"the process that computed this chunk of variants {reason}, {TRIES} times in a row. It may have run out of "
-            "memory: go on with --resume (`resume=True`), which computes it again, and with fewer --workers (`workers`).",
-        )
+        return self._lost(question, reason)
 
 
 class _Process:
     """A worker process and its pipes."""
 
-    def __init__(self, pickled_work: bytes) -> None:
+    def __init__(self, pickled_function: bytes) -> None:
         environment = environment_of_children()
         # One thread each: more of them would fight for the processors that the other processes have.
         environment |= dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
@@ -143,16 +175,16 @@ class _Process:
             stdin=subprocess.PIPE, stdout=subprocess.PIPE, env=environment, start_new_session=True,
         )  # fmt: skip
         try:
-            self._asked(pickled_work)
+            self._asked(pickled_function)
         except WorkerDiedError as death:
             raise SimulationError(
                 f"a worker process could not start: it {death}. Its own message stands on standard error; with one of "
-                "`workers` the study runs in this process."
+                "`workers` all is computed in this process."
             ) from None
 
-    def compute(self, chunk: Chunk) -> Part:
-        """Return the part of a chunk; WorkerDiedError if the process is gone."""
-        return self._asked(pickle.dumps(chunk, protocol=pickle.HIGHEST_PROTOCOL))
+    def compute(self, question: Any) -> Any:
+        """Return the answer to a question; WorkerDiedError if the process is gone."""
+        return self._asked(pickle.dumps(question, protocol=pickle.HIGHEST_PROTOCOL))
 
     def _asked(self, question: bytes) -> Any:
         assert self._process.stdin is not None

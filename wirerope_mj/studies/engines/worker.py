@@ -1,4 +1,4 @@
-"""A process that computes chunks: reads them from its standard input and writes their parts to its standard output.
+"""A process that answers questions: reads them from its standard input and writes the answers to its standard output.
 
 It is started by the local engine as a module of its own, so that it never runs the script that asked for the study: such a
 script needs no guard. It ends with its input, and so with the process that started it, however that ends: at once, in the
@@ -13,11 +13,9 @@ import threading
 import traceback
 from typing import Any, BinaryIO
 
-from wirerope_mj.studies.engines.compute import compute
-
 
 def main() -> None:
-    """Serve chunks until the input ends."""
+    """Answer questions until the input ends."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where a session of its own is not known
     answers = os.fdopen(os.dup(1), "wb")
     os.dup2(2, 1)  # whatever prints must not disturb the answers
@@ -25,13 +23,13 @@ def main() -> None:
 
 
 def serve(questions: BinaryIO, answers: BinaryIO) -> None:
-    """Answer every chunk with its part; before them comes the work that all of them share."""
+    """Answer every question; before them comes the function that makes the answers."""
     asked: queue.SimpleQueue[Any] = queue.SimpleQueue()
     threading.Thread(target=_read, args=(questions, asked), daemon=True).start()
-    work = asked.get()
+    function = asked.get()
     _answer(answers, "ready")
     while True:
-        _answer(answers, compute(work, asked.get()))
+        _answer(answers, function(asked.get()))
 
 
 def _read(questions: BinaryIO, asked: "queue.SimpleQueue[Any]") -> None:

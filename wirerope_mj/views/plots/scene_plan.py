@@ -1,6 +1,6 @@
 """Scenes as pictures in files: the modelled geometry from above and from the side, drawn by matplotlib."""
 
-from collections.abc import Collection, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -11,7 +11,6 @@ from matplotlib.collections import PolyCollection
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import short
 from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
-from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -19,6 +18,7 @@ from wirerope_mj.views.plots.plain_figure import PlainFigure
 _DPI = 110  # of a picture [1/in]
 _ROOM = 0.05  # around the drawing, of its width
 _COLOURS = tuple(map(hexadecimal, LIGHT.series))
+_RATED = hexadecimal(LIGHT.limit)
 _MARKERS = "osD^vP"
 
 
@@ -40,7 +40,7 @@ def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = ""
         row, column = divmod(place, columns)
         for number, panel in enumerate(panels[2 * row : 2 * row + 2, column]):
             panel.set_visible(True)
-            _draw_view(panel, view.scene, number, absent=view.absent or ())
+            _draw_view(panel, view, number)
         panels[2 * row, column].set_title("\n".join(wrap(view.caption, 60)), fontsize=8)
         panels[2 * row + 1, column].set_title("")
     labels = {
@@ -51,20 +51,35 @@ def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = ""
         figure.savefig(beside, format="png")
 
 
-def _draw_view(panel: Any, scene: Scene, number: int, *, absent: Collection[str] = ()) -> None:
-    """Draw a scene from above or from the side into a panel, its mounts as marks without names.
+def _draw_view(panel: Any, block: SceneView, number: int) -> None:
+    """Draw a scene from above or from the side into a panel, its mounts as marks, with their names where none is absent.
 
     Args:
         panel: where it is drawn.
-        scene: what is drawn.
+        block: what is drawn: the modelled geometry, pale where the scene has moved, and what is ringed.
         number: 0: from above, 1: from the side.
-        absent: names of mounts that are not there: their empty positions are crossed.
     """
+    scene, absent = block.scene, block.absent or ()
     drawn, positions = drawn_scene(scene), mount_positions(scene)
     view = drawn.views[number]
-    shapes = outlines(drawn, view)
-    corners, colours = [one.corners for one in shapes], [one.colour for one in shapes]
-    panel.add_collection(PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35))
+    for one, opacity in ((scene, 1.0),) if block.moved is None else ((scene, 0.3), (block.moved, 1.0)):
+        shapes = outlines(drawn_scene(one), view)
+        corners, colours = [shape.corners for shape in shapes], [shape.colour for shape in shapes]
+        panel.add_collection(
+            PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35, alpha=opacity)
+        )
+    if block.ring is not None:
+        at = block.ring[1]
+        panel.plot(at[view.right], at[view.up], "o", ms=12, mfc="none", color=_RATED if block.exceeded else "0.25")
+    if block.moved is None and block.absent is None:
+        for name, position in positions.items():
+            panel.annotate(
+                short(name),
+                (position[view.right], position[view.up]),
+                xytext=(3, 3),
+                textcoords="offset points",
+                fontsize=5,
+            )
     devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
     for number, device in enumerate(devices):
         there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]

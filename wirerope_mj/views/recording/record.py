@@ -76,17 +76,19 @@ def record_run(
     state: bool = False,
     over_frequency: Panel | None = None,
     tests: Sequence[Correlation] = (),
+    case: str = "",
 ) -> Path:
     """Write a judged run, and return the path; the rest as `record_rerun`.
 
-    `over_frequency` is what is drawn over frequency; measured channels of `tests` are ghosts among the curves of the run.
+    `over_frequency` is what is drawn over frequency, `case` names the load case among several in one file; measured channels of
+    `tests` are ghosts among the curves of the run.
     """
     drawn = one_run(run, over_frequency)
     drawn = replace(drawn, panels=with_ghosts(drawn.panels, tests))
     texts = run_texts(run, title=title, scenario_text=scenario_text)
     drawn = replace(drawn, texts=(*texts, *test_texts(tests)))
     target = target_of(path)
-    with atomic_recording(target) as rec:
+    with atomic_recording(target, case=case) as rec:
         shown = AtEvents(rec, main_instants(run.response, run.selection))
         _write(rec, shown, drawn, tab=tab, scene="", state=state)
         _send_properties(rec, drawn.runs[0], title)

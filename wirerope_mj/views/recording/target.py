@@ -23,8 +23,10 @@ def target_of(path: str | Path, *, file: str = FILE) -> Path:
 
 
 @contextmanager
-def atomic_recording(target: Path) -> Iterator[Any]:
+def atomic_recording(target: Path, *, case: str = "") -> Iterator[Any]:
     """Write what the block logs as `target`, and leave nothing behind if the block fails.
+
+    The viewer has one layout for all recordings of an application: each `case` is one of its own.
 
     Yields:
         The rerun recording to log to.
@@ -43,7 +45,7 @@ def atomic_recording(target: Path) -> Iterator[Any]:
         with atomic_file(target) as temporary:
             with (
                 _ourselves_written(temporary) as pipe,
-                rr.RecordingStream(APPLICATION, recording_id=uuid.uuid4()) as rec,
+                rr.RecordingStream(f"{APPLICATION} {case}".strip(), recording_id=uuid.uuid4()) as rec,
             ):
                 rec.set_log_time_enabled(False)
                 rec.save(pipe)

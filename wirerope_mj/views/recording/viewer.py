@@ -11,6 +11,7 @@ from urllib.parse import quote
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.views.recording.paths import FILE
 
+JOINED = "job.rrd"  # Recording of a job in its folder
 # In the folder of a study: what it is known by, its worst variants, and their recording.
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 _BEGINNING = b"RRF"  # First bytes of every recording
@@ -45,11 +46,12 @@ def show(path_or_folder: str | Path, *, web: bool = False) -> None:
 
 
 def find_recording(path_or_folder: str | Path) -> Path:
-    """Return the recording that a path names: itself, or that in the folder of a run or of a study."""
+    """Return the recording that a path names: itself, or that in the folder of a run, of a job or of a study."""
     given = Path(path_or_folder)
     if (given / STUDY).is_file():
         return _of_study(given)
-    path = given / FILE if given.is_dir() else given
+    name = JOINED if (given / JOINED).is_file() else FILE
+    path = given / name if given.is_dir() else given
     if not path.is_file():
         raise RecordError(
             f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."

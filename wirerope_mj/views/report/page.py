@@ -10,6 +10,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
+from wirerope_mj.content.appendices import letter_of
 from wirerope_mj.content.blocks import Block, Content, SceneView, Statement
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Chart
@@ -28,9 +29,15 @@ def report_html(content: Content) -> str:
     css = Markup((_FOLDER / "report.css").read_text(encoding="utf-8").strip())
     template = _environment().get_template("report.html.jinja")
     script = (_FOLDER / "read_curves.js").read_text(encoding="utf-8").strip()
+    titled = [section for section in content.sections if section.title and section.blocks]
+    filed = content.document
     return (
         template.render(
             content=content,
+            sections=[section for section in titled if not section.appendix],
+            appendices=[section for section in titled if section.appendix],
+            letter=letter_of,
+            logo=_logo(filed.logo) if filed and filed.logo else "",
             css=css,
             script=Markup(script),
             script_hash=f"sha256-{b64encode(sha256(script.encode()).digest()).decode('ascii')}",
@@ -38,6 +45,13 @@ def report_html(content: Content) -> str:
         )
         + "\n"
     )
+
+
+def _logo(path: Path) -> Markup:
+    """Return a picture as the address of itself, so that the page needs no other file."""
+    content = path.read_bytes()
+    kind = "png" if content.startswith(b"\x89PNG") else "jpeg"
+    return Markup(f"data:image/{kind};base64,{b64encode(content).decode('ascii')}")
 
 
 @cache

@@ -1,0 +1,248 @@
+"""Jobs: load cases that run only when their inputs changed, what governs each limit, and files that are wrong."""
+
+import json
+import shutil
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.runs import job as job_module
+from wirerope_mj.runs.sources import run_verdicts
+
+CASES = """
+name = "Table on one mount"
+model = "shock_table"
+combined_travel = false
+report = ["accelerations", "mounts"]
+
+[simulate]
+duration = 0.3
+accuracy = 1e-3
+
+[[case]]
+name = "Down, mild"
+half-sine = "5 g 11 ms -z"
+note = "clause 1"
+
+[[case]]
+name = "Up and hard"
+half-sine = ["20 g 11 ms z"]
+
+[limits]
+"acceleration/block" = "8 g"
+"""
+
+
+def written(folder, text=CASES):
+    path = folder / "job.toml"
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+@pytest.fixture(scope="module")
+def done(tmp_path_factory):
+    """A job that was computed once, in this process."""
+    folder = tmp_path_factory.mktemp("job")
+    return folder, wr.run_job(written(folder), folder / "out", workers=1)
+
+
+@pytest.fixture
+def again(done, tmp_path):
+    """A copy of it that a test may change, and how it is computed again: what was computed and why."""
+    shutil.copytree(done[0], tmp_path / "job")
+
+    def run(text=CASES, **options):
+        path = written(tmp_path / "job", text)
+        return dict(wr.run_job(path, tmp_path / "job" / "out", workers=1, **options).computed)
+
+    return run
+
+
+def test_every_case_is_a_run_of_its_own(done):
+    folder, result = done
+    assert dict(result.computed) == {"Down, mild": "new", "Up and hard": "new"}
+    assert sorted(path.name for path in (folder / "out").iterdir()) == [
+        "cases", "job.rrd", "job.toml", "report.html", "summary.json",
+    ]  # fmt: skip
+    for name in ("down-mild", "up-and-hard"):
+        run = folder / "out" / "cases" / name
+        assert wr.replay(run).identical
+        assert (run / "report.html").is_file()
+
+
+def test_a_limit_is_governed_by_the_case_whose_own_run_uses_most_of_it(done):
+    folder, result = done
+    runs = {case.name: folder / "out" / "cases" / case.folder for case in result.job.cases}
+    verdicts = {name: run_verdicts(run, wr.load_response(run)) for name, run in runs.items()}
+    content = json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))["content"]
+    rows = content["governing"]["rows"]
+    assert {"travel", "acceleration"} <= {row[0].split(" in ")[0].split(" along ")[0] for row in rows}
+    for criterion, subject, *_, used, case, _, _ in rows:
+        kind = next(row.criterion.kind for row in verdicts["Up and hard"] if str(row.criterion) == criterion)
+        every = {
+            name: max(row.utilisation or 0.0 for row in own if (row.criterion.kind, row.subject) == (kind, subject))
+            for name, own in verdicts.items()
+        }
+        assert used == max(every.values())
+        assert case == "all" and len(set(every.values())) == 1 or every[case] == used
+    assert content["headline"]["values"]["utilisation"] == max(row[-4] for row in rows)
+
+
+def test_nothing_runs_twice(again):
+    assert again() == {}
+    assert again(f'{CASES}\n[document]\nnumber = "D-1"\n') == {}  # what is only written is no input of a simulation
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        (('"5 g 11 ms -z"', '"6 g 11 ms -z"'), {"Down, mild": "changed: motion"}),
+        (('"8 g"', '"9 g"'), {"Down, mild": "changed: limits", "Up and hard": "changed: limits"}),
+        (("= 0.3", "= 0.31"), {"Down, mild": "changed: numerics", "Up and hard": "changed: numerics"}),
+        (('"clause 1"', '"clause 2"'), {}),
+        (('"Up and hard"', '"Up"'), {"Up": "new"}),
+    ],
+)
+def test_only_what_a_change_touches_runs_again(again, monkeypatch, change, expected):
+    monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
+    assert again(CASES.replace(*change)) == expected
+
+
+def test_a_case_whose_files_were_altered_runs_again(again, tmp_path):
+    summary = tmp_path / "job" / "out" / "cases" / "down-mild" / "summary.json"
+    summary.write_text(summary.read_text(encoding="utf-8").replace("PASS", "FAIL"), encoding="utf-8")
+    assert again() == {"Down, mild": "altered"}
+
+
+def test_a_record_is_an_input_by_its_content(tmp_path, monkeypatch):
+    monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
+    time = np.arange(200) / 1000.0
+    for name, peak in (("a", 1.0), ("b", 2.0)):
+        rows = np.column_stack([time, peak * np.sin(np.pi * time / 0.011) * (time < 0.011)])
+        head = "time [s],z [g]"
+        np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header=head, comments="", fmt="%.6g")
+    text = 'model = "shock_table"\nsimulate.duration = 0.1\n[records]\nfiles = "*.csv"\ndirection = "z"\nchannels = ["z"]\n'
+    path = written(tmp_path, text)
+    assert dict(wr.run_job(path, tmp_path / "out", workers=1).computed) == {"a": "new", "b": "new"}
+    shutil.copyfile(tmp_path / "a.csv", tmp_path / "b.csv")
+    assert dict(wr.run_job(path, tmp_path / "out", workers=1).computed) == {"b": "changed: motion"}
+
+
+def test_cases_come_from_a_sheet(tmp_path):
+    openpyxl = pytest.importorskip("openpyxl")
+    book = openpyxl.Workbook()
+    book.active.append(["name", "half-sine", "sine", "duration [ms]", "initial", "note"])
+    book.active.append(["pulse", "5 g 11 ms z", None, 150, None, "clause 7"])
+    book.active.append(["hum", None, "0.5 g 12 Hz 1 s z", None, "unloaded", None])
+    book.save(tmp_path / "cases.xlsx")
+    job = wr.load_job(written(tmp_path, 'model = "shock_table"\nsheet = "cases.xlsx"\n'))
+    assert [(case.name, case.note) for case in job.cases] == [("pulse", "clause 7"), ("hum", "")]
+    pulse, hum = (case.scenario for case in job.cases)
+    assert isinstance(pulse.motion, wr.HalfSine)
+    assert pulse.motion.peak == pytest.approx(5 * wr.STANDARD_GRAVITY, rel=1e-12)
+    assert pulse.simulate == {"duration": 0.15}
+    assert hum.simulate["initial"] == "unloaded"
+
+
+def test_a_case_that_fails_leaves_the_others_and_the_next_call_goes_on(again, monkeypatch):
+    ordinary = job_module.write_run
+
+    def fails(scenario, folder, **options):
+        if scenario.name == "Up and hard":
+            raise SimulationError("it went away.")
+        ordinary(scenario, folder, **options)
+
+    changed = CASES.replace("= 0.3", "= 0.31")
+    monkeypatch.setattr(job_module, "write_run", fails)
+    with pytest.raises(SimulationError, match=r"1 of 2 load cases .*Up and hard: it went away"):
+        again(changed)
+    monkeypatch.setattr(job_module, "write_run", ordinary)
+    assert again(changed) == {"Up and hard": "changed: numerics"}
+
+
+@pytest.mark.slow
+def test_processes_compute_what_one_does(done, tmp_path):
+    folder, _ = done
+    result = wr.run_job(folder / "job.toml", tmp_path / "out", workers=2)
+    assert len(result.computed) == 2
+    for name in ("down-mild", "up-and-hard"):
+        one, other = (place / "cases" / name / "response.parquet" for place in (folder / "out", tmp_path / "out"))
+        assert one.read_bytes() == other.read_bytes()
+
+
+def test_two_jobs_are_compared_case_by_case(done, tmp_path, capsys):
+    folder, _ = done
+    text = CASES.replace('"20 g 11 ms z"', '"30 g 11 ms z"').replace('"Down, mild"', '"Down"')
+    wr.run_job(written(tmp_path, text), tmp_path / "out", workers=1)
+    capsys.readouterr()
+    assert main(["compare", str(folder / "out"), str(tmp_path / "out"), "--names", "before", "after"]) == 0
+    said = capsys.readouterr().out
+    assert "after uses more of them in Up and hard." in said or "after exceeds limits in Up and hard" in said
+    assert "Up and hard: half-sine: 20 g 11 ms z and 30 g 11 ms z" in said
+    assert "not in it" in said
+
+
+def test_a_job_is_replayed_and_reported_from_its_folder_alone(done, tmp_path, capsys):
+    shutil.copytree(done[0] / "out", tmp_path / "moved")
+    assert main(["replay", str(tmp_path / "moved")]) == 0
+    assert capsys.readouterr().out.count("bit-identical") == 2
+    assert main(["report", str(tmp_path / "moved"), "--out", str(tmp_path / "page.html")]) == 0
+    assert (tmp_path / "page.html").read_bytes() == (tmp_path / "moved" / "report.html").read_bytes()
+
+
+def test_the_recording_holds_every_case(done):
+    from rerun.chunk import RrdReader
+
+    stores = {entry.recording_id for entry in RrdReader(str(done[0] / "out" / "job.rrd")).recordings()}
+    assert len(stores) == 2
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("", "job.toml: `model` is missing: the path of a model"),
+        ('model = "cupboard"', "cupboard"),
+        ('model = "shock_table"', "there is no load case; one is [[case]] with a name and a motion"),
+        ('model = "shock_table"\nmodle = "x"', "`modle` is unknown; known: name, question, model"),
+        ('model = "shock_table"\n[[case]]\nhalf-sine = "5 g 11 ms z"', "case 1: `name` is missing"),
+        ('model = "shock_table"\n[[case]]\nname = "a"', "case 1 'a': it says no motion: one of half-sine"),
+        ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = "5 g z"', "a time must stand there (s, ms)"),
+        ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = 5', "`half-sine` must be a text or a list of texts, got 5"),
+        (
+            'model = "shock_table"\n[[case]]\nname = "A b"\nsine = "1 g 9 Hz 1 s z"\n'
+            '[[case]]\nname = "a, b"\nsine = "1 g 9 Hz 1 s z"',
+            "case 2: 'a, b' is given twice",
+        ),
+        ('model = "shock_table"\n[[case]]\nname = "a"\nrecord = "gone.csv"', "gone.csv: no such file"),
+        ('model = "shock_table"\n[limits]\n"acceleration/block" = 8', '[limits]: `acceleration/block` must be a text'),
+        ('model = "shock_table"\n[limits]\n"acceleration/rack" = "8 g"', "there is no body of the payload and no point 'rack'"),
+        ('model = "shock_table"\nreport = ["loops"]', "`report` may hold accelerations, mounts"),
+        ('model = "shock_table"\nsheet = "gone.xlsx"', "gone.xlsx"),
+        ('model = "shock_table"\n[records]\nfiles = "records/*.csv"', "no file matches `files` = 'records/*.csv'"),
+        ('model = "shock_table"\n[document]\nrevison = "B"', "[document]: `revison` is unknown; known: project, number"),
+        ('model = "shock_table"\n[document]\nlogo = "job.toml"', "`logo` must be a PNG or JPEG file"),
+        ('model = "shock_table"\n[document]\ntext.summary = "x"', "`summary` is unknown; known: scope, assumptions"),
+        ("model =", "not valid TOML"),
+    ],
+)  # fmt: skip
+def test_a_wrong_job_is_one_message_and_nothing_is_written(tmp_path, capsys, text, message):
+    case = '\n[[case]]\nname = "x"\nhalf-sine = "5 g 11 ms z"\n'
+    whole = text + case if "[document]" in text or "report" in text else text
+    path = written(tmp_path, whole)
+    assert main(["cases", str(path), "--out", str(tmp_path / "out")]) == 2
+    (line,) = capsys.readouterr().err.splitlines()
+    assert line.startswith("wirerope: ")
+    assert message in line
+    assert [entry.name for entry in tmp_path.iterdir()] == ["job.toml"]
+
+
+def test_another_folder_is_not_touched(done, tmp_path, capsys):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "thesis.txt").write_text("years of work", encoding="utf-8")
+    assert main(["cases", str(done[0] / "job.toml"), "--out", str(tmp_path / "mine")]) == 2
+    assert "this folder exists and is not a job" in capsys.readouterr().err
+    assert [path.name for path in Path(tmp_path / "mine").iterdir()] == ["thesis.txt"]

@@ -1,0 +1,77 @@
+"""`wirerope cases`: the load cases of a job, what governs each limit, and one document of all of them."""
+
+import sys
+from pathlib import Path
+from time import perf_counter
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from wirerope_mj.cli.options import Integer
+
+
+def cases(
+    job: Path,
+    *,
+    out: Path | None = None,
+    workers: Integer | None = None,
+    pdf: Annotated[bool, Parameter(negative=())] = False,
+    docx: Annotated[bool, Parameter(negative=())] = False,
+    force: Annotated[bool, Parameter(negative=())] = False,
+) -> int:
+    """Simulate the load cases of a job: which case governs each limit, and one document of all of them.
+
+    JOB.toml names the model, the load cases with their motions in the words of `wirerope shock`, the limits, and the data of
+    the document. Each case is a run of its own. The same folder is brought up to date: what was interrupted goes on, and only
+    cases whose inputs changed are simulated again.
+
+    wirerope cases cabinet.toml --out runs/cabinet --pdf --docx
+
+    Args:
+        job: file of the job.
+        out: folder of the job; runs/NAME-OF-THE-FILE by default.
+        workers: processes that simulate side by side; one for each processor by default.
+        pdf: write the report as a PDF, too, which needs the extra "pdf" (WeasyPrint).
+        docx: write it as a DOCX, too, which needs the extra "docx" (python-docx).
+        force: simulate every case again.
+    """
+    from rich.markup import escape
+
+    from wirerope_mj.content.job import job_content
+    from wirerope_mj.content.numbers import several
+    from wirerope_mj.runs.job import run_job
+    from wirerope_mj.runs.job_file import load_job
+    from wirerope_mj.views.terminal import console, print_headline, show
+
+    if workers is not None and workers < 1:
+        raise ValueError(f"`--workers` must be an integer >= 1, got {workers}.")
+    began = perf_counter()
+    read = load_job(job)
+    folder = out or Path("runs") / job.stem
+    screen = console()
+    screen.print(f"\n[bold]{escape(read.name)}[/]  {several(len(read.cases), 'load case')}")
+
+    count = iter(range(1, len(read.cases) + 1))
+
+    def done(name: str, seconds: float, answer: str) -> None:
+        screen.print(
+            f"  {next(count)}/{len(read.cases)} {escape(name)}: {escape(answer)} [dim]{seconds:.1f} s[/]",
+            soft_wrap=True,
+        )
+        sys.stdout.flush()
+
+    result = run_job(read, folder, force=force, workers=workers, pdf=pdf, docx=docx, done=done)
+    kept = [case.name for case in read.cases if case.name not in result.computed]
+    why = "; ".join(f"{name}: {reason}" for name, reason in result.computed.items())
+    screen.print(f"  computed {len(result.computed)} ({escape(why) or 'none'}), kept {len(kept)}", soft_wrap=True)
+    content = job_content(result.job)
+    show(content, "limits")
+    print_headline(content.verdict)
+    files = ", ".join(sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir()))
+    shown = escape(str(folder))
+    screen.print(f"\n  written to {shown}/, {perf_counter() - began:.1f} s in all", soft_wrap=True)
+    screen.print(f"  {escape(files)}", soft_wrap=True)
+    screen.print(
+        f"  [bold]wirerope show {shown}/job.rrd[/] opens the view, which switches between the cases", soft_wrap=True
+    )
+    return 0

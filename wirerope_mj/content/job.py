@@ -1,0 +1,292 @@
+"""What a job says: which load case governs each limit, an envelope over the cases, and each case by itself."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+
+from wirerope_mj.assessment.criteria import NOT_JUDGED, STRUCK, Verdict
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RATTLE_SPACE
+from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, limit_of
+from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.document import Document
+from wirerope_mj.content.job_basis import basis_blocks
+from wirerope_mj.content.job_envelope import envelope_blocks
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.model import model_blocks
+from wirerope_mj.content.modes import run_modes_blocks
+from wirerope_mj.content.numbers import listed, several, shown, shown_unit
+from wirerope_mj.content.run import START, run_content
+from wirerope_mj.content.statics import run_statics_blocks
+from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+
+REPORTED = (
+    "accelerations", "mounts", "contacts", "payload", "mounts-in-motion", "deck", "verdicts",
+    "grounds", "base", "contact-histories", "numerics",
+)  # fmt: skip
+"""Sections of a run that a case of a job may show; the first seven by default."""
+
+_GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
+_PAYLOAD = (
+    ACCELERATION,
+    RATTLE_SPACE,
+)  # kinds of limits that are those of the job, and stand before those of the mounts
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedCase:
+    """A load case that was simulated and judged; `note` says what it is from."""
+
+    name: str
+    folder: str
+    note: str
+    run: JudgedRun
+
+
+@dataclass(frozen=True, kw_only=True)
+class JudgedJob:
+    """A job whose load cases were simulated and judged.
+
+    Attributes:
+        name: its title.
+        question: what it answers.
+        cases: in the order of the job.
+        report: sections of a run that each case shows, of `REPORTED`.
+        document: data of the document; None for a plain report.
+        written: when.
+    """
+
+    name: str
+    question: str
+    cases: tuple[JudgedCase, ...]
+    report: tuple[str, ...]
+    document: Document | None
+    written: str
+
+    @property
+    def runs(self) -> dict[str, JudgedRun]:
+        """The runs by the names of their cases."""
+        return {case.name: case.run for case in self.cases}
+
+    @property
+    def verdicts(self) -> dict[str, tuple[Verdict, ...]]:
+        """The verdicts by the names of their cases."""
+        return {case.name: case.run.verdicts for case in self.cases}
+
+
+def job_content(job: JudgedJob) -> Content:
+    """Compose what a job says: the answer and its grounds, the cases over each other, then each by itself."""
+    first, document = job.cases[0].run, job.document
+    texts = document.paragraphs if document else lambda name: []
+    versions = first.inputs.get("versions", {})
+    return Content(
+        title=job.name,
+        document=document,
+        facts=(
+            ("Model", first.model_file),
+            ("Load cases", str(len(job.cases))),
+            ("Simulated", job.written),
+            ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
+        ),
+        question=(job.question,),
+        verdict=job_headline(job.verdicts),
+        sections=(
+            Section(id="answer", title="", depth="headline", build=lambda: _answers(job)),
+            Section(id="scope", title="Scope", build=lambda: _paragraphs("scope", texts("scope"))),
+            Section(
+                id="limits", title="Limits and what governs them", depth="summary", build=lambda: _limits(job.verdicts)
+            ),
+            Section(id="load-cases", title="Load cases", build=lambda: [_cases(job)]),
+            Section(id="envelope", title="Envelope over all load cases", build=lambda: envelope_blocks(job.runs)),
+            Section(id="conclusion", title="Conclusion", build=lambda: _paragraphs("conclusion", texts("conclusion"))),
+            Section(
+                id="basis",
+                title="What is assumed, and what was validated",
+                build=lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
+            ),
+            Section(id="model", title="Model and mounts", build=partial(model_blocks, first)),
+            Section(id="statics", title="At rest under gravity", build=partial(run_statics_blocks, first)),
+            Section(id="modes", title="Modes", build=partial(run_modes_blocks, first)),
+            *(_case(case, job.report) for case in job.cases),
+            *(_appendix(case) for case in job.cases if "verdicts" in job.report),
+        ),
+    )
+
+
+def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
+    """Answer for all cases at once: in how many a limit is exceeded, and what is most critical in which."""
+    every = [row for rows in verdicts.values() for row in rows]
+    answers = {name: headline(rows) for name, rows in verdicts.items()}
+    over = [name for name, one in answers.items() if one.text.startswith(FAIL)]
+    open_cases = [name for name, one in answers.items() if one.text.startswith(UNKNOWN)]
+    judged = sum(row.utilisation is not None for row in every)
+    worst = most_used(every)
+    where = next((name for name, rows in verdicts.items() if worst in rows), "")
+    used = "" if worst is None else (
+        f"{worst.subject}, {100.0 * (worst.utilisation or 0.0):.0f} % of {limit_of(worst.criterion)}, in {where}"
+    )  # fmt: skip
+    count = several(len(verdicts), "load case")
+    if over:
+        text, tone = (
+            f"{FAIL}: {len(over)} of {count} {'exceeds' if len(over) == 1 else 'exceed'} a limit; worst {used}",
+            "exceeded",
+        )
+    elif open_cases or worst is None:
+        text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"
+        text += f"; most critical {used}" if used else ""
+    else:
+        text, tone = (
+            f"{PASS}: all {several(judged, 'check')} in {count} are within limits; most critical {used}",
+            "within",
+        )
+    struck = [name for name, rows in verdicts.items() if any(row.contact == STRUCK for row in rows)]
+    text += f"; stops or contacts are struck in {listed(struck)}" if struck else ""
+    left = len({(row.criterion, row.subject) for row in every if row.verdict == NOT_JUDGED and not row.contact})
+    text += f"; {several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if left else ""
+    values: dict[str, float | str | None] = {"answer": text.partition(":")[0], "cases": float(len(verdicts))}
+    if worst is not None:
+        values |= {
+            "most_critical": worst.subject, "criterion": str(worst.criterion), "utilisation": worst.utilisation, "case": where,
+        }  # fmt: skip
+    return Statement(id="headline", text=f"{text}.", tone=tone, values=values)
+
+
+def _answers(job: JudgedJob) -> Iterator[Block | None]:
+    warnings = dict.fromkeys(text for run in job.runs.values() for text in run.model_warnings)
+    for number, warning in enumerate(warnings, start=1):
+        yield Statement(id=f"model-warning-{number}", text=f"warning: {warning}", tone="unjudged")
+    items = tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items())
+    yield Statement(id="cases-answers", items=items)
+
+
+def _paragraphs(name: str, paragraphs: Sequence[str]) -> Iterator[Statement]:
+    for number, text in enumerate(paragraphs, start=1):
+        yield Statement(id=f"{name}-{number}", text=text)
+
+
+def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]:
+    yield matrix_table(verdicts)
+    yield governing_table(verdicts)
+    reasons = dict.fromkeys(text for rows in verdicts.values() for text in unjudged(rows))
+    yield Statement(id="not-judged", text="Not judged:", items=tuple(reasons), tone="unjudged") if reasons else None
+
+
+def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
+    """Tabulate what each case uses of each kind of limit, and its answer; the last row is the case that governs."""
+    kinds = list(
+        dict.fromkeys(row.criterion.kind for rows in verdicts.values() for row in rows if row.utilisation is not None)
+    )
+    contacts = any(row.contact for rows in verdicts.values() for row in rows)
+    rows: list[Row] = []
+    largest: dict[str, list[tuple[float, int]]] = {}
+    for number, (name, own) in enumerate(verdicts.items(), start=1):
+        cells: list[Cell] = [str(number), name]
+        for kind in kinds:
+            used = [row.utilisation for row in own if row.criterion.kind == kind and row.utilisation is not None]
+            cells.append(used_mark(max(used, default=None)))
+            largest.setdefault(kind, []).extend((value, number) for value in used)
+        touched = [row.contact for row in own if row.contact]
+        answer = headline(own)
+        cells += [f"{touched.count(STRUCK)} of {len(touched)}"] if contacts else []
+        rows.append([*cells, Mark(answer.text.partition(":")[0], answer.tone)])
+    if len(verdicts) > 1:
+        rows.append(["", "governed by", *(_governs(largest[kind]) for kind in kinds), *([""] if contacts else []), ""])
+    columns = [Column(align="left"), Column("load case", align="text")]
+    columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
+    columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
+    return Table(
+        id="matrix",
+        title="What each load case uses of the limits",
+        columns=[*columns, Column("verdict", align="left")],
+        rows=rows,
+        note="Used: value over limit, of all bodies, points and mounts the largest; above 100 % where it is exceeded.",
+    )
+
+
+def _governs(used: Sequence[tuple[float, int]]) -> str:
+    """Name the case with the largest utilisation by its number; all where it is the same in all."""
+    worst = max(value for value, _ in used)
+    cases = {number for value, number in used if value == worst}
+    return "all" if cases == {number for _, number in used} else f"case {min(cases)}"
+
+
+def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:
+    """Tabulate every limit of a kind and a subject with the case that uses most of it; None where nothing is judged."""
+    found: dict[tuple[str, str], list[tuple[str, Verdict]]] = {}
+    for name, own in verdicts.items():
+        for row in own:
+            if row.utilisation is not None:
+                found.setdefault((row.criterion.kind, row.subject), []).append((name, row))
+    rows: list[tuple[tuple[bool, bool, float], Row]] = []
+    for of_all in found.values():
+        name, worst = max(of_all, key=lambda pair: pair[1].utilisation or 0.0)
+        cases = {case for case, row in of_all if row.value == worst.value}
+        used = worst.utilisation or 0.0
+        cells: list[Cell] = [
+            str(worst.criterion), worst.subject, shown(worst.limit, worst.unit), shown(worst.value, worst.unit),
+            shown_unit(worst.unit), used_mark(used), "all" if len(cases) == len(verdicts) > 1 else name, worst.time,
+            Mark(worst.verdict, TONE[worst.verdict]),
+        ]  # fmt: skip
+        rows.append(((used <= 1.0, worst.criterion.kind not in _PAYLOAD, -used), cells))
+    if not rows:
+        return None
+    rows.sort(key=lambda pair: pair[0])
+    over = sum(not within for (within, *_), _ in rows)
+    return Table(
+        id="governing",
+        title="Every limit and the load case that governs it",
+        columns=(
+            Column("limit of", align="left"), Column("where", align="left"), Column("limit"), Column("reached"),
+            Column("unit", align="left"), Column("used", "%", "z.0f"), Column("governed by", align="left"),
+            Column("at", "s", "z.4f"), Column("verdict", align="left"),
+        ),
+        rows=[cells for _, cells in rows],
+        note="Of a limit with several directions or senses the one that is used most. Exceeded limits stand first, then those "
+        "of the payload, then those of the mounts.",
+        shown=max(over, _GOVERNING),
+    )  # fmt: skip
+
+
+def _cases(job: JudgedJob) -> Table:
+    rows: list[Row] = []
+    for case in job.cases:
+        simulate = case.run.inputs.get("simulate", {})
+        initial = str(simulate.get("initial", "settled"))
+        rows.append(
+            [case.name, case.run.motion.description, simulate.get("duration"), START.get(initial, initial), case.note]
+        )
+    columns = [
+        Column("load case", align="left"), Column("what acts", align="text"), Column("simulated", "s", 3),
+        Column("begins", align="text"), Column("from", align="text"),
+    ]  # fmt: skip
+    if not any(case.note for case in job.cases):
+        columns, rows = columns[:-1], [row[:-1] for row in rows]
+    return Table(id="load-cases", title="Load cases", columns=columns, rows=rows)
+
+
+def _case(case: JudgedCase, report: Sequence[str]) -> Section:
+    """Return the section of a case: its answer, and what is reported of its run under ids that begin with the case's."""
+
+    def build() -> Iterator[Block | None]:
+        content = run_content(case.run)
+        answer = content.verdict
+        yield replace(answer, id=f"{case.folder}/headline")
+        yield Statement(
+            id=f"{case.folder}/motion", text=f"{case.run.motion.description}. {case.note}".strip(), tone="quiet"
+        )
+        for section in content.sections:
+            if section.id in ("answer", *report) and section.id != "verdicts":
+                for block in section.blocks:
+                    yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
+
+    return Section(id=f"case-{case.folder}", title=f"Load case: {case.name}", build=build)
+
+
+def _appendix(case: JudgedCase) -> Section:
+    def build() -> Iterator[Block | None]:
+        (section,) = (one for one in run_content(case.run).sections if one.id == "verdicts")
+        for block in section.blocks:
+            yield replace(block, id=f"{case.folder}/{block.id}")
+
+    return Section(id=f"verdicts-{case.folder}", title=f"All verdicts of {case.name}", build=build, appendix=True)

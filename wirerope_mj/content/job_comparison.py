@@ -1,0 +1,149 @@
+"""What a comparison of two jobs says: what each uses of its limits in every load case, and which inputs differ."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
+from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.job import JudgedJob, job_headline
+from wirerope_mj.content.numbers import listed, several
+from wirerope_mj.content.verdicts import headline, used_mark
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+
+Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]
+"""Names and values of what was given to each load case of each job."""
+
+_SAME = 0.005  # of a limit, below which two utilisations are shown as the same percentage
+_SHOWN = 12
+_DERIVED = ("inputs", "timestep", "engine")  # digests, and what was chosen for a run
+
+
+def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Content:
+    """Compose what a comparison of two jobs says; `inputs` by job and load case."""
+    first, second = jobs.values()
+    names = list(jobs)
+    return Content(
+        title=" and ".join(names),
+        verdict=_conclusion(names, first, second),
+        sections=(
+            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(jobs)),
+            Section(id="cases", title="Load cases", depth="summary", build=lambda: [_cases(names, first, second)]),
+            Section(id="limits", title="Limits", depth="summary", build=lambda: [_limits(names, first, second)]),
+            Section(
+                id="inputs", title="Inputs", depth="summary", build=lambda: [_inputs(names, first, second, inputs)]
+            ),
+        ),
+    )
+
+
+def _headlines(jobs: Mapping[str, JudgedJob]) -> Iterator[Block]:
+    for number, (name, job) in enumerate(jobs.items(), start=1):
+        one = job_headline(job.verdicts)
+        yield Statement(id=f"headline-{number}", text=f"{name}: {one.text}", tone=one.tone, values=one.values)
+
+
+def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Statement:
+    """Say in which cases the second uses more of its limits than the first, and in which less."""
+    common = [case for case in first.verdicts if case in second.verdicts]
+    change = {case: _used(second.verdicts[case]) - _used(first.verdicts[case]) for case in common}
+    more = [case for case, by in change.items() if by >= _SAME]
+    less = [case for case, by in change.items() if by <= -_SAME]
+    news = [case for case in common if _fails(second, case) and not _fails(first, case)]
+    ends = [case for case in common if _fails(first, case) and not _fails(second, case)]
+    parts = [
+        f"{names[1]} exceeds limits in {listed(news)}, which {names[0]} keeps" if news else "",
+        f"{names[1]} keeps the limits in {listed(ends)}, which {names[0]} exceeds" if ends else "",
+        f"uses more of them in {listed(more)}" if more else "",
+        f"uses less of them in {listed(less)}" if less else "",
+    ]
+    text = (
+        "; ".join(filter(None, parts))
+        or f"{names[1]} uses as much of the limits as {names[0]} in all common load cases"
+    )
+    text = text if text.startswith(names[1]) else f"{names[1]} {text}"
+    return Statement(id="headline", text=f"{text}.", tone="exceeded" if news else "")
+
+
+def _used(verdicts: Sequence[Verdict]) -> float:
+    worst = most_used(verdicts)
+    return worst.utilisation or 0.0 if worst is not None else 0.0
+
+
+def _fails(job: JudgedJob, case: str) -> bool:
+    return any(row.verdict == EXCEEDED for row in job.verdicts[case])
+
+
+def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
+    """Tabulate verdict and largest utilisation of every load case of either job."""
+    rows: list[Row] = []
+    for case in dict.fromkeys((*first.verdicts, *second.verdicts)):
+        cells: list[Cell] = [case]
+        for job in (first, second):
+            verdicts = job.verdicts.get(case)
+            if verdicts is None:
+                cells += ["not in it", None, ""]
+                continue
+            answer, worst = headline(verdicts), most_used(verdicts)
+            cells.append(Mark(answer.text.partition(":")[0], answer.tone))
+            cells += [
+                used_mark(worst.utilisation if worst else None),
+                f"{worst.criterion}, {worst.subject}" if worst else "",
+            ]
+        rows.append(cells)
+    columns = [Column("load case", align="left")]
+    for name in names:
+        columns += [Column(name, align="left"), Column("used", "%", "z.0f"), Column("in", align="text")]
+    return Table(id="cases", title="The most critical limit of each load case", columns=columns, rows=rows)
+
+
+def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
+    """Tabulate the limits of which the jobs use different fractions, each by its governing case."""
+    largest: list[dict[tuple[str, str], tuple[float, str]]] = []
+    for job in (first, second):
+        of_job: dict[tuple[str, str], tuple[float, str]] = {}
+        for case, verdicts in job.verdicts.items():
+            for row in verdicts:
+                key = str(row.criterion), row.subject
+                if row.utilisation is not None and row.utilisation > of_job.get(key, (-1.0, ""))[0]:
+                    of_job[key] = row.utilisation, case
+        largest.append(of_job)
+    rows: list[tuple[float, Row]] = []
+    for key in dict.fromkeys((*largest[0], *largest[1])):
+        (before, case), (after, other) = (of_job.get(key, (None, "")) for of_job in largest)
+        if before is None or after is None or abs(after - before) >= _SAME:
+            change = None if before is None or after is None else after - before
+            cells = [*key, used_mark(before), case, used_mark(after), other, change]
+            rows.append((-max(before or 0.0, after or 0.0), cells))
+    rows.sort(key=lambda pair: pair[0])
+    columns = [Column("limit of", align="left"), Column("where", align="left")]
+    for name in names:
+        columns += [Column(name, "%", "z.0f"), Column("in", align="left")]
+    return Table(
+        id="limits",
+        title=f"{several(len(rows), 'limit')} of which they use different fractions",
+        columns=[*columns, Column("change", "%", "+.0f")],
+        rows=[cells for _, cells in rows],
+        shown=_SHOWN,
+    )
+
+
+def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs) -> Statement:
+    """List the inputs of common load cases that differ, those of all cases once."""
+    found: dict[str, list[str]] = {}
+    common = [case for case in first.verdicts if case in second.verdicts]
+    for case in common:
+        before, after = inputs[names[0]].get(case, {}), inputs[names[1]].get(case, {})
+        for key in dict.fromkeys((*before, *after)):
+            if key not in _DERIVED and before.get(key) != after.get(key):
+                text = f"{key}: {before.get(key, 'not given')} and {after.get(key, 'not given')}"
+                found.setdefault(text, []).append(case)
+        limits = [{(row.criterion, row.subject): row.limit for row in job.verdicts[case]} for job in (first, second)]
+        changed = [f"{kind} of {at}" for kind, at in limits[0] if limits[0][kind, at] != limits[1].get((kind, at))]
+        if changed:
+            found.setdefault(f"limits: {listed(changed)}", []).append(case)
+    items = tuple(
+        f"{'every case' if len(cases) == len(common) else listed(cases)}: {text}" for text, cases in found.items()
+    )
+    return Statement(
+        id="inputs", text="Inputs that differ:" if items else "No input of a common load case differs.", items=items
+    )

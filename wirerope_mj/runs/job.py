@@ -1,0 +1,299 @@
+"""A job computed into one folder: a run for each load case, of which only those run whose inputs changed.
+
+```text
+job.toml           load cases and their folders, what is reported, the document's data
+cases/FOLDER/      a run for each load case, as `wirerope run` writes it
+summary.json       the answer, the matrix of cases and criteria, what governs each limit
+report.html        one page (report.pdf, report.docx)
+job.rrd            the recordings of all cases, between which the viewer switches
+```
+"""
+
+import hashlib
+import json
+import shutil
+import tempfile
+import warnings
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+
+import tomli_w
+
+from wirerope_mj.content.job import JudgedCase, JudgedJob, job_content, job_headline
+from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, worked_on_alone
+from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
+from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.foundation.toml_file import read_toml
+from wirerope_mj.runs.document_table import document_table, logo_ending, read_document
+from wirerope_mj.runs.folder import SUMMARY, alterations, digest_of, warn_of_alterations
+from wirerope_mj.runs.job_file import Job, load_job
+from wirerope_mj.runs.page import page_files, write_page
+from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.runs.scenario_file import judge_table, scenario_content
+from wirerope_mj.runs.sources import is_run, judged_folder
+from wirerope_mj.runs.write import write_run
+from wirerope_mj.views.json_content import plain_content
+
+JOB, CASES = "job.toml", "cases"
+FORMAT = 1
+
+INPUTS = "inputs"
+"""Option of a case's run that holds the digests of its inputs, by which it is known later whether one of them changed."""
+
+_CHARACTERS = 12  # of a digest: of a million changes none is missed by chance
+
+Done = Callable[[str, float, str], None]
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class JobRun(Summarised):
+    """A job that was computed.
+
+    Attributes:
+        job: its cases with their verdicts.
+        computed: why each case that ran did so: "new", "changed: motion", "altered", "asked for".
+        folder: of the job.
+    """
+
+    job: JudgedJob
+    computed: Mapping[str, str]
+    folder: Path
+
+    @property
+    def headline(self) -> str:
+        """The answer in one sentence."""
+        return job_headline(self.job.verdicts).text
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        kept = {case.name: "kept" for case in self.job.cases}
+        return f"Job {self.job.name}: {self.headline}", kept | dict(self.computed)
+
+
+def run_job(
+    job: Job | str | Path, folder: str | Path, *, force: bool = False, workers: int | None = None, pdf: bool = False,
+    docx: bool = False, done: Done = lambda name, seconds, answer: None,
+) -> JobRun:  # fmt: skip
+    """Simulate the load cases of a job whose inputs changed, each into a run of its own, and write what they say together.
+
+    Args:
+        job: what `load_job` returned, or the file of a job.
+        folder: of the job: a new one, or that of an earlier version of it, whose runs are kept where their inputs are the same.
+        force: whether all cases are simulated again.
+        workers: number of processes; None for one per processor.
+        pdf: whether the report is written as a PDF, too.
+        docx: so, as a DOCX.
+        done: called after each case with its name, the time it took [s] and its answer.
+
+    Raises:
+        RecordError: the folder is something else, or another process works on it.
+        SimulationError: cases could not be simulated; those that were are kept, and the next call goes on with the others.
+        WireRopeError: PDF or DOCX cannot be written here.
+    """
+    job = job if isinstance(job, Job) else load_job(job)
+    folder = Path(folder)
+    page_files(
+        folder, None, pdf=pdf, docx=docx, force=True
+    )  # what cannot be written is known before anything is computed
+    if not (folder / JOB).is_file():
+        check_folder(folder, force=False, kind="job", marks=(JOB,))
+    folder.mkdir(parents=True, exist_ok=True)
+    with worked_on_alone(folder, kind="job"):
+        _write_job(job, folder)
+        made = {case.name: _with_digests(case.scenario, files) for files in [_model_digest(job)] for case in job.cases}
+        computed = {
+            case.name: why
+            for case in job.cases
+            if (why := _why(folder / CASES / case.folder, made[case.name], force=force))
+        }
+        questions = [(made[case.name], folder / CASES / case.folder) for case in job.cases if case.name in computed]
+        failed = dict(_run_all(questions, workers, done))
+        if failed:
+            names = "; ".join(f"{name}: {text}" for name, text in failed.items())
+            raise SimulationError(
+                f"{len(failed)} of {len(job.cases)} load cases could not be simulated, the others are kept in {folder}: {names}"
+            )
+        judged = judged_job(folder)
+        _write_views(judged, folder, pdf=pdf, docx=docx)
+    return JobRun(job=judged, computed=computed, folder=folder)
+
+
+def is_job(path: str | Path) -> bool:
+    """Return whether a path is the folder of a job."""
+    return (Path(path) / JOB).is_file()
+
+
+def case_folders(folder: Path) -> list[Path]:
+    """Return the folders of the runs of a job, in its order; RecordError if one is missing."""
+    runs = [folder / CASES / str(table["folder"]) for table in job_table(folder)["case"]]
+    for run in runs:
+        if not is_run(run):
+            raise RecordError(f"{run}: this load case was not simulated; `wirerope cases` goes on with the job.")
+    return runs
+
+
+def judged_job(folder: Path) -> JudgedJob:
+    """Judge the runs of a job; nothing outside its folder is read.
+
+    Raises:
+        RecordError: a run is missing or damaged, or the folder is not that of a job.
+    """
+    content = job_table(folder)
+    cases = []
+    for table, run in zip(content["case"], case_folders(folder), strict=True):
+        warn_of_alterations(run)
+        cases.append(JudgedCase(name=table["name"], folder=table["folder"], note=table["note"], run=judged_folder(run)))
+    document = read_document(content["document"], folder / JOB) if "document" in content else None
+    return JudgedJob(
+        name=content["name"], question=content["question"], cases=tuple(cases), report=tuple(content["report"]),
+        document=document, written=f"{content['written']:%Y-%m-%d %H:%M} UTC",
+    )  # fmt: skip
+
+
+def job_table(folder: Path) -> dict[str, Any]:
+    """Return what `job.toml` of a job's folder says; RecordError unless it is as it was written."""
+    path = folder / JOB
+    content = read_toml(path, "job")
+    kinds: dict[str, Any] = {"name": str, "question": str, "report": list, "written": datetime, "case": list}
+    right = content.get("format") == FORMAT and all(isinstance(content.get(key), kind) for key, kind in kinds.items())
+    if (
+        not right
+        or not all({"name", "folder", "note"} <= table.keys() for table in content["case"])
+        or not content["case"]
+    ):
+        raise RecordError(
+            f"{path}: this is not the file that `wirerope cases` wrote. Run the job into this folder again."
+        )
+    return content
+
+
+def _write_job(job: Job, folder: Path) -> None:
+    logo = ""
+    if job.document is not None and job.document.logo is not None:
+        logo = f"logo{logo_ending(job.document.logo, str(job.path))}"
+        shutil.copyfile(job.document.logo, folder / logo)
+    content = {
+        "format": FORMAT,
+        "name": job.name,
+        "question": job.question,
+        "written": datetime.now(UTC).replace(microsecond=0),
+        "report": list(job.report),
+        "case": [{"name": case.name, "folder": case.folder, "note": case.note} for case in job.cases],
+        **({"document": document_table(job.document, logo)} if job.document else {}),
+    }
+    with atomic_file(folder / JOB) as beside:
+        beside.write_text(tomli_w.dumps(content, multiline_strings=True), encoding="utf-8")
+
+
+def _model_digest(job: Job) -> str:
+    """Return the digest of model and isolators of a job, as its runs hold them."""
+    with tempfile.TemporaryDirectory() as temporary:
+        write_model(load_system(job.cases[0].scenario.model_source()), Path(temporary))
+        files = sorted(path for path in Path(temporary).rglob("*") if path.is_file())
+        return _digest([[file.relative_to(temporary).as_posix(), digest_of(file)] for file in files])
+
+
+def _with_digests(scenario: Scenario, model: str) -> Scenario:
+    """Return a scenario one of whose options says what its inputs are."""
+    motion = scenario.motion.to_dict(files={file: digest_of(file) for file in scenario.motion.files})
+    judged = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
+    parts = {
+        "model": model,
+        "motion": _digest(motion),
+        "limits": _digest(judged),
+        "numerics": _digest(dict(scenario.simulate)),
+    }
+    said = ", ".join(f"{name} {digest}" for name, digest in parts.items())
+    return replace(scenario, options={**scenario.options, INPUTS: f"{said}, version {version('wirerope-mj')}"})
+
+
+def _digest(value: Any) -> str:
+    return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:_CHARACTERS]
+
+
+def _why(run: Path, scenario: Scenario, *, force: bool) -> str:
+    """Return why a case must be simulated; "" if its run stands there and is what its inputs make."""
+    if not is_run(run):
+        return "new"
+    try:
+        altered = alterations(run)
+        before = str(scenario_content(run)["options"].get(INPUTS, ""))
+    except RecordError:
+        return "altered"
+    changed = [new.split()[0] for new in str(scenario.options[INPUTS]).split(", ") if new not in before.split(", ")]
+    if changed:
+        return f"changed: {' and '.join(changed)}"
+    if altered is None or not altered.intact:
+        return "altered"
+    return "asked for" if force else ""
+
+
+@dataclass(frozen=True)
+class _Outcome:
+    name: str
+    seconds: float
+    answer: str
+    error: str = ""
+    warned: tuple[tuple[type[Warning], str], ...] = ()
+
+
+def _simulated(question: tuple[Scenario, Path]) -> _Outcome:
+    """Write the run of a case, in whatever process."""
+    scenario, folder = question
+    began, answers = perf_counter(), []
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        try:
+            write_run(
+                scenario,
+                folder,
+                force=True,
+                when_judged=lambda judged: answers.append(judged.headline),
+                case=folder.name,
+            )
+        except (WireRopeError, ValueError, OSError) as error:
+            return _Outcome(scenario.name, perf_counter() - began, "", error=str(error))
+    warned = tuple((one.category, str(one.message)) for one in caught)
+    return _Outcome(scenario.name, perf_counter() - began, answers[0], warned=warned)
+
+
+def _lost(question: tuple[Scenario, Path], reason: str) -> _Outcome:
+    return _Outcome(question[0].name, 0.0, "", error=f"its process {reason} each time; perhaps it ran out of memory.")
+
+
+def _run_all(questions: list[tuple[Scenario, Path]], workers: int | None, done: Done) -> Iterator[tuple[str, str]]:
+    """Simulate cases side by side; yield name and reason of those that failed."""
+    from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
+
+    if len(questions) == 1:
+        workers = 1
+    for outcome in in_processes(_simulated, questions, lost=_lost, workers=workers):
+        for category, text in outcome.warned:
+            warnings.warn(f"{outcome.name}: {text}", category, stacklevel=2)
+        if outcome.error:
+            yield outcome.name, outcome.error
+        else:
+            done(outcome.name, outcome.seconds, outcome.answer)
+
+
+def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> None:
+    """Write what the cases say together: summary, page, documents and recording."""
+    from wirerope_mj.views.recording.joined import join_recordings  # late: rerun takes long to import
+    from wirerope_mj.views.recording.viewer import JOINED
+
+    content = job_content(judged)
+    with atomic_file(folder / SUMMARY) as beside:
+        said = {
+            "format": FORMAT,
+            "name": judged.name,
+            "content": plain_content(content, "limits", "load-cases", "envelope"),
+        }
+        beside.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
+    join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / JOINED)

@@ -1,0 +1,119 @@
+"""Base motions as commands and files of jobs say them: phrases, files of levels and a record added, and how long they take."""
+
+import math
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from wirerope_mj.engine.simulation.stability import slowest_period
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.directions import direction_in
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.motions import BaseMotion, Sweep, load_record
+from wirerope_mj.motions.records.record import Record, record_channels
+from wirerope_mj.motions.restore import motion_of_levels
+from wirerope_mj.motions.spoken import motion_from_phrase
+
+RING_DOWN = 10.0
+"""Periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left."""
+
+PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
+"""What is said of how a record is played, beside its channels and their directions, as `load_record` takes it."""
+
+
+def said_motion(
+    phrases: Sequence[tuple[str, str]],
+    *,
+    levels: Sequence[Path] = (),
+    record: Path | None = None,
+    channels: Sequence[str] | None = None,
+    direction: str | None = None,
+    played: Mapping[str, Any] | None = None,
+    duration: float | None = None,
+    folder: Path | None = None,
+) -> BaseMotion:
+    """Add the motions of phrases, of files of levels and of a record.
+
+    Args:
+        phrases: kind, one of `SPOKEN_MOTIONS`, and text of each.
+        levels: files of levels.
+        record: file of a measured record.
+        channels: of the record: which to use, NAME=DIRECTION, or one with a `direction`.
+        direction: in which a record of one channel moves the base.
+        played: how the record is played, by the names of `PLAYED`.
+        duration: of the simulation [s], with which the record must begin; None for what `duration_of` returns.
+        folder: where relative paths in phrases start; None: the current one.
+
+    Raises:
+        ValueError: nothing is said, a phrase is not understood, or the record would not move the base.
+        ModelError, RecordError: a file cannot be read, or does not hold what it must.
+    """
+    motions = [motion_from_phrase(kind, phrase, folder=folder) for kind, phrase in phrases]
+    motions += [motion_of_levels(file) for file in levels]
+    if record is not None:
+        one = load_record(record, channels=_channels(record, channels, direction), **(played or {}))
+        _check_that_it_moves(record, one, duration)
+        motions.append(one)
+    elif channels is not None or direction is not None:
+        raise ValueError("`direction` and `channels` belong to a `record`; other motions say their direction.")
+    return sum(motions[1:], start=motions[0])
+
+
+def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
+    """Return the simulated time [s]: as given, or until ten periods of the slowest mode after the motion, or a sweep's end.
+
+    Raises:
+        ValueError: the motion has no end, or begins after the simulation.
+    """
+    if duration is None:
+        if not math.isfinite(motion.end):
+            raise ValueError('this motion has no end: give `duration`, or say how long it lasts, as in "for 10 s".')
+        # A sweep goes on at its last frequency, and is best cut there.
+        sweeps = any(isinstance(part, Sweep) for part in motion.parts)
+        duration = motion.end
+        if not sweeps:
+            duration = math.ceil(10.0 * (motion.end + RING_DOWN * slowest_period(system)) - 1e-6) / 10.0
+    if motion.events and duration <= motion.events[0][0]:
+        raise ValueError(
+            f"`duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s."
+        )
+    return duration
+
+
+def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> None:
+    """Raise an error for a record that would leave the base at rest all the time."""
+    if not motion.samples.any():
+        zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
+        raise RecordError(
+            f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
+        )
+    if motion.end <= 0.0:
+        raise ValueError(
+            f"`start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
+            "base would not move. Start it at 0 s or later."
+        )
+    if duration is not None and duration <= motion.start:
+        raise ValueError(
+            f"`duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (`start`)."
+        )
+
+
+def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> dict[str, Any] | None:
+    """Return which channel moves the base in which direction; None leaves it to their names."""
+    if channels is None and direction is None:
+        return None
+    if channels is not None and direction is None:
+        pairs = [item.rpartition("=") for item in channels]
+        for item, (name, _, _) in zip(channels, pairs, strict=True):
+            if not name:
+                raise ValueError(f"`channels` are NAME=DIRECTION, for instance ch3=z, got {item!r}.")
+        return {name: direction_in(text, "channels") for name, _, text in pairs}
+    names = tuple(channels) if channels is not None else record_channels(record)
+    if len(names) != 1 or "=" in names[0]:
+        raise ValueError(
+            f"`direction` turns a record of one channel, and here are {', '.join(names) or 'none'}. Say where each one "
+            f"goes in `channels`, for instance {(names or ('ch1',))[0].partition('=')[0]}=z, or name one channel with a "
+            "`direction`."
+        )
+    assert direction is not None
+    return {names[0]: direction_in(direction, "direction")}

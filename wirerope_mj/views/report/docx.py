@@ -1,0 +1,282 @@
+"""A content as a DOCX document: title block, numbered sections, tables, charts as pictures, appendices, page numbers."""
+
+import tempfile
+from collections.abc import Sequence
+from functools import singledispatchmethod
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+from wirerope_mj.content.appendices import letter_of
+from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
+from wirerope_mj.content.numbers import ABSENT, MINUS
+from wirerope_mj.content.panels import Chart
+from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.tables import Column, Table
+
+_COLOURS = {"within": "176B2F", "near": "7A5600", "unjudged": "7A5600", "exceeded": "B30000", "quiet": "56616F"}
+_SHADES = {"within": "E9F6EC", "exceeded": "FCEBEA", "unjudged": "FDF5E1"}
+_BOLD = ("exceeded", "strong")
+_WIDTH = 17.4  # of the text [cm]
+_PICTURE, _DRAWING = 16.2, 11.0  # widths of charts and scenes [cm]
+_FONT, _SMALL = "Arial", 15  # of the text; size of the letters of tables in half points
+_LETTER, _CELL = 5.3, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
+_LEAST, _LINE = 6, 90  # letters of a column of text at the least, and at the most where there is room
+_TWIPS = 567.0  # 1/20 pt to a centimetre
+_BOTTOM = '<w:vAlign w:val="bottom"/>'
+_W = 'xmlns:w="http://schemas.openxmlformats.org/wordprocessingml/2006/main"'
+
+
+def check_docx() -> None:
+    """Raise WireRopeError unless DOCX files can be written here; for asking before anything long is computed."""
+    try:
+        import docx  # noqa: F401
+    except ImportError:
+        raise WireRopeError("a DOCX needs python-docx: pip install 'wirerope-mj[docx]'.") from None
+
+
+def write_docx(content: Content, path: Path) -> None:
+    """Write a content, of which nothing is folded, as a DOCX document.
+
+    Raises:
+        WireRopeError: python-docx is not installed.
+    """
+    check_docx()
+    with tempfile.TemporaryDirectory() as folder:
+        writer = _Writer(content, Path(folder))
+        writer.document.save(str(path))
+
+
+class _Writer:
+    """A document of python-docx that grows block by block."""
+
+    def __init__(self, content: Content, folder: Path) -> None:
+        import docx
+
+        self.document: Any = docx.Document()
+        self._folder, self._pictures = folder, 0
+        _set_page(self.document, content)
+        self._title(content)
+        self._contents(content)
+        self._answer(content)
+        numbered = [one for one in content.sections if one.title and one.blocks and not one.appendix]
+        appendices = [one for one in content.sections if one.title and one.blocks and one.appendix]
+        for number, section in enumerate(numbered, start=1):
+            self._section(f"{number}  {section.title}", section)
+        for number, section in enumerate(appendices):
+            self._section(f"Appendix {letter_of(number)}  {section.title}", section, new_page=number == 0)
+
+    def _title(self, content: Content) -> None:
+        """Set title, answer, facts, and of a document its title block, signatures and revisions."""
+        from docx.shared import Cm
+
+        filed = content.document
+        if filed is not None and filed.logo is not None:
+            self.document.add_picture(str(filed.logo), height=Cm(1.6))
+        self._paragraph("Shock and vibration report", tone="quiet")
+        self.document.add_heading(plain_lines(content.title), level=0)
+        self._verdict(content.verdict)
+        facts = [*(filed.facts if filed else ()), *content.facts]
+        self._table(Table(title="", columns=[Column(align="left"), Column(align="text")], rows=facts))
+        if filed is not None:
+            for table in (filed.signatures(), filed.revisions()):
+                if table is not None:
+                    self.set_block(table)
+
+    def _contents(self, content: Content) -> None:
+        """List the sections of a document."""
+        if content.document is None:
+            return
+        self._paragraph("Contents", bold=True, keep=True)
+        counts = {False: 0, True: 0}
+        for section in content.sections:
+            if section.title and section.blocks:
+                number = counts[section.appendix]
+                counts[section.appendix] += 1
+                mark = f"Appendix {letter_of(number)}" if section.appendix else str(number + 1)
+                self._paragraph(f"{mark}  {section.title}", close=True)
+        self.document.add_page_break()
+
+    def _answer(self, content: Content) -> None:
+        self.document.add_heading("Question and answer", level=1)
+        for text in content.question:
+            self._paragraph(text, bold=True)
+        if content.document is None:
+            self._verdict(content.verdict)
+        for section in content.sections:
+            if not section.title:
+                for block in section.blocks:
+                    self.set_block(block)
+
+    def _section(self, title: str, section: Section, *, new_page: bool = False) -> None:
+        heading = self.document.add_heading(plain_lines(title), level=1)
+        heading.paragraph_format.page_break_before = new_page
+        for block in section.blocks:
+            self.set_block(block)
+
+    def _verdict(self, verdict: Statement) -> None:
+        paragraph = self._paragraph(verdict.text, tone=verdict.tone, bold=True)
+        shade = _SHADES.get(verdict.tone, "F1F3F5")
+        paragraph._p.get_or_add_pPr().append(_xml(f'<w:shd {_W} w:val="clear" w:color="auto" w:fill="{shade}"/>'))
+
+    @singledispatchmethod
+    def set_block(self, block: Block) -> None:
+        """Set a block below the others."""
+        raise TypeError(f"no block: {block!r}")
+
+    @set_block.register
+    def _(self, block: Statement) -> None:
+        if block.text:
+            self._paragraph(block.text, tone=block.tone, keep=bool(block.items))
+        for item in block.items:
+            self._paragraph(item, style="List Bullet", close=True)
+
+    @set_block.register
+    def _(self, block: Table) -> None:
+        if block.title:
+            self._paragraph(block.title, bold=True, keep=True)
+        self._table(block)
+        self._paragraph(block.note, tone="quiet", small=True)  # also without a note: tables must not touch
+
+    @set_block.register
+    def _(self, block: Chart) -> None:
+        from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes long to import
+
+        save_charts([block], self._picture())
+        self._place(_PICTURE, block.caption, block.alt)
+
+    @set_block.register
+    def _(self, block: SceneView) -> None:
+        from wirerope_mj.views.plots.scene_plan import save_scenes
+
+        save_scenes([block], self._picture())
+        self._place(_DRAWING, block.caption, block.caption)
+
+    def _picture(self) -> Path:
+        self._pictures += 1
+        return self._folder / f"{self._pictures}.png"
+
+    def _place(self, width: float, caption: str, alt: str) -> None:
+        """Set the picture that was drawn last, with its caption below it."""
+        from docx.shared import Cm
+
+        shape = self.document.add_picture(str(self._folder / f"{self._pictures}.png"), width=Cm(width))
+        shape._inline.docPr.set("descr", plain_lines(alt))
+        self.document.paragraphs[-1].paragraph_format.keep_with_next = True
+        self._paragraph(caption, tone="quiet", small=True)
+
+    def _paragraph(
+        self, text: str, *, tone: str = "", bold: bool = False, keep: bool = False, close: bool = False, small: bool = False,
+        style: str | None = None,
+    ) -> Any:  # fmt: skip
+        from docx.shared import Pt, RGBColor
+
+        paragraph = self.document.add_paragraph(style=style)
+        run = paragraph.add_run(plain_lines(text))
+        run.bold = bold or tone in _BOLD
+        if small:
+            run.font.size = Pt(8)
+        if tone in _COLOURS:
+            run.font.color.rgb = RGBColor.from_string(_COLOURS[tone])
+        paragraph.paragraph_format.keep_with_next = keep
+        if close:
+            paragraph.paragraph_format.space_after = Pt(1)
+        return paragraph
+
+    def _table(self, table: Table) -> None:
+        """Set a table as wide as its texts, whose header is repeated on every page; cell by cell it would take minutes."""
+        heads = [column.title().replace("/\n", "/").replace("\n", " ") for column in table.columns]
+        body = table.marks(absent=ABSENT, minus=MINUS)
+        size, widths = _widths(table.columns, heads, [[text for text, _ in row] for row in body])
+        aligned = ["right" if column.align == "right" else "left" for column in table.columns]
+        rows = [_row([(head, "strong") for head in heads], aligned, widths, size, head=True)] if any(heads) else []
+        rows += [_row(row, aligned, widths, size) for row in body]
+        line = 'w:val="single" w:sz="4" w:space="0" w:color="CFD6DE"'
+        borders = "".join(f"<w:{edge} {line}/>" for edge in ("top", "bottom", "insideH"))
+        margins = '<w:left w:w="20" w:type="dxa"/><w:right w:w="80" w:type="dxa"/>'
+        grid = "".join(f'<w:gridCol w:w="{width}"/>' for width in widths)
+        text = (
+            f'<w:tbl {_W}><w:tblPr><w:tblW w:w="{sum(widths)}" w:type="dxa"/><w:tblBorders>{borders}</w:tblBorders>'
+            f'<w:tblLayout w:type="fixed"/><w:tblCellMar>{margins}</w:tblCellMar></w:tblPr>'
+            f"<w:tblGrid>{grid}</w:tblGrid>{''.join(rows)}</w:tbl>"
+        )
+        self.document._body._body.insert_element_before(_xml(text), "w:sectPr")
+
+
+def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) -> tuple[int, list[int]]:
+    """Return the size of the letters, and the widths of the columns that their texts need within that of the page.
+
+    Where there is too little room columns of text break into lines first, then letters are smaller.
+    """
+    words = [1.3 * max(map(len, head.split()), default=0) for head in heads]  # which are bold
+    longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
+    breaks = [column.align == "text" or long > _LINE / 3 for column, long in zip(columns, longest, strict=True)]
+    letters = [float(min(long, _LINE) if broken else long) for long, broken in zip(longest, breaks, strict=True)]
+    for size in range(_SMALL, 9, -1):
+        letter = _LETTER * size
+        room = (_WIDTH * _TWIPS - _CELL * len(columns)) / letter
+        over = sum(letters) - room
+        give = [
+            max(count - _LEAST - word, 0.0) if b else 0.0 for count, word, b in zip(letters, words, breaks, strict=True)
+        ]
+        if over <= 0.0 or over <= sum(give):
+            part = max(over, 0.0) / (sum(give) or 1.0)
+            return size, [
+                round(letter * (count - part * less) + _CELL) for count, less in zip(letters, give, strict=True)
+            ]
+    scale = room / sum(letters)
+    return size, [round(letter * scale * count + _CELL) for count in letters]
+
+
+def _row(cells: list[tuple[str, str]], aligned: list[str], widths: list[int], size: int, *, head: bool = False) -> str:
+    keep = "<w:keepNext/>" if head else ""
+    texts = [
+        f'<w:tc><w:tcPr><w:tcW w:w="{width}" w:type="dxa"/>{_BOTTOM if head else ""}</w:tcPr><w:p><w:pPr>{keep}'
+        f'<w:spacing w:before="10" w:after="10" w:line="240" w:lineRule="auto"/><w:jc w:val="{side}"/></w:pPr>'
+        f'<w:r><w:rPr>{"<w:b/>" if tone in _BOLD else ""}<w:color w:val="{_COLOURS.get(tone, "1C2430")}"/>'
+        f'<w:sz w:val="{size}"/></w:rPr><w:t xml:space="preserve">{escape(plain_lines(text))}</w:t></w:r></w:p></w:tc>'
+        for (text, tone), side, width in zip(cells, aligned, widths, strict=True)
+    ]
+    return f"<w:tr><w:trPr><w:cantSplit/>{'<w:tblHeader/>' if head else ''}</w:trPr>{''.join(texts)}</w:tr>"
+
+
+def _set_page(document: Any, content: Content) -> None:
+    """Set paper, letters, what is said of the file, and what stands above and below every page."""
+    from docx.enum.text import WD_TAB_ALIGNMENT
+    from docx.shared import Cm, Pt
+
+    section, filed = document.sections[0], content.document
+    section.page_width, section.page_height = Cm(21.0), Cm(29.7)
+    section.left_margin = section.right_margin = Cm((21.0 - _WIDTH) / 2.0)
+    section.top_margin, section.bottom_margin = Cm(2.0), Cm(1.8)
+    for name, size in (("Normal", 9.5), ("Heading 1", 14), ("Title", 20)):
+        style = document.styles[name]
+        style.font.name, style.font.size = _FONT, Pt(size)
+        fonts = style.element.get_or_add_rPr().get_or_add_rFonts()
+        for name_of in list(fonts.attrib):  # those of a theme go before a name
+            del fonts.attrib[name_of]
+        for kind in ("ascii", "hAnsi", "cs", "eastAsia"):
+            fonts.set(f"{{{_W[9:-1]}}}{kind}", _FONT)
+    document.styles["Normal"].paragraph_format.space_after = Pt(4)
+    said = document.core_properties
+    said.title, said.author = plain_lines(content.title), plain_lines(filed.author) if filed else ""
+    said.subject, said.comments = plain_lines(filed.reference) if filed else "", ""
+    above = (content.title, filed.classification if filed else "")
+    for place, (left, right) in ((section.header, above), (section.footer, (filed.reference if filed else "", None))):
+        paragraph = place.paragraphs[0]
+        paragraph.style.paragraph_format.tab_stops.clear_all()
+        paragraph.paragraph_format.tab_stops.add_tab_stop(Cm(_WIDTH), WD_TAB_ALIGNMENT.RIGHT)
+        paragraph.add_run(f"{plain_lines(left or '')}\t{plain_lines(right or '')}")
+        if right is None:
+            for text, field in (("page ", "PAGE"), (" of ", "NUMPAGES")):
+                paragraph.add_run(text)
+                paragraph._p.append(_xml(f'<w:fldSimple {_W} w:instr="{field}"><w:r><w:t>1</w:t></w:r></w:fldSimple>'))
+        for run in paragraph.runs:
+            run.font.size = Pt(8)
+
+
+def _xml(text: str) -> Any:
+    from docx.oxml import parse_xml
+
+    return parse_xml(text)
