@@ -207,7 +207,7 @@ def test_the_recording_holds_every_case(done):
         ("", "job.toml: `model` is missing: the path of a model"),
         ('model = "cupboard"', "cupboard"),
         ('model = "shock_table"', "there is no load case; one is [[case]] with a name and a motion"),
-        ('model = "shock_table"\nmodle = "x"', "`modle` is unknown; known: name, question, model"),
+        ('model = "shock_table"\nmodle = "x"', "`modle` is unknown; known: name, question, model"),  # codespell:ignore
         ('model = "shock_table"\n[[case]]\nhalf-sine = "5 g 11 ms z"', "case 1: `name` is missing"),
         ('model = "shock_table"\n[[case]]\nname = "a"', "case 1 'a': it says no motion: one of half-sine"),
         ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = "5 g z"', "a time must stand there (s, ms)"),
@@ -223,7 +223,7 @@ def test_the_recording_holds_every_case(done):
         ('model = "shock_table"\nreport = ["loops"]', "`report` may hold accelerations, mounts"),
         ('model = "shock_table"\nsheet = "gone.xlsx"', "gone.xlsx"),
         ('model = "shock_table"\n[records]\nfiles = "records/*.csv"', "no file matches `files` = 'records/*.csv'"),
-        ('model = "shock_table"\n[document]\nrevison = "B"', "[document]: `revison` is unknown; known: project, number"),
+        ('model = "shock_table"\n[document]\nrevison = "B"', "[document]: `revison` is unknown; known: project, number"),  # codespell:ignore
         ('model = "shock_table"\n[document]\nlogo = "job.toml"', "`logo` must be a PNG or JPEG file"),
         ('model = "shock_table"\n[document]\ntext.summary = "x"', "`summary` is unknown; known: scope, assumptions"),
         ("model =", "not valid TOML"),
