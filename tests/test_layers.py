@@ -55,6 +55,7 @@ OWNERS = {
     "weasyprint": {"views/report"},
     "pyuff": {"motions/records"},
     "pymoo": {"studies/search"},
+    "emcee": {"studies/calibration"},
 }  # fmt: skip
 
 
