@@ -1,6 +1,8 @@
 """`wirerope calibrate` from a file to a folder, and what it says to bad input."""
 
 import json
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,17 +14,28 @@ MAP = ["--map", "A0=base z g", "A1=body/block z g"]
 VARY = ["--vary", "mount/*/stiffness = Uniform(0.7, 1.4)"]
 
 
-@pytest.fixture
-def drop(tmp_path, monkeypatch):
-    """Write the file of a drop of the shock table whose isolator is 15 % stiffer, and go to its folder."""
-    monkeypatch.chdir(tmp_path)
+@pytest.fixture(scope="module")
+def file(tmp_path_factory):
+    """Write the file of a drop of the shock table whose isolator is 15 % stiffer."""
+    path = tmp_path_factory.mktemp("test") / "drop.csv"
     table = wr.load_system("shock_table")
     stiffer = wr.varied(table, isolators={"m1": table.mounts["m1"].written.scaled(1.15)})
     motion = wr.HalfSine(peak=80.0, duration=0.011, direction="z", start=0.02)
     r = wr.simulate(stiffer, motion, duration=0.5, sample_rate=2000.0, timestep=5e-4)
     noise = 0.02 * np.random.default_rng(1).standard_normal(r.time.size)
     columns = [r.time, r.base.acceleration[:, 2] / 9.80665, r.bodies["block"].acceleration[:, 2] / 9.80665 + noise]
-    np.savetxt("drop.csv", np.column_stack(columns), delimiter=",", header="time [s],A0,A1", comments="", fmt="%.7g")
+    np.savetxt(path, np.column_stack(columns), delimiter=",", header="time [s],A0,A1", comments="", fmt="%.7g")
+    return path
+
+
+@pytest.fixture
+def drop(file, tmp_path, monkeypatch):
+    """Go to a folder with the file and with others that are wrong."""
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(file, "drop.csv")
+    Path("short.csv").write_text("time [s],A0,A1\n" + "".join(f"{k},{k},{k}\n" for k in range(5)), encoding="utf-8")
+    Path("few.csv").write_text("frequency [Hz], level [g], transmissibility\n5, 0.5, 1.2\n", encoding="utf-8")
+    Path("none.csv").write_text("frequency [Hz], transmissibility\n5, 1.2\n", encoding="utf-8")
     return tmp_path
 
 
@@ -62,10 +75,13 @@ def test_a_file_becomes_a_calibrated_model(drop, capsys):
         (["--test", "drop.csv", *MAP, *VARY, "--limit", "acceleration/block = 9 g"], "is on a prediction"),
         (["--test", "drop.csv", *MAP, *VARY, "--predict", "bang 9 g"], "begins with the kind of the motion"),
         (["--test", "short.csv", *MAP, *VARY], "at least 16 samples"),
+        (["--frequency-response", "few.csv", *VARY], "must be FILE=PHRASE"),
+        (["--frequency-response", "few.csv=body/block z", *VARY], "needs 5 rising frequencies"),
+        (["--frequency-response", "none.csv=body/block z", *VARY], "'level' is missing"),
+        (["--frequency-response", "few.csv=mount/m1 axial", *VARY], "is of a body"),
     ],
 )
 def test_bad_input_is_one_message(drop, capsys, arguments, message):
-    (drop / "short.csv").write_text("time [s],A0,A1\n" + "".join(f"{k},{k},{k}\n" for k in range(5)), encoding="utf-8")
     assert main(["calibrate", "shock_table", *arguments, "--out", "out"]) == 2
     said = capsys.readouterr().err
     assert message in said
