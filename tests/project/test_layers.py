@@ -56,6 +56,7 @@ OWNERS = {
     "docx": {"views/report"},
     "pyuff": {"motions/records"},
     "pymoo": {"studies/search"},
+    "emcee": {"studies/calibration"},
 }  # fmt: skip
 
 

@@ -1,5 +1,6 @@
 """`wirerope calibrate`: measured tests and a model to the values that they tell, a page, and a calibrated model."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -9,7 +10,8 @@ from wirerope_mj.studies.inputs.vary_option import EXAMPLE
 
 if TYPE_CHECKING:
     from wirerope_mj.engine.system import System
-    from wirerope_mj.motions import BaseMotion
+    from wirerope_mj.motions import BaseMotion, Measured
+    from wirerope_mj.studies.calibration.forward import Test
 
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
@@ -27,6 +29,7 @@ def calibrate(
     map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
     vary: Several = None,
     out: Path,
+    frequency_response: Several = None,
     predict: Several = None,
     limit: Several = None,
     baseline: Literal["none", "rest", "mean"] = "none",
@@ -53,6 +56,8 @@ def calibrate(
             not measured move as the run does.
         vary: what is to be found, with its prior: "mount/*/stiffness = Uniform(0.7, 1.4)".
         out: folder of the calibration.
+        frequency_response: FILE=PHRASE, such as "sweeps.csv=body/rack z": a CSV file with the columns frequency [Hz], level [g]
+            and transmissibility, of one level or several.
         predict: another motion that is predicted with bands, its kind first: "half-sine 15 g 11 ms z".
         limit: on a measure of the predictions, "acceleration/rack = 15 g": with which probability is it exceeded?
         baseline: what is taken off the channels: none, their level at rest, or their mean.
@@ -69,18 +74,17 @@ def calibrate(
     from wirerope_mj.content.calibration import calibration_content
     from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.foundation.arguments import integer
-    from wirerope_mj.motions.records.measured import load_measured
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
     from wirerope_mj.runs.folder import check_target
-    from wirerope_mj.runs.measured import read_map
     from wirerope_mj.studies.calibration import MeasuredTest
     from wirerope_mj.studies.calibration import calibrate as calibrated
+    from wirerope_mj.studies.calibration.frequency_file import read_frequency_tests
     from wirerope_mj.studies.calibration.predict import predict as predicted
     from wirerope_mj.studies.measures import measure_names
     from wirerope_mj.studies.results.stated_limits import limit_of_text
     from wirerope_mj.views.terminal import console, print_headline, show
 
-    if not test:
+    if not (test or frequency_response):
         raise ValueError(
             "name the tests: wirerope calibrate MODEL --test TEST.csv --map COLUMN=PHRASE .. --vary .. --out FOLDER"
         )
@@ -94,24 +98,30 @@ def calibrate(
         raise ValueError(
             "`--limit` is on a prediction; say of which motion, for instance --predict 'half-sine 15 g 11 ms z'."
         )
-    if not map:
-        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
-    said = read_map(map)
-    settings: dict[str, Any] = {"baseline": baseline, "start": start} | said
-    measured = [load_measured(file, **settings) for file in test]
-    moved = any(phrase.split()[:1] == ["base"] for phrase in said["channels"].values())
-    if not moved and motion is None:
+    measured = _measured(test, map or (), baseline=baseline, start=start) if test else []
+    moved = any(channel.subject == "base" for one in measured for channel in one.channels)
+    if measured and not moved and motion is None:
         raise ValueError(
             "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
         )
-    tests = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
+    tests: list[Test] = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
+    for text in frequency_response or ():
+        file, sign, phrase = text.rpartition("=")
+        if not sign:
+            raise ValueError(
+                f"`--frequency-response` must be FILE=PHRASE, such as 'sweeps.csv=body/rack z', got {text!r}."
+            )
+        tests += read_frequency_tests(Path(file), phrase)
     result = calibrated(
         system, tests, vary=vary, residuals=residuals, draws=integer("--draws", draws, least=100), seed=seed
     )
     content = calibration_content(
         result,
-        title=f"{Path(model).stem}, calibrated from {', '.join(one.name for one in measured)}",
-        sources=[f"{one.path.name}: {', '.join(channel.key for channel in one.channels)}" for one in measured],
+        title=f"{Path(model).stem}, calibrated from {', '.join(one.name for one in tests)}",
+        sources=[
+            *(f"{one.path.name}: {', '.join(channel.key for channel in one.channels)}" for one in measured),
+            *(f"frequency response {text}" for text in frequency_response or ()),
+        ],
         warnings=[text for one in measured for text in one.warnings],
         predictions=[
             (predicted(result, one, duration=one.end + _RING * slowest_period(system), initial=initial), limits)
@@ -138,6 +148,17 @@ def _system_and_motion(model: str) -> "tuple[System, BaseMotion | None]":
     if is_run(model):
         return system_and_motion(Path(model), scenario_content(Path(model)))
     return load_system(model_source(model, folder=None, asker="a calibration")), None
+
+
+def _measured(files: Sequence[Path], texts: Sequence[str], **settings: Any) -> "list[Measured]":
+    """Return the tests of files, their columns as the map says."""
+    from wirerope_mj.motions.records.measured import load_measured
+    from wirerope_mj.runs.measured import read_map
+
+    if not texts:
+        raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
+    arguments: dict[str, Any] = settings | read_map(texts)
+    return [load_measured(file, **arguments) for file in files]
 
 
 def _spoken(phrase: str) -> "BaseMotion":

@@ -14,7 +14,7 @@ from wirerope_mj.views.json_content import plain_content
 from wirerope_mj.views.report import report_html
 
 KIND = "calibration"
-SUMMARY, DRAWS, ISOLATORS = "calibration.json", "draws.parquet", "isolators"
+SUMMARY, DRAWS = "calibration.json", "draws.parquet"
 MARKS = (SUMMARY,)
 
 _SECTIONS = ("values", "answer", "prediction", "channels", "known-together", "read-from")
