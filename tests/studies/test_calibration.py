@@ -150,11 +150,7 @@ def test_a_model_that_does_not_follow_is_not_sure_of_itself():
     ("vary", "tests", "error", "message"),
     [
         (["mount/*/stiffness"], None, ValueError, "must be written like"),
-<<<<<<< HEAD
-        (["mount/*/stifness = Uniform(0.7, 1.4)"], None, ModelError, "there is no quantity"),  # codespell:ignore
-=======
         (["mount/*/strength = Uniform(0.7, 1.4)"], None, ModelError, "there is no quantity"),
->>>>>>> wip/calibrate
         (["mount/*/stiffness = Choice(1.0, 1.2)"], None, ValueError, "to be calibrated"),
         ([STIFFNESS, "channel/*/phase = Normal(0, 1)"], None, ModelError, "there is channel/NAME/gain"),
         ([STIFFNESS, "channel/body/rack/*/gain = Normal(1, 0.1)"], None, ModelError, "there is no channel"),

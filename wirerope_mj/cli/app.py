@@ -57,7 +57,7 @@ COMMANDS = {
     ),
     "calibrate": (
         "calibrate:calibrate",
-        "Bring a model to measured tests: the values that they tell and how well, a page, and a calibrated model.",
+        "Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.",
     ),
     "laws": (
         "loops:laws",
