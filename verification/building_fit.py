@@ -1,8 +1,7 @@
 """The building identified from one test: storeys from what the base level passes on, bearings from the whole response."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -56,31 +55,41 @@ def storeys_of(motion: Motion) -> Storeys:
     return Storeys(stiffness=found[:n], damping=found[n:])
 
 
+def _values(numbers: Array) -> dict[str, float]:
+    """Return the parameters over the mass by name: `START` times exponentials, of ratios the odds times them."""
+    odds = np.isin(NAMES, ["k2", "softening"])
+    start = np.where(odds, START / np.where(odds, 1.0 - START, 1.0), START)
+    moved = start * np.exp(numbers)
+    return dict(zip(NAMES, np.where(odds, moved / (1.0 + moved), moved).tolist(), strict=True))
+
+
+def springs(numbers: Array) -> tuple[float, float, float]:
+    """Return k1, k2, k3 of the elastic force over the mass."""
+    at = _values(numbers)
+    return at["k1"], -2.0 * at["k2"] * float(np.sqrt(at["k1"] * at["k3"])), at["k3"]
+
+
 def bearings(numbers: Array) -> Law:
-    """Make the law of all bearings, of levels of 1 kg each, from its coordinates: logarithms over `START`, logits of ratios."""
-    ratio = START[[6, 8]]
-    k2_over, softening = 1.0 / (1.0 + np.exp(-numbers[[6, 8]] - np.log(ratio / (1.0 - ratio))))
-    alpha_1, z_1, alpha_2, z_2, k1, k3, _, c, _, reach = (
-        START * np.exp(np.where(np.isin(NAMES, ["k2", "softening"]), 0.0, numbers))
-    ).tolist()
-    spring = {"k1": LEVELS * k1, "k2": -2.0 * LEVELS * k2_over * np.sqrt(k1 * k3), "k3": LEVELS * k3}
-    scales = [
+    """Make the law of all bearings, of levels of 1 kg each, from its coordinates."""
+    at = _values(numbers)
+    spring = dict(zip(("k1", "k2", "k3"), (LEVELS * k for k in springs(numbers)), strict=True))
+    scales = tuple(
         wr.ScraggedBoucWen.from_normalised(
-            z_max=LEVELS * z_max, x_y=z_max / alpha, sigma=0.5, n=1.0, softening=softening, reach=reach, **more
+            z_max=LEVELS * at[f"z_max_{scale}"], x_y=at[f"z_max_{scale}"] / at[f"alpha_{scale}"], sigma=0.5, n=1.0,
+            softening=at["softening"], reach=at["reach"], **(spring if scale == 1 else {}),
         )
-        for alpha, z_max, more in ((alpha_1, z_1, spring), (alpha_2, z_2, {}))
-    ]
-    return wr.Parallel(laws=[*scales, wr.KelvinVoigt(k=0.0, c=LEVELS * c)])
+        for scale in (1, 2)
+    )  # fmt: skip
+    return wr.Parallel(laws=(*scales, wr.KelvinVoigt(k=0.0, c=LEVELS * at["c"])))
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """Bearings fitted to a test: coordinates, residuals (n_t, 2), Jacobian (n_t, 2, n_p), and the instants that counted."""
+    """Bearings fitted to a test: coordinates, residuals (n_t, 2) and Jacobian (n_t, 2, n_p)."""
 
     numbers: Array
     residual: Array
     jacobian: Array
-    counted: Array
 
     @property
     def law(self) -> Law:
@@ -97,47 +106,21 @@ def residuals(prediction: Prediction, motion: Motion) -> Array:
     return np.column_stack([(found - true) / np.abs(true).max() for found, true in pairs])
 
 
-def fit_bearings(
-    motion: Motion,
-    storeys: Storeys,
-    *,
-    counted: Array | None = None,
-    start: Array | None = None,
-    simulate: Callable[[Sequence[wr.System], Motion], list[Prediction]] = predict,
-) -> Fit:
-    """Fit the law so that the whole building, simulated under the table's acceleration, moves as it was measured.
+def fit_bearings(motion: Motion, storeys: Storeys) -> Fit:
+    """Fit the law so that the whole building, simulated under the table's acceleration, moves as it was measured."""
 
-    Args:
-        motion: the test.
-        storeys: what stands between the levels.
-        counted: which instants count, (n_t,); all if not given. The building is simulated from the test's beginning.
-        start: coordinates to begin at.
-        simulate: the simulation.
-    """
-    weight = np.ones(motion.time.size) if counted is None else counted.astype(np.float64)
-    run = partial(_together, motion=motion, storeys=storeys, simulate=simulate)
+    def together(all_numbers: Sequence[Array]) -> list[Array]:
+        systems = [building(bearings(numbers), storeys) for numbers in all_numbers]
+        return [residuals(prediction, motion) for prediction in predict(systems, motion)]
 
     def jacobian(numbers: Array) -> Array:
-        moved = run([numbers, *(numbers + DIFFERENCE * row for row in np.eye(numbers.size))])
+        moved = together([numbers, *(numbers + DIFFERENCE * row for row in np.eye(numbers.size))])
         return np.stack([(one - moved[0]) / DIFFERENCE for one in moved[1:]], axis=-1)
 
-    begin = np.zeros(len(NAMES)) if start is None else start
     found = least_squares(
-        lambda numbers: (weight[:, None] * run([numbers])[0]).ravel(),
-        begin,
-        jac=lambda numbers: (weight[:, None, None] * jacobian(numbers)).reshape(-1, numbers.size),
+        lambda numbers: together([numbers])[0].ravel(),
+        np.zeros(len(NAMES)),
+        jac=lambda numbers: jacobian(numbers).reshape(-1, numbers.size),
         bounds=(-LARGEST_CHANGE, LARGEST_CHANGE), x_scale=0.3, max_nfev=EVALUATIONS, ftol=1e-4,
     )  # fmt: skip
-    return Fit(numbers=found.x, residual=run([found.x])[0], jacobian=jacobian(found.x), counted=weight > 0.0)
-
-
-def _together(
-    all_numbers: Sequence[Array],
-    *,
-    motion: Motion,
-    storeys: Storeys,
-    simulate: Callable[[Sequence[wr.System], Motion], list[Prediction]],
-) -> list[Array]:
-    """Return the residuals of several sets of coordinates, simulated side by side."""
-    systems = [building(bearings(numbers), storeys) for numbers in all_numbers]
-    return [residuals(prediction, motion) for prediction in simulate(systems, motion)]
+    return Fit(numbers=found.x, residual=together([found.x])[0], jacobian=jacobian(found.x))

@@ -16,9 +16,6 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law
 
-STEP = 2.5e-3
-"""Step of simulations [s], half an interval of the records: peaks move by less than 0.1 % from that of a quarter."""
-
 
 @dataclass(frozen=True, kw_only=True)
 class Storeys:
@@ -69,12 +66,17 @@ class Prediction:
 
 
 def predict(systems: Sequence[wr.System], motion: Motion) -> list[Prediction]:
-    """Simulate systems of one layout under the acceleration of a test's table."""
+    """Simulate systems of one layout under the acceleration of a test's table, two steps to a sample."""
     rate = 1.0 / motion.interval
     results = wr.simulate_batch(
-        systems, base_motion(motion.time, motion.table), duration=float(motion.time[-1]), timestep=STEP, initial="unloaded",
-        sample_rate=rate, responses=True,
-    )  # fmt: skip
+        systems,
+        base_motion(motion.time, motion.table),
+        duration=float(motion.time[-1]),
+        timestep=0.5 * motion.interval,
+        initial="unloaded",
+        sample_rate=rate,
+        responses=True,
+    )
     found = []
     for result in results:
         if isinstance(result, wr.BatchFailure):
