@@ -21,7 +21,9 @@ _MIDDLE = slice(2, 10)
 
 _FLAT = 0.6  # of the stiffness on either side, up to which a way is flat; a hysteretic law has less behind than before
 _ALIKE = 0.2  # of half of the force range, within which both senses have their flat way at one force
-_SHARPER = 4  # times that the force is smoothed over fewer samples than the deflection: play close to a reversal is short
+_SHARPER = (
+    4  # times that the force is smoothed over fewer samples than the deflection: play close to a reversal is short
+)
 _STROKE = 0.3  # of the longest, from which a stroke is looked at
 _FEWEST = 3  # strokes that show it
 _MOST_OF_THEM = 0.8

@@ -2,9 +2,9 @@
 
 import numpy as np
 import pytest
+from laws_for_tests import example
 
 import wirerope_mj as wr
-from tests.laws_for_tests import example
 
 pytestmark = pytest.mark.quick
 

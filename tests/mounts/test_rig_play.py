@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
+from foreign_devices import dead_zone, few_sliders, iwan, lugre
+from laws_for_tests import PARAMETERS, example
 
 import wirerope_mj as wr
-from tests.foreign_devices import dead_zone, few_sliders, iwan, lugre
-from tests.laws_for_tests import PARAMETERS, example
 from wirerope_mj.mounts.test_rig.play import play_in
 
 TIME = np.linspace(0.0, 8.0, 4001)
