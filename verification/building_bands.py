@@ -1,9 +1,9 @@
 """Bands of predicted peaks: what the fitted test tells of its own errors, carried over to another motion.
 
-Nothing but the fitted test goes in. Parts of it are left out in turn, and the errors of what is then calculated there, over the
-table's acceleration, are a discrepancy for each frequency and channel: another motion excites as much of it as its table moves
-there. Parameters vary by what the blocks of the test disagree (sandwich covariance). Beyond the largest fitted deflection the
-spring may go on as the polynomial does, straight on, or anywhere between.
+Nothing but the fitted test goes in. Blocks of it are left out in turn, and the errors of what is then calculated there, over
+the table's acceleration, are a discrepancy for each frequency and channel: another motion excites as much of it as its table
+moves there. Parameters vary by what the blocks disagree, as the jackknife has it. Beyond the largest fitted deflection the spring
+may go on as the polynomial does, straight on, or anywhere between.
 """
 
 from collections.abc import Sequence
@@ -18,9 +18,8 @@ from verification.building_model import Prediction, Storeys, building, predict
 from wirerope_mj.foundation.arrays import Array
 
 BLOCK = 10.0
-"""Length of the blocks that are left out, in turn one in `FOLDS` [s]: four periods of the building, whose memory is one."""
+"""Length of the blocks that are left out in turn [s]: four periods of the building, and more than it remembers."""
 
-FOLDS = 4
 PRIOR = 1.0
 """Standard deviation of a coordinate's logarithm before the test: parts of it alone do not fix all coordinates."""
 
@@ -30,7 +29,7 @@ WIDTH = 0.15
 DECAY = 2.8
 """Seconds over which an error goes on: 1 / (2 pi 0.16 0.36 Hz), the decay of the isolated building."""
 
-MEMBERS, DRAWS, SEED = 8, 25, 20
+MEMBERS, DRAWS, SEED = 12, 40, 20
 INSIDE = (5.0, 95.0)
 """Per cent of the draws between which a band lies: 90 %."""
 
@@ -60,18 +59,15 @@ def channels(motion: Motion | Prediction) -> Array:
 def errors_of(motion: Motion, fit: Fit, storeys: Storeys) -> Errors:
     """Derive the errors from the test that was fitted."""
     block = (motion.time // BLOCK).astype(int)
-    folds = [block % FOLDS == fold for fold in range(FOLDS)]
-    rows, total = fit.jacobian.reshape(-1, fit.numbers.size), np.repeat(block, 2)
-    scores = np.array([rows[total == one].T @ fit.residual.ravel()[total == one] for one in np.unique(block)])
-    inverse = np.linalg.inv(rows.T @ rows + np.eye(fit.numbers.size) * float(np.mean(fit.residual**2)) / PRIOR**2)
-    members = np.random.default_rng(SEED).multivariate_normal(
-        fit.numbers, inverse @ (scores.T @ scores) @ inverse, size=MEMBERS, method="svd"
-    )
-    moved = [_from_part(fit, ~fold) for fold in folds]
-    parts = predict([building(bearings(numbers), storeys) for numbers in moved], motion)
+    blocks = [block == one for one in np.unique(block)]
+    without = np.array([_from_part(fit, ~one) for one in blocks])
+    apart = without - without.mean(axis=0)
+    covariance = (len(blocks) - 1) / len(blocks) * apart.T @ apart
+    members = np.random.default_rng(SEED).multivariate_normal(fit.numbers, covariance, size=MEMBERS, method="svd")
+    parts = predict([building(bearings(numbers), storeys) for numbers in without], motion)
     measured, left = channels(motion), np.zeros((motion.time.size, 2 * LEVELS))
-    for fold, part in zip(folds, parts, strict=True):
-        left[fold] = channels(part)[fold] - measured[fold]
+    for one, part in zip(blocks, parts, strict=True):
+        left[one] = channels(part)[one] - measured[one]
     frequency, discrepancy = _over_table(left, motion)
     return Errors(
         members=members,
@@ -118,18 +114,20 @@ def straight_on(numbers: Array, fitted: float, prediction: Prediction) -> tuple[
 
 def bands(errors: Errors, predictions: Sequence[Prediction], motion: Motion) -> Array:
     """Return the band of each channel's peak, (2, 12), from predictions of all members; of `motion` the table alone counts."""
-    rng = np.random.default_rng(SEED)
-    spectrum, table = np.fft.rfftfreq(motion.time.size, motion.interval), np.fft.rfft(motion.table)
+    rng, n = np.random.default_rng(SEED), motion.time.size
+    size = scipy.fft.next_fast_len(n, real=True)
+    spectrum, table = np.fft.rfftfreq(size, motion.interval), scipy.fft.rfft(motion.table, size)
     excited = table[:, None] * np.column_stack(
         [np.interp(spectrum, errors.frequency, column, left=0.0, right=0.0) for column in errors.discrepancy.T]
     )
-    window = scipy.signal.windows.gaussian(motion.time.size, DECAY / motion.interval, sym=False)
+    window = np.fft.ifftshift(scipy.signal.windows.gaussian(size, DECAY / motion.interval, sym=False))
+    window /= np.sqrt(np.sum(window**2))
     peaks = []
     for numbers, prediction in zip(errors.members, predictions, strict=True):
         calculated = channels(prediction)
         ratios = np.repeat(straight_on(numbers, errors.amplitude, prediction), LEVELS)
         for _ in range(DRAWS):
-            spread = np.fft.rfft(np.fft.ifftshift(window) * rng.normal(size=window.size)) / np.sqrt(np.sum(window**2))
-            error = np.fft.irfft(excited * spread[:, None], motion.time.size, axis=0)
+            spread = scipy.fft.rfft(window * rng.normal(size=size))
+            error = scipy.fft.irfft(excited * spread[:, None], size, axis=0)[:n]
             peaks.append(ratios ** rng.uniform() * np.abs(calculated + error).max(axis=0))
     return np.percentile(peaks, INSIDE, axis=0)
