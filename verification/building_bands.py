@@ -2,8 +2,8 @@
 
 Nothing but the fitted test goes in. Blocks of it are left out in turn, and the errors of what is then calculated there, over
 the table's acceleration, are a discrepancy for each frequency and channel: another motion excites as much of it as its table
-moves there. Parameters vary by what the blocks disagree, as the jackknife has it. Beyond the largest fitted deflection the spring
-may go on as the polynomial does, straight on, or anywhere between.
+moves there. Parameters vary by what the blocks disagree, as the jackknife has it. Beyond the largest fitted deflection the
+spring may go on as the polynomial does, straight on, or anywhere between.
 """
 
 from collections.abc import Sequence
