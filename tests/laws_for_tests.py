@@ -33,6 +33,10 @@ PARAMETERS = {
         "alpha": 1e5, "beta": 250.0, "gamma": 100.0, "n": 1.0, "k": 4e4, "delta_alpha": 200.0, "delta_nu": 0.1,
         "delta_eta": 0.05, "zeta": 0.6, "q": 0.1, "p": 1.0, "psi": 60.0, "delta_psi": 5.0, "lam": 0.5,
     },
+    "scragged-bouc-wen": {
+        "alpha": 1e5, "beta": 250.0, "gamma": 100.0, "n": 1.0, "softening": 0.4, "reach": 4e-3, "k1": 8e4, "k2": -1e6,
+        "k3": 2e7,
+    },
     "stop": {
         "gap_below": 2e-3, "gap_above": 4e-3, "k": 4e6, "exponent": 1.5, "rounding": 2e-3, "loss": 0.4, "reversal": 5e-4,
         "c": 200.0,
@@ -150,6 +154,11 @@ STRATEGIES = {
         n=sharpness, k=small, delta_alpha=st.floats(0.0, 0.01), delta_nu=st.floats(0.0, 0.1),
         delta_eta=st.floats(0.0, 0.1), zeta=st.floats(0.0, 0.9), q=st.floats(0.0, 0.3), p=small,
         psi=st.floats(0.1, 1.0), delta_psi=st.floats(0.0, 0.05), lam=st.floats(0.1, 1.0),
+    ),
+    # 2 sqrt(k1 k3) >= 0.4: the polynomial's force never turns against its deflection.
+    "scragged-bouc-wen": _bouc_wen(
+        "scragged-bouc-wen", softening=st.floats(0.0, 0.95), reach=st.floats(0.1, 3.0), k1=st.floats(0.2, 1.0),
+        k2=st.floats(-0.4, 1.0), k3=st.floats(0.2, 1.0),
     ),
     "stop": _stop(),
     "tabulated": _tabulated(),

@@ -1,4 +1,4 @@
-"""`python -m verification [case ...] [--page docs/verification.md]`: run cases, print a table, write the page."""
+"""`python -m verification [case ...] [--data FOLDER] [--page FILE]`: run cases, print a table, write the page."""
 
 import argparse
 import sys
@@ -16,7 +16,12 @@ def main() -> int:
     parser.add_argument("cases", nargs="*", metavar="case", help="names of cases; all without any")
     parser.add_argument("--page", type=Path, help="write the results as a page, for instance docs/verification.md")
     parser.add_argument("--list", action="store_true", help="list the cases and run none")
+    parser.add_argument(
+        "--data", type=Path, help="folder of measured tests; without it the cases that need them are not run"
+    )
     options = parser.parse_args()
+    if options.data and not options.data.is_dir():
+        parser.error(f"--data must be a folder of measured tests, got {options.data}: there is no such folder")
     unknown = [name for name in options.cases if name not in known]
     if unknown:
         parser.error(f"no case is called {', '.join(unknown)}; --list names them all")
@@ -29,7 +34,7 @@ def main() -> int:
     results = []
     for case in chosen:
         print(f"{case.name} ...", end="", flush=True, file=sys.stderr)
-        results.append(run_case(case))
+        results.append(run_case(case, options.data))
         print(f" {results[-1].status}, {results[-1].seconds:.1f} s", file=sys.stderr)
     print_table(results)
     if options.page:

@@ -24,6 +24,7 @@ class Comparison:
         values: number of values compared.
         unit: of `reference` and `ours`.
         details: label, reference, ours and relative error of single values, where they are worth a table.
+        lines: what is printed as it is.
     """
 
     reference: float
@@ -32,6 +33,7 @@ class Comparison:
     values: int = 1
     unit: str = "-"
     details: tuple[tuple[str, float, float, float], ...] = ()
+    lines: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,6 +52,7 @@ class Case:
         needs: importable names of packages that are not among the library's own dependencies.
         kind: "numerics": both solve the same equations. "published": a value that others printed. "plausibility": two
             models of one device, or a statement about such devices: the difference is not an error of the computation.
+            "measured": tests of a device, predicted from other tests of it; `run` takes the folder that holds them.
         known: why the case is outside its bound today, where that is known and open; it then fails no run.
     """
 
@@ -60,7 +63,7 @@ class Case:
     date: str
     bound: float
     reason: str
-    run: Callable[[], Comparison]
+    run: Callable[..., Comparison]
     needs: tuple[str, ...] = ()
     kind: str = "numerics"
     known: str = ""

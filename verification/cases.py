@@ -1,10 +1,12 @@
 """All cases, in the order of the page."""
 
 from verification import (
+    building,
     closed_forms,
     diagonals,
     governor,
     measured,
+    measured_loops,
     mechanisms,
     motions,
     noel_schoukens,
@@ -33,4 +35,6 @@ CASES: tuple[Case, ...] = (
     *measured.CASES,
     *diagonals.CASES,
     *racks.CASES,
+    *building.CASES,
+    *measured_loops.CASES,
 )

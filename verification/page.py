@@ -15,11 +15,14 @@ ROUNDING = 1e-12
 KINDS = {
     "numerics": "Numerics: the same equations, solved by others",
     "published": "Published values",
+    "measured": "Measured tests: predicted from other tests of the same device",
     "plausibility": "Plausibility: isolator files against vendors' and laboratories' statements",
 }
 INTRODUCTIONS = {
     "numerics": "An error here is an error of this library or of the reference.",
     "published": "Values that others printed, compared within the digits that they printed.",
+    "measured": "A law is fitted to some tests of a device, and others are calculated without looking at them. The files are "
+    "other people's: `--data FOLDER` says where they are, and without it these cases are not run.",
     "plausibility": "What vendors and laboratories say of such isolators, or what their programs find for a rack, beside what "
     "the isolator files give here: the difference measures the files, not the integration. Some bounds are "
     "loose.",
@@ -51,6 +54,8 @@ def print_table(results: Sequence[Result]) -> None:
     console = Console(width=max(Console().width, 110))
     console.print(table)
     for result in results:
+        if result.comparison:
+            print("".join(f"{line}\n" for line in result.comparison.lines), end="")
         if result.note:
             console.print(f"{result.case.name}: {_status(result)}", markup=False)
     console.print(_counts(results))
@@ -111,6 +116,8 @@ def _section(result: Result) -> list[str]:
         f"- Result: {_status(result)}" + (f", error {error_text(found.error)}" if found else ""),
         "",
     ]
+    if found and found.lines:
+        lines += ["```text", *found.lines, "```", ""]
     if found and found.details:
         lines += ["| | reference | ours | error |", "|---|---|---|---|"]
         lines += [f"| {row[0]} | {number(row[1])} | {number(row[2])} | {error_text(row[3])} |" for row in found.details]

@@ -164,7 +164,7 @@ CASES = tuple(
         reason=REASON,
         kind="plausibility",
         known=rack.known,
-        run=lambda rack=rack: _rack(rack),  # type: ignore[misc]
+        run=lambda rack=rack: _rack(rack),
     )
     for name, rack in RACKS.items()
 )

@@ -5,6 +5,7 @@ import math
 import time
 import warnings
 from dataclasses import dataclass
+from pathlib import Path
 
 from verification.case import Case, Comparison, NotRunError
 
@@ -35,16 +36,23 @@ def missing(case: Case) -> list[str]:
     return [name for name in case.needs if importlib.util.find_spec(name) is None]
 
 
-def run_case(case: Case) -> Result:
-    """Return the result of a case; an exception of the library is a result too, a missing package is never a pass."""
+def run_case(case: Case, data: Path | None = None) -> Result:
+    """Return the result of a case; an exception of the library is a result too, a missing package is never a pass.
+
+    Args:
+        case: to run.
+        data: folder of measured tests, for those of the kind "measured"; None: they are not run.
+    """
     absent = missing(case)
     if absent:
         return Result(case=case, status=NOT_RUN, note=f"needs {', '.join(absent)}")
+    if case.kind == "measured" and data is None:
+        return Result(case=case, status=NOT_RUN, note="no data")
     start = time.perf_counter()
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error", RuntimeWarning)
-            comparison = case.run()
+            comparison = case.run(data) if case.kind == "measured" else case.run()
     except NotRunError as reason:
         return Result(case=case, status=NOT_RUN, note=str(reason))
     except Exception as error:  # whatever it is, the other cases are still worth running

@@ -127,6 +127,7 @@ from .mounts.laws import Loop as Loop
 from .mounts.laws import Masing as Masing
 from .mounts.laws import Ozdemir as Ozdemir
 from .mounts.laws import Parallel as Parallel
+from .mounts.laws import ScraggedBoucWen as ScraggedBoucWen
 from .mounts.laws import Smoothed as Smoothed
 from .mounts.laws import Stop as Stop
 from .mounts.laws import SymmetricBoucWen as SymmetricBoucWen

@@ -121,7 +121,7 @@ def assert_scaled(law, factor, points):
     found, nominal = scaled.trace(path, **others), law.trace(path, **others)
     # Rounding of terms of order one or of the largest, exponents up to 100 times that; what has no closed form or series is
     # integrated to 1e-8, twice.
-    share = 2e-8 if law.name in ("bouc-wen-baber-noori", "smoothed") else 1e-12
+    share = 2e-8 if law.name in ("bouc-wen-baber-noori", "scragged-bouc-wen", "smoothed") else 1e-12
     for key in ("force", "work", "hysteretic_state"):
         a, b = getattr(found, key), factor * getattr(nominal, key)
         np.testing.assert_allclose(a, b, rtol=0, atol=share * (1.0 + np.abs(b).max()))

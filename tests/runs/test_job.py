@@ -223,7 +223,7 @@ def test_the_recording_holds_every_case(done):
         ('model = "shock_table"\nreport = ["loops"]', "`report` may hold accelerations, mounts"),
         ('model = "shock_table"\nsheet = "gone.xlsx"', "gone.xlsx"),
         ('model = "shock_table"\n[records]\nfiles = "records/*.csv"', "no file matches `files` = 'records/*.csv'"),
-        ('model = "shock_table"\n[document]\nrevison = "B"', "[document]: `revison` is unknown; known: project, number"),  # codespell:ignore
+        ('model = "shock_table"\n[document]\nrevison = "B"', "[document]: `revison` is unknown"),  # codespell:ignore
         ('model = "shock_table"\n[document]\nlogo = "job.toml"', "`logo` must be a PNG or JPEG file"),
         ('model = "shock_table"\n[document]\ntext.summary = "x"', "`summary` is unknown; known: scope, assumptions"),
         ("model =", "not valid TOML"),

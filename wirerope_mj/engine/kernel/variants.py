@@ -23,12 +23,13 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI
 from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS
 from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 
 # kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
-_PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI)
+_PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI, SCRAGGED_BOUC_WEN)
 
 NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 

@@ -15,6 +15,7 @@ from wirerope_mj.mounts.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.mounts.laws.ni import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.mounts.laws.parallel import Parallel as Parallel
 from wirerope_mj.mounts.laws.plane import BiaxialBoucWen as BiaxialBoucWen
+from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen as ScraggedBoucWen
 from wirerope_mj.mounts.laws.semi_empirical import EquivalentViscous as EquivalentViscous
 from wirerope_mj.mounts.laws.semi_empirical import TinkerCutchins as TinkerCutchins
 from wirerope_mj.mounts.laws.smoothed import Smoothed as Smoothed
@@ -29,8 +30,8 @@ from wirerope_mj.mounts.laws.viscoelastic import Zener as Zener
 LAWS: dict[str, type[Law]] = {
     law.name: law
     for law in (
-        BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, BoucWenBaberNoori, VaianaRosati, EnhancedDryFriction, Masing,
-        TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Stop, Tabulated,
+        BoucWen, Ozdemir, AsymmetricBoucWen, SymmetricBoucWen, BoucWenBaberNoori, ScraggedBoucWen, VaianaRosati,
+        EnhancedDryFriction, Masing, TinkerCutchins, EquivalentViscous, KelvinVoigt, Zener, Stop, Tabulated,
     )
 }  # fmt: skip
 Law._trace = trace  # follows the kernels of all laws, which their common base cannot import

@@ -13,12 +13,14 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, WORN_OUT, baber_noori
 from wirerope_mj.mounts.laws.kernels import evaluate_rarer
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
+from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
 
 # Relative error allowed in one step. The pair's estimate is that of its lower order: traces are a tenth to a hundredth of it
 # from their limit, and 1e-8 is what they promise.
 TOLERANCE = 1e-9
-# The same for coupled axes: a component that passes through zero beside a large other one is no kink to land on.
-TOLERANCE_IN_THE_PLANE = 1e-11
+# The same where steps do not land on kinks: a component of coupled axes that passes through zero beside a large other one, and
+# the largest deflection so far.
+TOLERANCE_OF_KINKS = 1e-11
 # Fraction of the yield deflection that a step within the tolerance covers where z is neither zero nor at its bound.
 FIRST_STEP = 0.2
 # Fraction of a segment below which a failing step can only be a kink, whose contribution is below rounding.
@@ -143,7 +145,7 @@ def integrate(law, p, i, x0, direction, length, z, j, n_states, slopes, trial):
     work, power, done, landing, m = 0.0, 0.0, 0.0, 0, n_states + 1
     longest = longest_step(law, p, i, direction, z[j], z[j + n_states - 1])
     step = min(first_step(law, p, i, length), longest)
-    tolerance = TOLERANCE_IN_THE_PLANE if law in (BIAXIAL, LOOP) else TOLERANCE
+    tolerance = TOLERANCE_OF_KINKS if law in (BIAXIAL, LOOP, SCRAGGED_BOUC_WEN) else TOLERANCE
     slope_at(law, p, i, x0, direction, z, j, n_states, slopes, 0)
     while done < length:
         step = min(step, length - done)

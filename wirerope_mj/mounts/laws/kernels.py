@@ -25,6 +25,7 @@ from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
 from wirerope_mj.mounts.laws.friction import MASING, hold_slip, masing, masing_increment
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN, asymmetric_bouc_wen, symmetric_bouc_wen
 from wirerope_mj.mounts.laws.parallel import PARALLEL
+from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN, scragged_bouc_wen
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS, tinker_cutchins
 from wirerope_mj.mounts.laws.smoothed import SMOOTHED
 from wirerope_mj.mounts.laws.stop import STOP
@@ -89,6 +90,8 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return stop(p, i, x, v, z, j, zdot, k)
     if law == TABULATED:
         return tabulated(p, i, x, v, z, j, zdot, k)
+    if law == SCRAGGED_BOUC_WEN:
+        return scragged_bouc_wen(p, i, x, v, z, j, zdot, k)
     return np.nan
 
 

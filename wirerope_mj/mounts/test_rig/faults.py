@@ -1,4 +1,4 @@
-"""Faults of a rig that a record shows: hum of the mains, a zero that drifts, a channel that lags, noise; each with its size."""
+"""Faults of a rig that a record shows: hum of the mains, drift of the zero, play, a channel that lags, noise; with sizes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -9,6 +9,7 @@ import scipy
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.test_rig.lag import lag_in
+from wirerope_mj.mounts.test_rig.play import play_in
 from wirerope_mj.mounts.test_rig.reading import read_rows
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points, rms_noise
 
@@ -112,7 +113,14 @@ def record_faults(time: Array, deflection: Array, force: Array) -> Iterator[str]
             f"the zero of the force drifts by {drift:.3g} N over the record, {100.0 * abs(drift) / half:.2g} % of half of the "
             "force range; what is linear of it was taken out: let the load cell warm up"
         )
-    lag = lag_in(time, deflection, force)
+    play = play_in(time, deflection, force)
+    if play is not None:
+        yield (
+            f"behind each reversal the force stands at one value over about {1e3 * play.width:.2g} mm and is stiff before and "
+            f"behind it, in {play.strokes} strokes: play (backlash) in the device or its fixture. No law that is fitted here "
+            "has a dead zone that goes with the reversal, so that none follows these loops: take up the play and test again"
+        )
+    lag = None if play else lag_in(time, deflection, force)  # with play they do not turn round together
     if lag is not None and abs(lag.delay) > max(_SURE * lag.error, _LAGS * lag.period):
         which = "force turns round after" if lag.delay > 0.0 else "force turns round before"
         share, doubt = 100.0 * abs(lag.delay) / lag.period, 100.0 * lag.error / lag.period

@@ -1,0 +1,74 @@
+"""What a run says of how far it can be relied on: the weakest part first, grades that follow from what is stated."""
+
+from dataclasses import replace
+
+import pytest
+from house import sdof_text
+
+import wirerope_mj as wr
+from wirerope_mj.content.credibility import _KINDS, credibility_blocks
+from wirerope_mj.content.judged_run import judged_run
+from wirerope_mj.mounts.isolator import MeasuredRange, Validity
+from wirerope_mj.mounts.isolator.parts import KINDS
+
+LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
+TESTED = MeasuredRange(amplitude=(1e-4, 20e-3), deflection=(-20e-3, 20e-3), frequency=(1.0, 1.0))
+SPREAD = wr.Spread(parameters=("axial.alpha", "axial.k"), covariance=((4e8, 0.0), (0.0, 1e8)))
+
+
+def told(isolator, **options):
+    """Return statement and rows by part of a shock on one mount."""
+    system = wr.load_system(sdof_text(mass=20.0), isolators={"a": isolator})
+    motion = wr.HalfSine(peak=100.0, duration=0.011, direction="z")
+    response = wr.simulate(system, motion, duration=0.3, **options)
+    statement, table = credibility_blocks(judged_run(system, motion, response))
+    return statement, {row[0]: row for row in table.rows}
+
+
+def grade(row):
+    return int(row[1].content[0])
+
+
+@pytest.fixture(scope="module")
+def identified():
+    provenance = wr.Provenance(kind="identified", source="rig", assumed=("roll as axial",))
+    return wr.Isolator(name="a", axial=LAW, provenance=provenance, spread=SPREAD, validity=Validity(axial=TESTED))
+
+
+def test_what_is_measured_in_all_parts_is_limited_by_its_input(identified):
+    statement, rows = told(identified)
+    assert [grade(row) for row in rows.values()] == [4, 2, 3, 4]
+    assert statement.text.startswith("The answer is as good as its weakest part, input (stated): half-sine")
+    assert "1 isolator: identified; 1 value assumed" in rows["isolator data"][2]
+    assert "direction: every axis tested" in rows["form of the model"][2]
+
+
+def test_the_scatter_of_the_stiffness_moves_peaks_by_half_of_it(identified):
+    _, rows = told(identified)
+    scatter = (4e8 + 1e8) ** 0.5 / (LAW.alpha + LAW.k)
+    assert rows["isolator data"][3] == pytest.approx(1.645 * 0.5 * scatter, rel=1e-6)
+    shares = [row[4] for row in rows.values() if row[4] == row[4]]
+    assert sum(shares) == pytest.approx(1.0)
+
+
+def test_beyond_what_was_tested_the_form_says_how_far(identified):
+    small = replace(TESTED, amplitude=(1e-4, 1e-3), deflection=(-1e-3, 1e-3))
+    _, rows = told(replace(identified, validity=Validity(axial=small)))
+    assert grade(rows["form of the model"]) == 2
+    assert "times the largest tested, at m1 axial" in rows["form of the model"][2]
+
+
+def test_what_nothing_is_known_of_is_the_weakest_part(identified):
+    statement, rows = told(replace(identified, validity=Validity(), spread=None, provenance=wr.Provenance()))
+    assert (grade(rows["form of the model"]), grade(rows["isolator data"])) == (1, 1)
+    assert statement.tone == "unjudged"
+    assert "no number stands for" in statement.text
+
+
+def test_a_given_step_is_an_assumption(identified):
+    _, rows = told(identified, timestep=1e-4)
+    assert grade(rows["computation"]) == 1
+
+
+def test_every_kind_of_provenance_has_a_grade():
+    assert set(_KINDS) == set(KINDS)

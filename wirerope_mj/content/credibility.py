@@ -1,0 +1,167 @@
+"""How far a run can be relied on: numbers, input, form of the model and data of its isolators, each graded in plain words."""
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from wirerope_mj.content.blocks import Block, Statement
+from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.numbers import listed, number, several, with_unit
+from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.validity import MOVING
+
+GRADES = ("not known", "assumed", "stated", "measured", "measured, error known")
+"""What a part of an answer rests on, from 0 to 4, in the spirit of NASA-STD-7009's credibility levels."""
+
+NORMAL = 1.645
+"""Standard deviations of a normal distribution on both sides of its mean between which nine of ten lie."""
+
+_KINDS = {"illustrative": 1, "estimated": 1, "catalogue": 2, "published": 2, "identified": 3}
+_STEP = 1e-3  # of a parameter, by which it is moved for its effect on the stiffness
+_DAMPED = 0.5  # power of the stiffness in a frequency, and so in the peaks of a given change of velocity
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Part:
+    """One part: its name, grade, what is known of it, and by how much it moves peaks (90 %), NaN where nothing says it."""
+
+    name: str
+    grade: int
+    text: str
+    size: float = math.nan
+
+
+def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
+    """Yield what the answer rests on: one paragraph on its weakest part, and a table of all."""
+    parts = (_numbers(run), _input(run), _form(run), _isolators(run))
+    weakest = min(parts, key=lambda part: part.grade)
+    known = [part for part in parts if math.isfinite(part.size)]
+    total = sum(part.size**2 for part in known)
+    unknown = [part.name for part in parts if part not in known]
+    texts = [f"The answer is as good as its weakest part, {weakest.name} ({GRADES[weakest.grade]}): {weakest.text}."]
+    if known:
+        texts.append(
+            f"What can be told in numbers moves peaks by ±{with_unit(math.sqrt(total), '%', digits=2)} (90 %);"
+            f" no number stands for {listed(unknown)}."
+        )
+    yield Statement(
+        id="credibility",
+        text=" ".join(texts),
+        tone="unjudged" if weakest.grade < 2 else "",
+        values={"grade": float(weakest.grade), "band": math.sqrt(total)},
+    )
+    rows = [
+        (
+            part.name,
+            Mark(f"{part.grade} of 4, {GRADES[part.grade]}", "unjudged" if part.grade < 2 else ""),
+            part.text,
+            part.size,
+            part.size**2 / total if total > 0.0 else None,
+        )
+        for part in parts
+    ]
+    columns = (
+        Column("part", align="left"),
+        Column("rests on", align="left"),
+        Column("what is known", align="text"),
+        Column("moves peaks by ±", "%", 2),
+        Column("share of the band", "%", 2),
+    )
+    yield Table(id="credibility-parts", title="What the answer rests on", columns=columns, rows=rows)
+
+
+def _numbers(run: JudgedRun) -> _Part:
+    numerics = run.response.numerics
+    error = numerics.error_estimate
+    if not math.isfinite(error):
+        return _Part(name="computation", grade=1 if math.isnan(numerics.accuracy) else 3, text=numerics.error_text)
+    grade = 4 if error <= numerics.accuracy else 3
+    return _Part(name="computation", grade=grade, text=numerics.error_text, size=error)
+
+
+def _input(run: JudgedRun) -> _Part:
+    told, records = run.motion.description, list(records_in(run.motion))
+    if not records:
+        return _Part(name="input", grade=2, text=f"{told}: as it was stated; the event itself may differ")
+    doubts = len(run.record_warnings)
+    text = f"{told}: as it was measured, {several(doubts, 'warning') if doubts else 'without warnings'}"
+    return _Part(name="input", grade=2 if doubts else 3, text=text)
+
+
+def _form(run: JudgedRun) -> _Part:
+    """Say how far the run goes from the tests that the laws come from: amplitude, direction, frequency."""
+    farthest, untested, frequencies = (0.0, ""), set[str](), []
+    for name, mount in run.system.mounts.items():
+        peak = run.response.peaks.mounts[name].deflection
+        halves = 0.5 * (np.asarray(peak.maximum) - np.asarray(peak.minimum))
+        for half, (axis, law) in zip(halves.tolist(), mount.isolator.axes.items(), strict=True):
+            if law is None or half <= MOVING * halves.max():
+                continue
+            tested = mount.isolator.validity.stated.get(axis)
+            if tested is None:
+                untested.add(axis)
+                continue
+            farthest = max(farthest, (half / tested.amplitude[1], f"{name} {axis}"))
+            frequencies += list(tested.frequency or ())
+    if not farthest[1]:
+        return _Part(
+            name="form of the model",
+            grade=1,
+            text="no isolator file says which cycles its laws come from, and no test of this assembly is known",
+        )
+    ratio, where = farthest
+    texts = [
+        f"amplitude {number(ratio, digits=2)} times the largest tested, at {where}",
+        f"direction: no test along {listed(sorted(untested))}" if untested else "direction: every axis tested",
+    ]
+    slowest = run.response.numerics.slowest_period
+    if frequencies and math.isfinite(slowest):
+        span = f"{number(min(frequencies), digits=2)} to {number(max(frequencies), digits=2)} Hz"
+        texts.append(f"frequency: tested at {span}, the slowest mode is at {number(1.0 / slowest, digits=2)} Hz")
+    texts.append("mass: no test of the whole assembly")
+    return _Part(name="form of the model", grade=3 if ratio <= 1.0 and not untested else 2, text="; ".join(texts))
+
+
+def _isolators(run: JudgedRun) -> _Part:
+    devices = {mount.isolator.name: mount.isolator for mount in run.system.mounts.values()}
+    if not devices:
+        return _Part(name="isolator data", grade=4, text="there are no isolators")
+    kinds = sorted({one.provenance.kind for one in devices.values()}, key=_KINDS.__getitem__)
+    assumed = sum(len(one.provenance.assumed) for one in devices.values())
+    scatter = [size for one in devices.values() if (size := _scatter(one)) > 0.0]
+    grade = _KINDS[kinds[0]] + (len(scatter) == len(devices) and kinds[0] == "identified")
+    text = f"{several(len(devices), 'isolator')}: {listed(kinds)}"
+    text += f"; {several(assumed, 'value')} assumed" if assumed else ""
+    if not scatter:
+        return _Part(name="isolator data", grade=grade, text=f"{text}; no file states a scatter")
+    size = NORMAL * _DAMPED * max(scatter)
+    text += f"; stiffness scatters by {with_unit(max(scatter), '%', digits=2)} (one standard deviation)"
+    return _Part(name="isolator data", grade=grade, text=text, size=size)
+
+
+def _scatter(isolator: Isolator) -> float:
+    """Return the largest relative standard deviation of an axis' initial stiffness that the stated scatter makes; 0 without."""
+    spread = isolator.spread
+    if spread is None:
+        return 0.0
+    found = [0.0]
+    for axis, law in isolator.axes.items():
+        if law is None or law.initial_stiffness <= 0.0:
+            continue
+        slopes = []
+        for name in spread.parameters:
+            first, _, parameter = name.partition(".")
+            value = law.parameter(parameter) if first == axis else 0.0
+            if first != axis or not isinstance(value, float) or value == 0.0:
+                slopes.append(0.0)
+                continue
+            step = _STEP * value
+            moved = replace(law, **law.completed({parameter: value + step}))
+            slopes.append((moved.initial_stiffness - law.initial_stiffness) / step)
+        variance = float(np.array(slopes) @ np.array(spread.covariance) @ np.array(slopes))
+        found.append(math.sqrt(max(variance, 0.0)) / law.initial_stiffness)
+    return max(found)
