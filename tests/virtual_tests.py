@@ -18,6 +18,7 @@ from house import sdof
 import wirerope_mj as wr
 from wirerope_mj.motions.records.checks import flat_tops
 from wirerope_mj.motions.records.measured import MeasuredChannel
+from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration import MeasuredTest, calibrate
 from wirerope_mj.studies.calibration.predict import predict
 from wirerope_mj.studies.calibration.result import DISCREPANT
@@ -89,6 +90,20 @@ def drawn(rng, load, body, other_law):
     return system, truth, priors
 
 
+def farthest(system, peaks):
+    """Return mount, axis and size [m] of the largest deflection along one axis."""
+    sizes = {
+        (name, axis): max(
+            -float(peaks.mounts[name].deflection.minimum[k]), float(peaks.mounts[name].deflection.maximum[k])
+        )
+        for name, one in system.mounts.items()
+        for k, axis in enumerate(AXES)
+        if not one.isolator.is_stop
+    }
+    name, axis = max(sizes, key=sizes.get)
+    return name, axis, sizes[name, axis]
+
+
 def one_test(number, seed, case, other_law):
     """Run one virtual test and return what is covered: (name, inside, error, half width) of values and of predictions."""
     load, body, axis, levels = case
@@ -110,12 +125,12 @@ def one_test(number, seed, case, other_law):
     known = dict(zip(found.names, found.samples.T, strict=True))
     if other_law:  # factors on a law that the truth does not have are compared as what they do
         del known["mount/*/stiffness"], known["mount/*/damping"]
-        mount = next(name for name, one in system.mounts.items() if not one.isolator.is_stop)
-        draws = [found.forward.isolators_at(row)[mount].axial for row in found.samples[:100]]
-        for size in COMPARED:
-            name = f"stiffness at {1e3 * size:g} mm"
-            known[name] = np.array([wr.cyclic_test(law, [size])[0].secant_stiffness for law in draws])
-            values[name] = wr.cyclic_test(truth.mounts[mount].written.axial, [size])[0].secant_stiffness
+        mount, way, reach = farthest(system, response.peaks)
+        draws = [found.forward.isolators_at(row)[mount].axes[way] for row in found.samples[:100]]
+        for part in COMPARED:
+            name = f"{way} stiffness, {1e3 * part * reach:.2g} mm"
+            known[name] = np.array([wr.cyclic_test(law, [part * reach])[0].secant_stiffness for law in draws])
+            values[name] = wr.cyclic_test(truth.mounts[mount].written.axes[way], [part * reach])[0].secant_stiffness
     rows = []
     for name, samples in known.items():
         low, middle, high = np.quantile(samples, [0.05, 0.5, 0.95])
@@ -128,16 +143,14 @@ def one_test(number, seed, case, other_law):
     ):
         expected = predict(found, motion, duration=0.4)
         peaks = wr.simulate(truth, motion, duration=0.4, accuracy=1e-3).peaks
-        worst = max(
-            system.mounts,
-            key=lambda m: peaks.mounts[m].deflection.value if not system.mounts[m].isolator.is_stop else 0.0,
-        )
+        worst, way, _ = farthest(system, peaks)
         true = {
             f"acceleration/{body}": peaks.bodies[body].acceleration.value,
             f"force/{worst}": peaks.mounts[worst].force.value,
         }
-        mount = peaks.mounts[worst].deflection
-        true[f"deflection/{worst}/compression"] = max(-float(mount.minimum[2]), 0.0)
+        peak, k = peaks.mounts[worst].deflection, AXES.index(way)
+        side = way if way != "axial" else "compression" if -peak.minimum[2] > peak.maximum[2] else "tension"
+        true[f"deflection/{worst}/{side}"] = max(-float(peak.minimum[k]), float(peak.maximum[k]))
         for name, value in true.items():
             low, high = expected.band(name)
             middle = 0.5 * (low + high)
@@ -145,8 +158,8 @@ def one_test(number, seed, case, other_law):
     return found, took, rows, predictions
 
 
-COMPARED = (2e-3, 10e-3)
-"""Amplitudes at which the stiffness of another law is compared [m]."""
+COMPARED = (0.2, 1.0)
+"""Parts of the largest tested deflection at which the stiffness of another law is compared."""
 
 CASES = [
     (single_mass, "mass", "z", (60.0, 150.0)),
