@@ -78,6 +78,6 @@ CASES = (
          "error is the largest of three, each over what is allowed.",
          source="University of California San Diego, BNCS building, base-isolated phase: repository "
          "jaorozco1/physics-informed-lstm-base-isolation, commit 202a405 (Orozco, Astroza; MIT licence)",
-         date="2012, published 2023", bound=1.0, kind="measured", run=predicted,
+         date="at that commit", bound=1.0, kind="measured", run=predicted,
          reason="15 % of each peak deflection, 7 % of them in the mean, 15 % of the peak mean acceleration in the mean"),
 )  # fmt: skip

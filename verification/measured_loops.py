@@ -166,12 +166,12 @@ CASES = (
          "tests of 25 mm at 0.25 Hz and of 5 mm at 3 Hz are fitted, bouc-wen beside tinker-cutchins. The error is the largest "
          "rms error of the others over their force range; lines give it over the rms force, too.",
          source="magneto-rheological damper under sines: repository DanielMaurelE/vRTHS_AMBC_MRdamper, commit 08753ff "
-         "(mequiroz; MIT licence)", date="2022", bound=0.08, kind="measured", run=loops,
-         reason="8 % of the range: cycles of one test without current differ by up to 6 % of it, as it warms"),
+         "(mequiroz; MIT licence)", date="at that commit", bound=0.08, kind="measured", run=loops,
+         reason="8 % of the range: cycles of the slowest test without current differ by up to 6 % of it"),
     Case(name="measured-backlash", title="A friction damper with backlash, which no law here follows",
          compares="Whether the warnings of an identification name the play, in each sinusoidal test; the error is the "
          "fraction of tests in which they do not.",
          source="banded rotary friction damper (Lehigh University): repository ARTS-Laboratory/Dataset-Friction-Damper-"
-         "with-Backlash, commit 0e09aa9 (University of South Carolina; CC BY-SA 4.0)", date="2023", bound=0.01,
+         "with-Backlash, commit 0e09aa9 (University of South Carolina; CC BY-SA 4.0)", date="at that commit", bound=0.01,
          kind="measured", run=backlash, reason="every test must be named"),
 )  # fmt: skip

@@ -62,7 +62,7 @@ def test_what_nothing_is_known_of_is_the_weakest_part(identified):
     statement, rows = told(replace(identified, validity=Validity(), spread=None, provenance=wr.Provenance()))
     assert (grade(rows["form of the model"]), grade(rows["isolator data"])) == (1, 1)
     assert statement.tone == "unjudged"
-    assert "no number stands for" in statement.text
+    assert "no number, so that the true band is wider" in statement.text
 
 
 def test_a_given_step_is_an_assumption(identified):

@@ -31,7 +31,8 @@ def test_closed_cycles_tend_to_the_vanishing_one(law, deflection):
     assert (errors[1:] < 0.62 * errors[:-1] + 1e-8 * limit.real).all()
 
 
-@pytest.mark.parametrize("name", sorted(set(PARAMETERS) - {"bouc-wen-baber-noori"}))
+# What cycling changes has no closed cycle: wear, and the memory of the largest deflection that still catches up with the sag.
+@pytest.mark.parametrize("name", sorted(set(PARAMETERS) - {"bouc-wen-baber-noori", "scragged-bouc-wen"}))
 def test_every_law_has_a_vanishing_cycle(name):
     """About a sag that it reached on the virgin path; two micrometres are within half a per cent of the limit."""
     law = example(name)

@@ -505,7 +505,7 @@ def test_a_response_without_mounts_has_no_sections_about_them(finished):
     content = run_content(run)
     titles = [section.title for section in content.sections if section.title and section.blocks]
     shown = ["Peak accelerations", "Stops and contacts", "Model and mounts", "Base motion", "What reaches the payload"]
-    assert titles == [*shown, "Numerics, options and versions"]
+    assert titles == [*shown, "How far this can be relied on", "Numerics, options and versions"]
     assert content.verdict.text == "NOT JUDGED: no limit is stated for anything in this run."
     Page(report_html(content))
 

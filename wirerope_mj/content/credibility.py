@@ -45,8 +45,8 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
     texts = [f"The answer is as good as its weakest part, {weakest.name} ({GRADES[weakest.grade]}): {weakest.text}."]
     if known:
         texts.append(
-            f"What can be told in numbers moves peaks by ±{with_unit(math.sqrt(total), '%', digits=2)} (90 %);"
-            f" no number stands for {listed(unknown)}."
+            f"What has a number moves peaks by ±{with_unit(math.sqrt(total), '%', digits=2)} (90 %); "
+            f"{listed(unknown)}: no number, so that the true band is wider."
         )
     yield Statement(
         id="credibility",
@@ -69,7 +69,7 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
         Column("rests on", align="left"),
         Column("what is known", align="text"),
         Column("moves peaks by ±", "%", 2),
-        Column("share of the band", "%", 2),
+        Column("share of these", "%", 2),
     )
     yield Table(id="credibility-parts", title="What the answer rests on", columns=columns, rows=rows)
 
