@@ -191,15 +191,8 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
         cells += [f"{touched.count(STRUCK)} of {len(touched)}"] if contacts else []
         rows.append([*cells, Mark(answer.text.partition(":")[0], answer.tone)])
     if len(verdicts) > 1:
-        rows.append(
-            [
-                "",
-                "governed by",
-                *(_governs(largest[kind], len(verdicts)) for kind in kinds),
-                *([""] if contacts else []),
-                "",
-            ]
-        )
+        governs = [_governs(largest[kind], len(verdicts)) for kind in kinds]
+        rows.append(["", "governed by", *governs, *([""] if contacts else []), ""])
     columns = [Column(align="left"), Column("load case", align="text")]
     columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
     columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
