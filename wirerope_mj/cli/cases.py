@@ -39,7 +39,7 @@ def cases(
 
     from wirerope_mj.content.job import job_content
     from wirerope_mj.content.numbers import several
-    from wirerope_mj.runs.job import run_job
+    from wirerope_mj.runs.job import CASES, run_job
     from wirerope_mj.runs.job_file import load_job
     from wirerope_mj.views.terminal import console, print_headline, show
 
@@ -51,19 +51,20 @@ def cases(
     screen = console()
     screen.print(f"\n[bold]{escape(read.name)}[/]  {several(len(read.cases), 'load case')}")
 
-    count = iter(range(1, len(read.cases) + 1))
-
-    def done(name: str, seconds: float, answer: str) -> None:
-        screen.print(
-            f"  {next(count)}/{len(read.cases)} {escape(name)}: {escape(answer)} [dim]{seconds:.1f} s[/]",
-            soft_wrap=True,
-        )
+    def done(name: str, seconds: float, answer: str, left: int) -> None:
+        screen.print(f"  {escape(name)}: {escape(answer)} [dim]{seconds:.1f} s, {left} left[/]", soft_wrap=True)
         sys.stdout.flush()
 
-    result = run_job(read, folder, force=force, workers=workers, pdf=pdf, docx=docx, done=done)
+    try:
+        result = run_job(read, folder, force=force, workers=workers, pdf=pdf, docx=docx, done=done)
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(f"the cases that are done are kept in {folder}; the same command goes on.") from None
     kept = [case.name for case in read.cases if case.name not in result.computed]
     why = "; ".join(f"{name}: {reason}" for name, reason in result.computed.items())
     screen.print(f"  computed {len(result.computed)} ({escape(why) or 'none'}), kept {len(kept)}", soft_wrap=True)
+    others = sorted({path.name for path in (folder / CASES).iterdir()} - {case.folder for case in read.cases})
+    if others:
+        screen.print(f"  no longer in the job, and left as they are: {escape(', '.join(others))}", soft_wrap=True)
     content = job_content(result.job)
     show(content, "limits")
     print_headline(content.verdict)

@@ -191,7 +191,8 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
         cells += [f"{touched.count(STRUCK)} of {len(touched)}"] if contacts else []
         rows.append([*cells, Mark(answer.text.partition(":")[0], answer.tone)])
     if len(verdicts) > 1:
-        rows.append(["", "governed by", *(_governs(largest[kind]) for kind in kinds), *([""] if contacts else []), ""])
+        governs = [_governs(largest[kind], len(verdicts)) for kind in kinds]
+        rows.append(["", "governed by", *governs, *([""] if contacts else []), ""])
     columns = [Column(align="left"), Column("load case", align="text")]
     columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
     columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
@@ -204,11 +205,11 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
     )
 
 
-def _governs(used: Sequence[tuple[float, int]]) -> str:
-    """Name the case with the largest utilisation by its number; all where it is the same in all."""
+def _governs(used: Sequence[tuple[float, int]], count: int) -> str:
+    """Name the case with the largest utilisation by its number; all where it is the same in all of the `count` cases."""
     worst = max(value for value, _ in used)
     cases = {number for value, number in used if value == worst}
-    return "all" if cases == {number for _, number in used} else f"case {min(cases)}"
+    return "all" if len(cases) == count else f"case {min(cases)}"
 
 
 def governing_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table | None:

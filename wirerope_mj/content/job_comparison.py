@@ -6,7 +6,7 @@ from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.job import JudgedJob, job_headline
-from wirerope_mj.content.numbers import listed, several
+from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
@@ -53,8 +53,8 @@ def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> St
     parts = [
         f"{names[1]} exceeds limits in {listed(news)}, which {names[0]} keeps" if news else "",
         f"{names[1]} keeps the limits in {listed(ends)}, which {names[0]} exceeds" if ends else "",
-        f"uses more of them in {listed(more)}" if more else "",
-        f"uses less of them in {listed(less)}" if less else "",
+        f"uses more of the limits in {listed(more)}" if more else "",
+        f"uses less of the limits in {listed(less)}" if less else "",
     ]
     text = (
         "; ".join(filter(None, parts))
@@ -137,12 +137,20 @@ def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: I
             if key not in _DERIVED and before.get(key) != after.get(key):
                 text = f"{key}: {before.get(key, 'not given')} and {after.get(key, 'not given')}"
                 found.setdefault(text, []).append(case)
-        limits = [{(row.criterion, row.subject): row.limit for row in job.verdicts[case]} for job in (first, second)]
-        changed = [f"{kind} of {at}" for kind, at in limits[0] if limits[0][kind, at] != limits[1].get((kind, at))]
-        if changed:
-            found.setdefault(f"limits: {listed(changed)}", []).append(case)
+        limits = [
+            {
+                f"limit of {row.criterion} of {row.subject}": with_unit(row.limit, row.unit)
+                for row in job.verdicts[case]
+                if row.limit
+            }
+            for job in (first, second)
+        ]
+        for key in dict.fromkeys((*limits[0], *limits[1])):
+            if limits[0].get(key) != limits[1].get(key):
+                text = f"{key}: {limits[0].get(key, 'none')} and {limits[1].get(key, 'none')}"
+                found.setdefault(text, []).append(case)
     items = tuple(
-        f"{'every case' if len(cases) == len(common) else listed(cases)}: {text}" for text, cases in found.items()
+        f"{'every case' if len(cases) == len(common) > 1 else listed(cases)}: {text}" for text, cases in found.items()
     )
     return Statement(
         id="inputs", text="Inputs that differ:" if items else "No input of a common load case differs.", items=items

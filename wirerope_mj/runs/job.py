@@ -49,7 +49,8 @@ INPUTS = "inputs"
 
 _CHARACTERS = 12  # of a digest: of a million changes none is missed by chance
 
-Done = Callable[[str, float, str], None]
+Done = Callable[[str, float, str, int], None]
+"""Is told name, time [s] and answer of a case that was simulated, and how many are left."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -78,7 +79,7 @@ class JobRun(Summarised):
 
 def run_job(
     job: Job | str | Path, folder: str | Path, *, force: bool = False, workers: int | None = None, pdf: bool = False,
-    docx: bool = False, done: Done = lambda name, seconds, answer: None,
+    docx: bool = False, done: Done = lambda *_: None,
 ) -> JobRun:  # fmt: skip
     """Simulate the load cases of a job whose inputs changed, each into a run of its own, and write what they say together.
 
@@ -89,7 +90,7 @@ def run_job(
         workers: number of processes; None for one per processor.
         pdf: whether the report is written as a PDF, too.
         docx: so, as a DOCX.
-        done: called after each case with its name, the time it took [s] and its answer.
+        done: called after each case.
 
     Raises:
         RecordError: the folder is something else, or another process works on it.
@@ -101,7 +102,9 @@ def run_job(
     page_files(
         folder, None, pdf=pdf, docx=docx, force=True
     )  # what cannot be written is known before anything is computed
-    if not (folder / JOB).is_file():
+    if (folder / JOB).is_file():
+        job_table(folder)  # perhaps it is the user's own file of that name, which must not be replaced
+    else:
         check_folder(folder, force=False, kind="job", marks=(JOB,))
     folder.mkdir(parents=True, exist_ok=True)
     with worked_on_alone(folder, kind="job"):
@@ -168,7 +171,8 @@ def job_table(folder: Path) -> dict[str, Any]:
         or not content["case"]
     ):
         raise RecordError(
-            f"{path}: this is not the file that `wirerope cases` wrote. Run the job into this folder again."
+            f"{path}: this is not what `wirerope cases` writes into its folder, and was not touched. Choose another folder, or "
+            "take the file from another copy of this one."
         )
     return content
 
@@ -273,13 +277,13 @@ def _run_all(questions: list[tuple[Scenario, Path]], workers: int | None, done: 
 
     if len(questions) == 1:
         workers = 1
-    for outcome in in_processes(_simulated, questions, lost=_lost, workers=workers):
+    for number, outcome in enumerate(in_processes(_simulated, questions, lost=_lost, workers=workers), start=1):
         for category, text in outcome.warned:
             warnings.warn(f"{outcome.name}: {text}", category, stacklevel=2)
         if outcome.error:
             yield outcome.name, outcome.error
         else:
-            done(outcome.name, outcome.seconds, outcome.answer)
+            done(outcome.name, outcome.seconds, outcome.answer, len(questions) - number)
 
 
 def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> None:
