@@ -27,7 +27,7 @@ HOUSE = {
         ("estimate",),
     ),
     "motions": (("spectra",), ("records",)),
-    "engine": (("response", "control"), ("system", "from_tables"), ("kernel",), ("statics",), ("simulation",)),
+    "engine": (("response", "control"), ("flexible",), ("system", "from_tables"), ("kernel",), ("statics",), ("simulation",)),
     "dynamics": (("single_mass", "sweep", "periodic"), ("modes", "frequency_response")),
     "assessment": (("criteria",), ("comparison", "selection", "durability")),
     "studies": (("inputs",), ("engines",), ("results",), ("search",)),

@@ -58,6 +58,7 @@ def shock(
     sample_rate: float = 1000.0,
     accuracy: float | None = None,
     timestep: float | None = None,
+    deck: str | None = None,
     limit: Phrases = None,
     combined_travel: bool = True,
     out: Path | None = None,
@@ -110,6 +111,8 @@ def shock(
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
+        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
+            damping ratio (2 % if none is said), in place of the rigid deck.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm": a limit of the payload, in place of the
             model's.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
@@ -117,6 +120,7 @@ def shock(
         force: replace a run that is there.
     """
     from wirerope_mj.cli.printed_run import run_and_print
+    from wirerope_mj.engine.flexible import panel_of_phrase
     from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
@@ -164,6 +168,8 @@ def shock(
         question=QUESTION, model=model, motion=motion, simulate={}, name=name, options=_given(options),
         combined_travel=combined_travel, limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
+    if deck is not None:
+        made = made.on_deck(panel_of_phrase(deck))
     if duration is None:
         if not math.isfinite(motion.end):
             raise ValueError('this motion has no end: give `--duration`, or say how long it lasts, as in "for 10 s".')
@@ -172,7 +178,9 @@ def shock(
         )  # goes on at its last frequency, and is best cut there
         duration = motion.end
         if not sweeps:
-            duration = _rounded_up(motion.end + RING_DOWN * slowest_period(load_system(made.model_source())))
+            duration = _rounded_up(
+                motion.end + RING_DOWN * slowest_period(load_system(made.model_source(), isolators=made.isolators))
+            )
     if motion.events and duration <= motion.events[0][0]:
         raise ValueError(
             f"`--duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s."

@@ -1,6 +1,8 @@
 """MJCF and isolators -> a compiled MuJoCo model with mounts."""
 
 from wirerope_mj.engine.system.changes import Changes as Changes
+from wirerope_mj.engine.system.on_deck import load_on_deck as load_on_deck
+from wirerope_mj.engine.system.on_deck import on_deck as on_deck
 from wirerope_mj.engine.system.system import Mount as Mount
 from wirerope_mj.engine.system.system import System as System
 from wirerope_mj.engine.system.system import beyond_laws as beyond_laws

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import wraps
 from os import PathLike
 from pathlib import Path
+from string import ascii_letters, digits
 from typing import TypeVar
 from weakref import WeakKeyDictionary
 
@@ -36,6 +37,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 Value = TypeVar("Value")
+_LETTERS = frozenset(f"{ascii_letters}{digits}_-")  # of a name that may name a folder
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -120,8 +122,11 @@ class System(Summarised):
 
     @property
     def name(self) -> str:
-        """Name of the model's file without its ending; "model" if it was given as text."""
-        return self.path.stem if self.path else "model"
+        """Name of the model's file without its ending; of a text the name that it gives itself, else "model"."""
+        if self.path:
+            return self.path.stem
+        own = self.model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
+        return own if own and set(own) <= _LETTERS else "model"
 
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
