@@ -37,25 +37,25 @@ def new(
         forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
         deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck.
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm).
         pdf: write the plan as PDF, too.
         force: replace the model's folder that is there.
     """
     from wirerope_mj.cli.statics import MISSING, statics
-    from wirerope_mj.engine.flexible import panel_of_phrase
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.foundation.errors import ConvergenceError
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.runs.new_model import from_template, new_model
 
     tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points, "forces": forces}
     given = [f"`--{name}`" for name, table in tables.items() if table is not None]
-    panel = panel_of_phrase(deck) if deck else None
+    bends = deck_of(deck) if deck else None
     formats = ("png", "pdf") if pdf else ("png",)
     if template is not None:
         if given:
             raise ValueError(f"`--template` comes with tables of its own: leave out {given[0]}, or `--template`.")
-        layout = from_template(folder, template, panel=panel, formats=formats, force=force)
+        layout = from_template(folder, template, deck=bends, formats=formats, force=force)
     elif mounts is None or masses is None:
         raise ValueError(
             "a model is made from `--mounts FILE` and `--masses FILE`, or from `--template cabinet`, `floor`, `genset` or "
@@ -64,7 +64,7 @@ def new(
     else:
         layout = new_model(
             folder, mounts=mounts, masses=masses, stops=stops, points=points, forces=forces,
-            positive_products=products == "positive", panel=panel, formats=formats, force=force,
+            positive_products=products == "positive", deck=bends, formats=formats, force=force,
         )  # fmt: skip
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))

@@ -112,7 +112,7 @@ def shock(
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
         deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck.
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm": a limit of the payload, in place of the
             model's.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
@@ -120,7 +120,7 @@ def shock(
         force: replace a run that is there.
     """
     from wirerope_mj.cli.printed_run import run_and_print
-    from wirerope_mj.engine.flexible import panel_of_phrase
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
@@ -169,7 +169,7 @@ def shock(
         combined_travel=combined_travel, limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
     if deck is not None:
-        made = made.on_deck(panel_of_phrase(deck))
+        made = made.on_deck(deck_of(deck))
     if duration is None:
         if not math.isfinite(motion.end):
             raise ValueError('this motion has no end: give `--duration`, or say how long it lasts, as in "for 10 s".')

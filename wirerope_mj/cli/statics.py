@@ -17,13 +17,13 @@ def statics(model: str, *, deck: str | None = None, json: Path | None = None) ->
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck.
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
     from wirerope_mj.content.statics import statics_content
     from wirerope_mj.dynamics.modes import modes
-    from wirerope_mj.engine.flexible import panel_of_phrase
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings, static_table
     from wirerope_mj.engine.system import load_on_deck
     from wirerope_mj.foundation.atomic_files import check_writable
@@ -31,7 +31,7 @@ def statics(model: str, *, deck: str | None = None, json: Path | None = None) ->
 
     if json is not None:
         check_writable(json)
-    system = load_on_deck(model, panel_of_phrase(deck) if deck else None)
+    system = load_on_deck(model, deck_of(deck) if deck else None)
     warnings = model_warnings(system)
     print_warnings(warnings)
     table = static_table(system)

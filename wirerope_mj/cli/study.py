@@ -14,7 +14,7 @@ from rich.markup import escape
 from wirerope_mj.cli.options import BAD_INPUT, DECK, listing_options, own_option, run_with_options
 from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.content.study_tables import varied_table
-from wirerope_mj.engine.flexible import panel_of_phrase
+from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.foundation.plain_text import plain
@@ -193,7 +193,7 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
         arguments = {name: own.pop(names[name]) for name in names}
         deck, scenario = arguments.pop("deck"), file.make(**options)
         if deck is not None:
-            scenario = scenario.on_deck(panel_of_phrase(deck))
+            scenario = scenario.on_deck(deck_of(deck))
         own["limit"] = _limits(scenario, own["limit"] or [])
         compute_and_print(lambda: _study(scenario, **arguments), file.name, **own)
 

@@ -4,7 +4,7 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
-from wirerope_mj.engine.flexible import Panel
+from wirerope_mj.engine.flexible import Deck
 from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.on_deck import deck_text
@@ -21,7 +21,7 @@ _MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage":
 
 def new_model(
     folder: Path, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
-    forces: Path | None = None, positive_products: bool = False, panel: Panel | None = None,
+    forces: Path | None = None, positive_products: bool = False, deck: Deck | None = None,
     formats: Sequence[str] = ("png",), force: bool = False,
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
@@ -37,7 +37,7 @@ def new_model(
         points: table.
         forces: table of points at which forces may act.
         positive_products: products of inertia are +sum x y dm; else elements of the tensor.
-        panel: that the mounts stand on, in place of a rigid deck.
+        deck: that the mounts stand on, in place of a rigid one.
         formats: of the drawing: "png", "pdf", "svg".
         force: replace a model's folder that is there.
 
@@ -56,7 +56,7 @@ def new_model(
         _write_isolators(layout, temporary / "isolators", stops)
         model = temporary / f"{name}.xml"
         model.write_text(mjcf_of(layout), encoding="utf-8")
-        _loaded(model, panel)
+        _loaded(model, deck)
         (temporary / "tables").mkdir()
         for kind, table in tables.items():
             if table is not None:
@@ -69,7 +69,7 @@ def new_model(
 
 
 def from_template(
-    folder: Path, template: str, *, panel: Panel | None = None, formats: Sequence[str] = ("png",), force: bool = False
+    folder: Path, template: str, *, deck: Deck | None = None, formats: Sequence[str] = ("png",), force: bool = False
 ) -> Layout | None:
     """Write the folder of a model that one edits: tables and model of "genset", the commented model of the others.
 
@@ -88,7 +88,7 @@ def from_template(
             stops=stops,
             points=points,
             forces=forces,
-            panel=panel,
+            deck=deck,
             formats=formats,
             force=force,
         )
@@ -100,15 +100,15 @@ def from_template(
         (temporary / "isolators").mkdir()
         for isolator in _isolators_in(source):
             shutil.copyfile(models_folder() / isolator, temporary / isolator)
-        _loaded(target, panel)
+        _loaded(target, deck)
     return None
 
 
-def _loaded(model: Path, panel: Panel | None) -> None:
-    """Load a model that was written, and put it on a panel if there is one."""
+def _loaded(model: Path, deck: Deck | None) -> None:
+    """Load a model that was written, and put it on a deck that bends if there is one."""
     system = load_system(model)
-    if panel is not None:
-        model.write_text(deck_text(system, panel), encoding="utf-8")
+    if deck is not None:
+        model.write_text(deck_text(system, deck), encoding="utf-8")
         load_system(model)
 
 

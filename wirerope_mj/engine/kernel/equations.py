@@ -313,6 +313,7 @@ def not_held(system: System) -> str:
     counts = {
         "equality constraints": model.neq, "tendons": model.ntendon, "actuators of its own": model.nu - 1,
         "plugins": model.nplugin, "flexible bodies": model.nflex, "mocap bodies": model.nmocap,
+        "flexible parts": len(assembly.subjects.modes),
         "gravity compensation": model.ngravcomp, "springs that yield": model.nplastic,
         "activations of its own": model.na - assembly.tables.user.n_states,
     }  # fmt: skip

@@ -260,8 +260,15 @@ def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Ar
         rates = np.zeros((2, 2, 3, model.nv))  # of payload and base: of displacements and of turns
         for site, (moves, turns) in zip(sites, rates, strict=True):
             mujoco.mj_jac(model, data, moves, turns, data.site_xpos[sites[0]], int(model.site_bodyid[site]))
+            for dof, shape in shapes_at(system, int(site)):
+                moves[:, dof] += data.site_xmat[site].reshape(3, 3) @ shape
         moves, turns = rates[0] - rates[1]
         yield moves, turns
+
+
+def shapes_at(system: System, site: int) -> Iterator[tuple[int, Array]]:
+    """Yield velocity coordinate and shape [1/sqrt(kg)] in the site's axes, (3,), of every mode of what carries a site."""
+    return iter(system.assembly.subjects.shapes.get(site, ()))
 
 
 def once_per_system(compute: Callable[[System], Value]) -> Callable[[System], Value]:

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.changes import Changes, Vector
 from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.engine.system.system import Mount, System, load_system
 from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
 from wirerope_mj.foundation.arrays import Array
@@ -156,8 +157,10 @@ def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes)
 
 
 def moving_bodies(model: mujoco.MjModel) -> list[str]:
-    """Return the names of the bodies that move and have a mass: those that can vary."""
-    return [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
+    """Return the names of the bodies that move and have a mass, those of modes left out: those that can vary."""
+    modal = {mode.body for mode in declared_modes(model)}
+    moving = [b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
+    return [model.body(b).name for b in moving if b not in modal]
 
 
 def _body(model: mujoco.MjModel, name: str) -> int:
@@ -211,7 +214,8 @@ def _moved_tables(
         )
         for (name, mount), (payload, base) in zip(system.mounts.items(), old.tables.sites.tolist(), strict=True)
     ]
-    tables = make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
+    subjects = replace(old.subjects, modes=declared_modes(model))  # whose shapes are in the axes of sites that may turn
+    tables = make_tables(model, data, declared, subjects, sensor=old.sensor, drive=old.tables.drive)
     return replace(tables, user=old.tables.user)
 
 
