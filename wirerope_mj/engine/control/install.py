@@ -75,7 +75,7 @@ def python_callbacks() -> Callbacks:
         )  # fmt: skip
         apply_loads(
             v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_site_xpos, v.d_site_xmat, v.d_xipos,
-            v.d_xfrc_applied,
+            v.d_xfrc_applied, v.d_qfrc_applied,
         )  # fmt: skip
 
     def act_dyn(model: mujoco.MjModel, data: mujoco.MjData, actuator: int) -> float:
@@ -98,7 +98,7 @@ def python_callbacks() -> Callbacks:
         observe(
             v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act, v.states, data.time, v.d_sensordata,
             v.d_site_xpos, v.d_site_xquat, v.d_xipos, v.d_xquat, v.d_subtree_com, v.d_cvel, v.d_cdof, v.d_cdof_dot,
-            v.d_qvel, v.d_qacc,
+            v.d_qvel, v.d_qacc, v.d_site_xmat, v.d_qpos,
         )  # fmt: skip
 
     return Callbacks(control=control, act_dyn=act_dyn, sensor=sensor)

@@ -177,7 +177,7 @@ def add_torque(lay, m, site_xmat, site_xquat, xfrc):
 
 @njit
 def bent(lay, k, coordinates, column):
-    """Return what modes add at a site whose shapes stand in `lay[k:]`, in its axes: Phi q (column 1), Phi q' (column 0)."""
+    """Return Phi times modal coordinates (column 1), rates or accelerations (column 0) at a site, in its axes."""
     x = y = z = 0.0
     for mode in range(index(lay[k])):
         row = k + 1 + at.SHAPE_COLUMNS * mode
@@ -320,7 +320,7 @@ def clear_loads(lay, i, xfrc):
 
 
 @inlined
-def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc):
+def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_applied):
     """Add the forces and moments of this instant, which act at sites and along their axes."""
     n_forces = index(lay[i + at.N_FORCES])
     if n_forces == 0 or u[w + at.STAGE_POINTS] == 0.0:
@@ -333,6 +333,8 @@ def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc):
         fx, fy, fz = turned(site_xmat, r, (u[k], u[k + 1], u[k + 2]))
         tx, ty, tz = turned(site_xmat, r, (u[k + 3], u[k + 4], u[k + 5]))
         add_force(xfrc, body, xipos, site_xpos[s], site_xpos[s + 1], site_xpos[s + 2], fx, fy, fz)
+        if index(lay[j + 2]):
+            push_modes(lay, i + index(lay[j + 2]), r, site_xmat, qfrc_applied, fx, fy, fz)
         xfrc[6 * body + 3] += tx
         xfrc[6 * body + 4] += ty
         xfrc[6 * body + 5] += tz

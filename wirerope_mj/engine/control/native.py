@@ -46,7 +46,7 @@ CONTROL_FIELDS = (
 
 SENSOR_FIELDS = (
     "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
-    "qvel", "qacc", "site_xmat",
+    "qvel", "qacc", "site_xmat", "qpos",
 )  # fmt: skip
 
 
@@ -181,7 +181,10 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
         member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]), member(d, field[11]),
         member(d, field[12]), member(d, field[13]), member(d, field[1]),
     )  # fmt: skip
-    apply_loads(lay, 0, u, 0, now, member(d, field[5]), member(d, field[6]), member(d, field[10]), member(d, field[11]))
+    apply_loads(
+        lay, 0, u, 0, now, member(d, field[5]), member(d, field[6]), member(d, field[10]), member(d, field[11]),
+        member(d, field[1]),
+    )  # fmt: skip
 
 
 @inlined
@@ -229,7 +232,7 @@ def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-
     observe(
         lay, 0, u, 0, act, 0, now, member(d, field[2]), member(d, field[3]), member(d, field[4]), member(d, field[5]),
         member(d, field[6]), member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]),
-        member(d, field[11]), member(d, field[12]),
+        member(d, field[11]), member(d, field[12]), member(d, field[13]), member(d, field[14]),
     )  # fmt: skip
 
 

@@ -76,18 +76,17 @@ def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str
     if any(mode.part == name for mode in system.assembly.subjects.modes):
         raise ModelError(f"the body {body!r} bends already.")
     sites: dict[str, str] = {}
+    subjects = system.assembly.subjects
     with system.assembly.scratch.data(model) as data:
         mujoco.mj_kinematics(model, data)
-        for mount in system.mounts.values():
-            for site in (mount.payload_site, mount.base_site):
-                own = model.site(site)
-                if model.body_weldid[int(own.bodyid[0])] != number:
-                    continue
-                place = (data.site(site).xpos - data.body(body).xpos) @ data.body(body).xmat.reshape(3, 3)
-                try:
-                    sites[site] = part.nearest(place)
-                except ValueError as error:
-                    raise ModelError(f"mount {mount.name!r}, site {site!r}: {error}") from None
+        for one in dict.fromkeys([*system.assembly.tables.sites.ravel().tolist(), *subjects.points, *subjects.forces]):
+            if model.body_weldid[model.site_bodyid[one]] != number:
+                continue
+            place = (data.site_xpos[one] - data.body(body).xpos) @ data.body(body).xmat.reshape(3, 3)
+            try:
+                sites[model.site(one).name] = part.nearest(place)
+            except ValueError as error:
+                raise ModelError(f"site {model.site(one).name!r} on {body!r}: {error}") from None
     root = _root(system)
     add_part(root, part, name=name, body=body, sites=sites, gravity=model.opt.gravity)
     return _written(root)

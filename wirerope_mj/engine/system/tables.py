@@ -173,12 +173,13 @@ def make_tables(
                 model.body_rootid[bodies[site]],
                 on.base,
                 *(data.site_xpos[site] - data.xipos[on.base]),
+                0,
             ]
             for site in on.points
         ],
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
-        [[site, bodies[site]] for site in on.forces],
+        [[site, bodies[site], 0] for site in on.forces],
         declared_pairs(model),
         [[mode.dof, *mode.participation] for mode in on.modes],
         _shape_rows(model, on),
@@ -190,7 +191,11 @@ def make_tables(
     header[: len(counts)] = counts
     header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-5], starts[-5], starts[-4]
     header[at.MODES], header[at.N_MODES] = starts[-3], len(on.modes)
-    flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = _shape_places(declared, on, int(starts[-2]))
+    places = _shape_places(on, int(starts[-2]))
+    ends = [[mount.payload_site, mount.base_site] for mount in declared]
+    flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in both] for both in ends]
+    for part, columns, sites in ((4, at.POINT_COLUMNS, on.points), (7, at.FORCE_COLUMNS, on.forces)):
+        flat[part].reshape(-1, columns)[:, -1] = [places.get(site, 0) for site in sites]
     header[at.N_FORCES], header[at.N_PAIRS] = len(on.forces), len(declared_pairs(model))
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
@@ -250,12 +255,12 @@ def _shape_rows(model: mujoco.MjModel, on: Subjects) -> list[float]:
     return rows
 
 
-def _shape_places(declared: list[DeclaredMount], on: Subjects, start: int) -> list[tuple[int, int]]:
-    """Return where the shapes of each mount's payload and base site stand, 0 where it is on no flexible part."""
+def _shape_places(on: Subjects, start: int) -> dict[int, int]:
+    """Return where the shapes of each site on a flexible part stand, the first at `start`."""
     places: dict[int, int] = {}
     for site, modes in on.shapes.items():
         places[site], start = start, start + 1 + at.SHAPE_COLUMNS * len(modes)
-    return [(places.get(mount.payload_site, 0), places.get(mount.base_site, 0)) for mount in declared]
+    return places
 
 
 def _partner(isolator: Isolator) -> int:
@@ -344,5 +349,6 @@ def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:
         return ()
     fixed = [i for i, body in enumerate(on.bodies) if model.body_weldid[body] == on.base]
     n = len(on.bodies)
-    fixed += [n + 2 * i for i, site in enumerate(on.points) if model.body_weldid[model.site_bodyid[site]] == on.base]
+    rigid = [(i, site) for i, site in enumerate(on.points) if site not in on.shapes]
+    fixed += [n + 2 * i for i, site in rigid if model.body_weldid[model.site_bodyid[site]] == on.base]
     return tuple(fixed)
