@@ -31,7 +31,8 @@ def new(
         mounts: table (CSV or XLSX): name, x, y, z [mm], isolator, and direction_x, direction_y, direction_z, or inclination
             and azimuth [deg].
         masses: table: name, mass [kg], x, y, z [mm] of the centre of mass, ixx, iyy, izz, ixy, ixz, iyz [kg m^2] about it
-            or size_x, size_y, size_z [mm] of a box filled evenly; or SolidWorks' mass properties, a .txt file.
+            or size_x, size_y, size_z [mm] of a box filled evenly; frequency [Hz], damping [%] and along (x, y, z) of a
+            subassembly that rings on its own; or SolidWorks' mass properties, a .txt file.
         stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
         points: table: name, x, y, z [mm] of points on the payload to observe.
         forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.

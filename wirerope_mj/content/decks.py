@@ -72,8 +72,9 @@ Governing = tuple[tuple[str, float], tuple[str, float]]
 def _on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:
     """Return what governs on the rigid deck and on each panel, or why there is nothing."""
     panels = [Panel(frequency=frequency, mass=mass, damping=DAMPING) for frequency in DECKS]
+    step, duration = COARSER * run.response.numerics.timestep, float(run.response.time[-1])
     found = peaks_on_decks(
-        run.system, run.motion, panels, duration=float(run.response.time[-1]), timestep=COARSER * run.response.numerics.timestep,
+        run.system, run.motion, panels, duration=duration, timestep=step,
         initial=str(run.inputs.get("simulate", {}).get("initial", "settled")), sample_rate=run.sample_rate,
     )  # fmt: skip
     decks: dict[str, Governing | str] = {"rigid": _governing(run, run.response.peaks)}
