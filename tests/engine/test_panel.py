@@ -145,3 +145,32 @@ def test_a_scenario_on_a_deck_says_so_among_its_options():
     system = wr.load_system(made.model, isolators=made.isolators)
     assert system.name == "cabinet"
     assert system.model.body("deck_panel").mass[0] == 8.0
+
+
+def test_a_panel_tuned_to_another_frequency_is_the_panel_of_that_frequency():
+    base = sdof(wr.BoucWen(**hysteresis(alpha=2e4, z_max=40.0), k=4e3), gravity=9.80665)
+    other = Panel(frequency=18.0, mass=PANEL.mass, damping=PANEL.damping)
+    tuned = wr.varied(on_deck(base, PANEL), tunings={"deck_panel": 1.8})
+    how = {"duration": 0.2, "timestep": 1e-4}
+    expected = wr.simulate(on_deck(base, other), PULSE, **how).peaks.bodies["mass"].acceleration.value
+    assert wr.simulate(tuned, PULSE, **how).peaks.bodies["mass"].acceleration.value == pytest.approx(
+        expected, rel=1e-12
+    )
+    with pytest.raises(ModelError, match="no joint 'mass_z' with a spring. Joints with one: \\['deck_panel'\\]"):
+        wr.varied(tuned, tunings={"mass_z": 2.0})
+
+
+@pytest.mark.slow
+def test_a_study_varies_the_frequency_of_a_deck(tmp_path):
+    made = Scenario(question="?", model="cabinet", motion=PULSE, simulate={"duration": 0.1}).on_deck(
+        Panel(frequency=10.0, mass=1700.0)
+    )
+    study = wr.Study(
+        model=made.model, isolators=made.isolators, motion=PULSE, duration=0.1, timestep=2e-4, sampling="grid",
+        vary={"joint/deck_panel/frequency": wr.Choice([8.0, 25.0])}, name="deck",
+    )  # fmt: skip
+    rows = study.run(tmp_path / "study").table.to_pylist()
+    for row in rows:
+        panel = Panel(frequency=row["joint/deck_panel/frequency"], mass=1700.0)
+        alone = wr.simulate(on_deck(wr.load_system("cabinet"), panel), PULSE, duration=0.1, timestep=2e-4)
+        assert row["acceleration/rack"] == pytest.approx(alone.peaks.bodies["rack"].acceleration.value, rel=1e-9)

@@ -26,6 +26,8 @@ _FLAT = 1e-9  # acceleration along z below which the base does not move along it
 
 def decks_blocks(run: JudgedRun) -> Iterator[Block]:
     """Yield how the governing peaks move on decks of four frequencies, or that this was not looked at, and why."""
+    if not run.response.scene.mounts:
+        return
     if run.system.assembly.subjects.modes or any(body.name == NAME for body in run.response.scene.bodies):
         return  # it bends already
     why = _why_not(run)

@@ -122,7 +122,8 @@ class StepBound:
                 parts = (axes.T @ moving)[:, self._free], (axes.T @ turn_rates)[:, self._free]
                 self._links.append((int(row[at.INERTIA]), *parts))
         self._armature = np.diag(model.dof_armature[self._free])
-        self._joints = [matrix[np.ix_(self._free, self._free)] for matrix in joint_matrices(model)]
+        rows = lay[lay[at.DOFS] :][: at.DOF_COLUMNS * model.nv].reshape(-1, at.DOF_COLUMNS)
+        self._springs = rows[self._free, at.DOF_NUM]
         self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
 
     def inertia(self, numbers: Array) -> Array:
@@ -153,8 +154,14 @@ class StepBound:
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)
         inertia = self.inertia(numbers)
-        pairs = zip((stiffness, damping), self._joints, strict=True)
-        k, c = (_largest(inertia, np.tensordot(values, self._squares, axes=1) + own) for values, own in pairs)
+        joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
+        pairs = zip((stiffness, damping), joints, strict=True)
+        k, c = (
+            _largest(
+                inertia, np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1])
+            )
+            for values, own in pairs
+        )
         fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))
         passive = (stiffness >= 0.0).all(axis=1) & (damping >= 0.0).all(axis=1)
         return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))

@@ -6,7 +6,7 @@ from xml.etree import ElementTree as ET
 
 import mujoco
 
-from wirerope_mj.engine.flexible import Deck, FlexiblePart
+from wirerope_mj.engine.flexible import Deck, FlexiblePart, deck_of
 from wirerope_mj.engine.flexible.panel import NAME, add_panel
 from wirerope_mj.engine.flexible.part import add_part
 from wirerope_mj.engine.system.named_files import named_files
@@ -22,18 +22,19 @@ def load_on_deck(source: str | Path, deck: Deck | None, *, isolators: Mapping[st
     return system if deck is None else on_deck(system, deck)
 
 
-def on_deck(system: System, deck: Deck) -> System:
+def on_deck(system: System, deck: Deck | str) -> System:
     """Put a deck under all mounts of a system; its model is text then, which any MuJoCo loads.
 
     Args:
         system: the system.
-        deck: a panel of one mode, or a part fixed to the base by its modes, with a point at every mount.
+        deck: a panel of one mode, or a part fixed to the base by its modes, with a point at every mount; a text says a panel,
+            "10 Hz 800 kg 4 %" for its frequency alone, mass and damping ratio, or names a part's folder.
 
     Raises:
         ModelError: the base is not driven, or the model has such a deck already, or names files of its own, or no point of
             the part is at a mount's site.
     """
-    return _as_written(system, deck_text(system, deck))
+    return _as_written(system, deck_text(system, deck_of(deck) if isinstance(deck, str) else deck))
 
 
 def with_flexible(system: System, part: FlexiblePart, *, body: str) -> System:

@@ -27,10 +27,11 @@ from wirerope_mj.studies.inputs.mount_columns import (
     StiffeningParameter,
     Turn,
 )
+from wirerope_mj.studies.inputs.spring_columns import Tuning
 
 KINDS: tuple[type[InputColumn], ...] = (
-    Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
-    CentreShift, Level, Azimuth, Elevation, Record,
+    Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Tuning,
+    Centre, CentreShift, Level, Azimuth, Elevation, Record,
 )  # fmt: skip
 """Kinds of quantities, in the order in which a name is held against them."""
 
