@@ -18,7 +18,6 @@ DECKS = (8.0, 12.0, 18.0, 25.0)  # natural frequencies of decks and platforms be
 DAMPING = 0.04
 HEAVIER = 2.0  # mass of the panel over that of what it carries: a field of deck between frames, as a survey finds it
 LONGEST = 10.0  # simulated time above which four more runs take longer than a page may [s]
-COARSER = 4.0  # steps over those of the run: peaks to some 1e-3 say by how much they move, in a quarter of the time
 MOVES = 1.1  # factor from which a peak is said to move
 
 _FLAT = 1e-9  # acceleration along z below which the base does not move along it [m/s^2]
@@ -74,7 +73,7 @@ Governing = tuple[tuple[str, float], tuple[str, float]]
 def _on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:
     """Return what governs on the rigid deck and on each panel, or why there is nothing."""
     panels = [Panel(frequency=frequency, mass=mass, damping=DAMPING) for frequency in DECKS]
-    step, duration = COARSER * run.response.numerics.timestep, float(run.response.time[-1])
+    step, duration = run.response.numerics.timestep, float(run.response.time[-1])
     found = peaks_on_decks(
         run.system, run.motion, panels, duration=duration, timestep=step,
         initial=str(run.inputs.get("simulate", {}).get("initial", "settled")), sample_rate=run.sample_rate,
