@@ -41,6 +41,9 @@ from .dynamics.sweep import FrequencySweep as FrequencySweep
 from .dynamics.sweep import frequency_sweep as frequency_sweep
 from .dynamics.sweep import load_frequency_sweep as load_frequency_sweep
 from .dynamics.sweep import stepped_sine as stepped_sine
+from .engine.flexible import FlexiblePart as FlexiblePart
+from .engine.flexible import load_flexible as load_flexible
+from .engine.flexible import save_flexible as save_flexible
 from .engine.response import Peak as Peak
 from .engine.response import Response as Response
 from .engine.response import load_response as load_response
@@ -55,7 +58,9 @@ from .engine.system import Changes as Changes
 from .engine.system import Mount as Mount
 from .engine.system import System as System
 from .engine.system import load_system as load_system
+from .engine.system import on_deck as on_deck
 from .engine.system import varied as varied
+from .engine.system import with_flexible as with_flexible
 from .foundation.errors import AccuracyWarning as AccuracyWarning
 from .foundation.errors import BudgetError as BudgetError
 from .foundation.errors import ClusterWarning as ClusterWarning

@@ -91,6 +91,27 @@ def drop_of_the_shock_table():
     )
 
 
+def deck_modes():
+    """Write the modes of the cabinet's deck as of a simply supported plate of 900 kg, in closed form."""
+    system, rows = wr.load_system("cabinet"), []
+    x, y, mass, sizes = 0.1, 0.0, 900.0, (2.0, 3.0)  # its middle and its sizes [m]
+    numbers = [(i, j) for i in (1, 2) for j in (1, 2, 3)]
+    first = 18.0 / (1 / sizes[0] ** 2 + 1 / sizes[1] ** 2)
+    lines = ["mode,frequency_Hz,damping,participation_x,participation_y,participation_z"]
+    for mode, (i, j) in enumerate(numbers, 1):
+        frequency = first * ((i / sizes[0]) ** 2 + (j / sizes[1]) ** 2)
+        share = 8.0 * np.sqrt(mass) / (np.pi**2 * i * j) if i % 2 and j % 2 else 0.0
+        lines.append(f"{mode},{frequency:.4f},0.03,0,0,{share:.6f}")
+    Path("modes.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
+    for name, mount in system.mounts.items():
+        u, v = (mount.position[0] - x) / sizes[0] + 0.5, (mount.position[1] - y) / sizes[1] + 0.5
+        shapes = [2.0 / np.sqrt(mass) * np.sin(np.pi * i * u) * np.sin(np.pi * j * v) for i, j in numbers]
+        rows += [f"{name},{mode},0,0,{shape:.8f}" for mode, shape in enumerate(shapes, 1)]
+    Path("shapes.csv").write_text("\n".join(["point,mode,x,y,z", *rows]) + "\n", encoding="utf-8")
+    places = [f"{name},{','.join(map(str, mount.position))}" for name, mount in system.mounts.items()]
+    Path("points.csv").write_text("\n".join(["point,x,y,z", *places]) + "\n", encoding="utf-8")
+
+
 def genset():
     assert main(["new", "genset", "--template", "genset"]) == 0
     os.chdir("genset")
@@ -115,6 +136,7 @@ PREPARED = {
     "calibrate.md": drop_of_the_shock_table,
     "durability.md": durability,
     "exchange.md": run_of_the_cabinet,
+    "flexible.md": deck_modes,
     "identification.md": identification,
     "motions.md": genset,
     "overlay.md": measured_drop,

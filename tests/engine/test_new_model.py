@@ -414,3 +414,54 @@ def test_the_template_of_a_genset_weighs_what_its_tables_say():
     with (TABLES / "masses.csv").open() as file:
         rows = list(csv.reader(line for line in file if not line.startswith("#")))[1:]
     assert sum(float(row[1]) for row in rows) == 1200.0
+
+
+SUB = f"{MASSES}, frequency [Hz], damping [%], along"
+
+
+def test_a_mass_with_a_frequency_rings_on_its_own_in_the_payload(here):
+    good_tables()
+    write("masses.csv", SUB, [*(f"{row}, , , " for row in PARTS), "drawer, 20, 100, 0, 900, , , , , 25, 3, "])
+    assert make() == 0
+    system = wr.load_system("genset/genset.xml")
+    model, omega = system.model, 2.0 * np.pi * 25.0
+    assert model.body("drawer").mass[0] == 20.0
+    assert model.joint("drawer").stiffness[0] == pytest.approx(20.0 * omega**2, rel=1e-11)  # twelve digits
+    assert model.dof_damping[model.joint("drawer").dofadr[0]] == pytest.approx(2 * 0.03 * 20.0 * omega, rel=1e-11)
+    assert model.body("genset").subtreemass[0] == pytest.approx(1220.0, rel=1e-12)
+    data = mujoco.MjData(model)
+    mujoco.mj_setState(model, data, wr.equilibrium(system).state.values, mujoco.mjtState.mjSTATE_INTEGRATION)
+    # its weight hangs in the spring as drawn, which a tilt of 10 mrad would change by g / omega^2 (1 - cos) = 2e-8 m
+    assert data.qpos[model.joint("drawer").qposadr[0]] == pytest.approx(0.0, abs=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        ("drawer, 20, 0, 0, 900, , , , , 0, , ", '"frequency" > 0'),
+        ("drawer, 20, 0, 0, 900, , , , , 25, 120, ", "below 100 %"),
+        ("drawer, 20, 0, 0, 900, , , , , 25, 3, up", "x, y or z"),
+        ("drawer, 20, 0, 0, 900, , , , , , 3, ", 'no "frequency"'),
+        ("deck, 20, 0, 0, 900, , , , , 25, 3, ", "a body of its own"),
+    ],
+)
+def test_a_subassembly_that_is_none_is_refused(here, row, message, capsys):
+    good_tables()
+    write("masses.csv", SUB, [*(f"{one}, , , " for one in PARTS), row])
+    assert make() == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_payload_of_subassemblies_alone_is_refused(here, capsys):
+    good_tables()
+    write("masses.csv", SUB, [f"{one}, 25, 3, " for one in PARTS])
+    assert make() == 2
+    assert "what the mounts carry needs one without" in capsys.readouterr().err
+
+
+def test_a_model_is_written_on_a_deck_that_bends(here):
+    good_tables()
+    assert make("--deck", "10 Hz 800 kg 4 %") == 0
+    model = wr.load_system("genset/genset.xml").model
+    assert model.body("deck_panel").mass[0] == 800.0
+    assert make("--deck", "10 Hz", "--force") == 2

@@ -103,6 +103,10 @@ COMMANDS = {
         "durability:durability",
         "Count the cycles of the mounts of a run or a service life, and compare the damage that they do.",
     ),
+    "flexible": (
+        "flexible:flexible",
+        "Read the modes of a deck or of equipment from tables, check them, and write them as a part that models bend by.",
+    ),
     "levels": (
         "new:levels",
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",

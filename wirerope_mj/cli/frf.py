@@ -12,8 +12,9 @@ from rich.markup import escape
 from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries, order_bands
+from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
-from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system import load_on_deck
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -43,6 +44,7 @@ def frf(
     smoothing: float | None = None,
     orders: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
     speed_rpm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    deck: str | None = None,
     keep: Path | None = None,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
@@ -70,6 +72,8 @@ def frf(
         smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; none by default.
         orders: orders of a machine's speed that are shaded in the pictures, such as 0.5 1 2, and held against the resonances.
         speed_rpm: its speed [1/min], or the lowest and the highest.
+        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.
@@ -84,7 +88,7 @@ def frf(
         response_direction=None if response_direction is None else direction_in(response_direction, "--response-direction"),
         largest_step=largest_step, smallest_step=smallest_step, smoothing=smoothing,
     )  # fmt: skip
-    system = load_system(model)
+    system = load_on_deck(model, deck_of(deck) if deck else None)
     print_warnings(model_warnings(system))
     folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
     check_target(folder, force=force, kind=KIND, marks=MARKS)

@@ -14,6 +14,7 @@ def modes(
     amplitude_mm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
     ddam: Literal["hull", "deck", "shell"] | None = None,
     ship: Literal["surface", "submarine"] = "surface",
+    deck: str | None = None,
     out: Path | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
@@ -30,6 +31,8 @@ def modes(
         ddam: print the design accelerations of DDAM for equipment on a ship's hull, deck or shell, too: x fore and aft, y
             athwartship, z vertical.
         ship: for which ship.
+        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
         force: replace what is there.
     """
@@ -37,8 +40,9 @@ def modes(
 
     from wirerope_mj.content.modes import modes_content
     from wirerope_mj.dynamics.modes import modes as modes_of
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings
-    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.engine.system import load_on_deck
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.foundation.errors import RecordError
@@ -47,7 +51,7 @@ def modes(
     from wirerope_mj.views.terminal import console, print_warnings, show
 
     sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
-    system = load_system(model)
+    system = load_on_deck(model, deck_of(deck) if deck else None)
     target = out or Path("runs") / f"{system.name}-modes-{datetime.now():%Y%m%d-%H%M%S}"
     alone = target.suffix == ".rrd"
     if alone and target.exists() and not force:

@@ -16,6 +16,7 @@ def new(
     points: Path | None = None,
     forces: Path | None = None,
     template: Literal["cabinet", "floor", "genset", "two-stage"] | None = None,
+    deck: str | None = None,
     products: Literal["tensor", "positive"] = "tensor",
     pdf: Annotated[bool, Parameter(negative=())] = False,
     force: Annotated[bool, Parameter(negative=())] = False,
@@ -30,27 +31,32 @@ def new(
         mounts: table (CSV or XLSX): name, x, y, z [mm], isolator, and direction_x, direction_y, direction_z, or inclination
             and azimuth [deg].
         masses: table: name, mass [kg], x, y, z [mm] of the centre of mass, ixx, iyy, izz, ixy, ixz, iyz [kg m^2] about it
-            or size_x, size_y, size_z [mm] of a box filled evenly; or SolidWorks' mass properties, a .txt file.
+            or size_x, size_y, size_z [mm] of a box filled evenly; frequency [Hz], damping [%] and along (x, y, z) of a
+            subassembly that rings on its own; or SolidWorks' mass properties, a .txt file.
         stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
         points: table: name, x, y, z [mm] of points on the payload to observe.
         forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
+        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm).
         pdf: write the plan as PDF, too.
         force: replace the model's folder that is there.
     """
     from wirerope_mj.cli.statics import MISSING, statics
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.foundation.errors import ConvergenceError
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.runs.new_model import from_template, new_model
 
     tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points, "forces": forces}
     given = [f"`--{name}`" for name, table in tables.items() if table is not None]
+    bends = deck_of(deck) if deck else None
     formats = ("png", "pdf") if pdf else ("png",)
     if template is not None:
         if given:
             raise ValueError(f"`--template` comes with tables of its own: leave out {given[0]}, or `--template`.")
-        layout = from_template(folder, template, formats=formats, force=force)
+        layout = from_template(folder, template, deck=bends, formats=formats, force=force)
     elif mounts is None or masses is None:
         raise ValueError(
             "a model is made from `--mounts FILE` and `--masses FILE`, or from `--template cabinet`, `floor`, `genset` or "
@@ -59,7 +65,7 @@ def new(
     else:
         layout = new_model(
             folder, mounts=mounts, masses=masses, stops=stops, points=points, forces=forces,
-            positive_products=products == "positive", formats=formats, force=force,
+            positive_products=products == "positive", deck=bends, formats=formats, force=force,
         )  # fmt: skip
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))

@@ -96,6 +96,7 @@ def run_with_options(
     app(list(tokens), exit_on_error=False, print_error=False, result_action="return_value")
 
 
+DECK = '"10 Hz 800 kg 4 %": a deck panel of that mass, frequency alone and damping ratio, in place of the rigid deck'
 ACCURACY = "error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default"
 TIMESTEP = "largest step [s], in place of one that is chosen; no error is estimated then"
 NUMERICS = (

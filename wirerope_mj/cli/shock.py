@@ -47,6 +47,7 @@ def shock(
     sample_rate: float = 1000.0,
     accuracy: float | None = None,
     timestep: float | None = None,
+    deck: str | None = None,
     limit: Phrases = None,
     combined_travel: bool = True,
     out: Path | None = None,
@@ -100,6 +101,8 @@ def shock(
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
+        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm": a limit of the payload, in place of the
             model's.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
@@ -107,6 +110,7 @@ def shock(
         force: replace a run that is there.
     """
     from wirerope_mj.cli.printed_run import run_and_print
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.runs.said_motion import duration_of, said_motion
@@ -144,7 +148,9 @@ def shock(
         question=QUESTION, model=model, motion=motion, simulate={}, name=name, options=_given(options),
         combined_travel=combined_travel, limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
-    duration = duration_of(motion, duration, load_system(made.model_source()))
+    if deck is not None:
+        made = made.on_deck(deck_of(deck))
+    duration = duration_of(motion, duration, load_system(made.model_source(), isolators=made.isolators))
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)

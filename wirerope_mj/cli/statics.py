@@ -7,7 +7,7 @@ from wirerope_mj.foundation.plain_text import plain
 MISSING = 1  # Exit code if there is no virgin or no relaxed position; what there is has been printed
 
 
-def statics(model: str, *, json: Path | None = None) -> int:
+def statics(model: str, *, deck: str | None = None, json: Path | None = None) -> int:
     """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
@@ -15,19 +15,22 @@ def statics(model: str, *, json: Path | None = None) -> int:
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
+        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
+            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
     from wirerope_mj.content.statics import statics_content
     from wirerope_mj.dynamics.modes import modes
+    from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings, static_table
-    from wirerope_mj.engine.system import load_system
+    from wirerope_mj.engine.system import load_on_deck
     from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.views.terminal import print_warnings, show
 
     if json is not None:
         check_writable(json)
-    system = load_system(model)
+    system = load_on_deck(model, deck_of(deck) if deck else None)
     warnings = model_warnings(system)
     print_warnings(warnings)
     table = static_table(system)

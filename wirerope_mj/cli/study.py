@@ -11,9 +11,10 @@ from typing import Annotated, Any, Literal
 from cyclopts import App, Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.options import BAD_INPUT, listing_options, own_option, run_with_options
+from wirerope_mj.cli.options import BAD_INPUT, DECK, listing_options, own_option, run_with_options
 from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.content.study_tables import varied_table
+from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.foundation.plain_text import plain
@@ -69,6 +70,7 @@ _VARY = (
         "vary", list[str] | None, None, f'"{EXAMPLE}", once for each quantity; without it all that can vary is listed',
         negative=(),
     ),
+    own_option("deck", str | None, None, DECK),
     own_option("variants", int | None, None, f"how many; {VARIANTS} unless a grid says it"),
     own_option("sampling", Literal[SAMPLINGS], "sobol", "how the variants are chosen"),
     own_option("seed", int, 1, "of the sampling"),
@@ -185,7 +187,9 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
 
     def action(options: dict[str, Any], own: dict[str, Any]) -> None:
         arguments = {name: own.pop(names[name]) for name in names}
-        scenario = file.make(**options)
+        deck, scenario = arguments.pop("deck"), file.make(**options)
+        if deck is not None:
+            scenario = scenario.on_deck(deck_of(deck))
         own["limit"] = _limits(scenario, own["limit"] or [])
         compute_and_print(lambda: _study(scenario, **arguments), file.name, **own)
 

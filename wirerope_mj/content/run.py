@@ -10,6 +10,7 @@ from wirerope_mj.content.blocks import Block, Content, Depth, Section, Statement
 from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
 from wirerope_mj.content.credibility import credibility_blocks
 from wirerope_mj.content.deck import deck_blocks
+from wirerope_mj.content.decks import decks_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
@@ -59,6 +60,7 @@ def run_content(run: JudgedRun) -> Content:
             _section(run, "payload", "What reaches the payload", payload_blocks),
             _section(run, "mounts-in-motion", "Mounts in motion", mount_history_blocks),
             _section(run, "contact-histories", "Stops and contacts over time", contact_history_blocks),
+            _section(run, "decks", "On a deck that bends", decks_blocks),
             _section(run, "deck", "Loads on the deck", deck_blocks),
             _section(run, "credibility", "How far this can be relied on", credibility_blocks),
             _section(run, "numerics", "Numerics, options and versions", _numerics),

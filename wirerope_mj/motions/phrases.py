@@ -24,6 +24,7 @@ UNITS: dict[str, Mapping[str, float]] = {
     "ratio": {"%": 0.01},
     "force": FORCE_UNITS,
     "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
+    "mass": {"kg": 1.0, "t": 1e3},
     "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
 }
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}

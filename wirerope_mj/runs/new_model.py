@@ -4,8 +4,10 @@ import shutil
 from collections.abc import Sequence
 from pathlib import Path
 
+from wirerope_mj.engine.flexible import Deck
 from wirerope_mj.engine.from_tables import Layout, StopLaw, mjcf_of, read_layout
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import models_folder
@@ -19,7 +21,8 @@ _MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage":
 
 def new_model(
     folder: Path, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
-    forces: Path | None = None, positive_products: bool = False, formats: Sequence[str] = ("png",), force: bool = False,
+    forces: Path | None = None, positive_products: bool = False, deck: Deck | None = None,
+    formats: Sequence[str] = ("png",), force: bool = False,
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
 
@@ -34,6 +37,7 @@ def new_model(
         points: table.
         forces: table of points at which forces may act.
         positive_products: products of inertia are +sum x y dm; else elements of the tensor.
+        deck: that the mounts stand on, in place of a rigid one.
         formats: of the drawing: "png", "pdf", "svg".
         force: replace a model's folder that is there.
 
@@ -52,7 +56,7 @@ def new_model(
         _write_isolators(layout, temporary / "isolators", stops)
         model = temporary / f"{name}.xml"
         model.write_text(mjcf_of(layout), encoding="utf-8")
-        load_system(model)
+        _loaded(model, deck)
         (temporary / "tables").mkdir()
         for kind, table in tables.items():
             if table is not None:
@@ -65,7 +69,7 @@ def new_model(
 
 
 def from_template(
-    folder: Path, template: str, *, formats: Sequence[str] = ("png",), force: bool = False
+    folder: Path, template: str, *, deck: Deck | None = None, formats: Sequence[str] = ("png",), force: bool = False
 ) -> Layout | None:
     """Write the folder of a model that one edits: tables and model of "genset", the commented model of the others.
 
@@ -84,6 +88,7 @@ def from_template(
             stops=stops,
             points=points,
             forces=forces,
+            deck=deck,
             formats=formats,
             force=force,
         )
@@ -95,8 +100,16 @@ def from_template(
         (temporary / "isolators").mkdir()
         for isolator in _isolators_in(source):
             shutil.copyfile(models_folder() / isolator, temporary / isolator)
-        load_system(target)
+        _loaded(target, deck)
     return None
+
+
+def _loaded(model: Path, deck: Deck | None) -> None:
+    """Load a model that was written, and put it on a deck that bends if there is one."""
+    system = load_system(model)
+    if deck is not None:
+        model.write_text(deck_text(system, deck), encoding="utf-8")
+        load_system(model)
 
 
 def marks(name: str) -> tuple[str, ...]:

@@ -5,7 +5,9 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.engine.system import Changes
+from wirerope_mj.engine.flexible import Deck
+from wirerope_mj.engine.system import Changes, load_system
+from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.plain_text import quoted
@@ -79,6 +81,12 @@ class Scenario:
     def model_source(self) -> str | Path:
         """Return the MJCF text, or the path of the model file; ModelError names where it was looked for."""
         return model_source(self.model, folder=self.folder, asker=f"scenario {self.name!r}")
+
+    def on_deck(self, deck: Deck) -> "Scenario":
+        """Put a deck that bends under all mounts of the model, which is text then."""
+        system = load_system(self.model_source(), isolators=self.isolators)
+        options = {**self.options, "deck": deck.description}
+        return replace(self, model=deck_text(system, deck), isolators=system.isolators, options=options)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.varied import moving_bodies, varied
+from wirerope_mj.engine.system.varied import moving_bodies, sprung_joints, varied
 from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.units import significant
@@ -16,7 +17,7 @@ from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.mounts.isolator import Isolator
 
 # Keys of the sliders; that of a stiffness is followed by what the model calls the isolator.
-LEVEL, DIRECTION, MASS, DAMPING, STIFFNESS = "level", "direction", "mass", "damping", "stiffness/"
+LEVEL, DIRECTION, MASS, DAMPING, STIFFNESS, DECK = "level", "direction", "mass", "damping", "stiffness/", "deck"
 Values = Mapping[str, float]
 
 
@@ -70,6 +71,9 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
         )
         note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
         found.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
+    if (deck := sprung_joints(system.model).get(NAME)) is not None:
+        note = f"On the {significant(deck)} Hz of the deck panel alone; its mass and damping ratio stay."
+        found.append(_factor(DECK, "Deck frequency", (0.5, 2.0), note))
     return tuple(found)
 
 
@@ -119,8 +123,9 @@ def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System,
             changed = written if stiffness == 1.0 else written.scaled(stiffness)
             isolators[mount] = changed if damping == 1.0 else changed.with_damping(damping)
     carried = _carried(system) if mass != 1.0 else []
-    if carried or any(isolators[mount] is not system.mounts[mount].written for mount in isolators):
-        system = varied(system, isolators=isolators, masses=dict.fromkeys(carried, mass))
+    tunings = {NAME: values[DECK]} if values.get(DECK, 1.0) != 1.0 else {}
+    if carried or tunings or any(isolators[mount] is not system.mounts[mount].written for mount in isolators):
+        system = varied(system, isolators=isolators, masses=dict.fromkeys(carried, mass), tunings=tunings)
     if angle := values.get(DIRECTION, 0.0):
         motion = Turned(motion, rotation=_about_vertical(angle))
     if (level := values.get(LEVEL, 1.0)) != 1.0:
@@ -132,7 +137,8 @@ def frequency_ratio(values: Values) -> float:
     """Return by how much the fastest motion is at most faster than the scenario's: root of stiffness over mass, >= 1."""
     stiffest = max((value for key, value in values.items() if key.startswith(STIFFNESS)), default=1.0)
     # Damping multiplies the friction, which is a part of the stiffness at small amplitudes, and a damper's rate itself.
-    return max(1.0, stiffest * max(1.0, values.get(DAMPING, 1.0)) ** 2 / values.get(MASS, 1.0)) ** 0.5
+    mounts = max(1.0, stiffest * max(1.0, values.get(DAMPING, 1.0)) ** 2 / values.get(MASS, 1.0)) ** 0.5
+    return max(mounts, values.get(DECK, 1.0))
 
 
 def _factor(key: str, label: str, ends: tuple[float, float], note: str) -> Slider:

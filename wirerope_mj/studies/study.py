@@ -35,6 +35,7 @@ class Study(StudyDefinition):
         mount/NAME/turn/x             angle by which the mount turns about a world axis [deg]; several make a rotation vector
         mount/NAME/fitted             Choice of True and False: whether there is a mount at this place
         mount/NAME/failed             Choice of True and False, or of the name of the mount that has failed ("" = none)
+        joint/NAME/frequency          natural frequency [Hz] that a joint's spring gives what stands on it alone
         body/NAME/mass                mass [kg] with the moments of inertia; relative: a factor on both
         body/NAME/centre/x            value: the centre of mass along an axis of the body, from the body's origin [m], as
                                       <inertial pos="..."/> says it in the model

@@ -11,7 +11,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
 from wirerope_mj.engine.statics.payloads import Payload, movers_of, payloads_of
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, shapes_at
 from wirerope_mj.foundation.arrays import Array, Integers
 
 # Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
@@ -112,6 +112,10 @@ def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibriu
         payload, base = (int(model.site(site).bodyid[0]) for site in (mount.payload_site, mount.base_site))
         mujoco.mj_applyFT(model, data, -force, torque, point, payload, data.qfrc_applied)
         mujoco.mj_applyFT(model, data, force, -torque, point, base, data.qfrc_applied)
+        for site, push in ((mount.payload_site, -force), (mount.base_site, force)):
+            own = data.site(site)
+            for dof, shape in shapes_at(system, int(own.id)):
+                data.qfrc_applied[dof] += shape @ own.xmat.reshape(3, 3).T @ push
     driven = system.assembly.driven_dofs
     data.qfrc_applied[driven] = data.qfrc_bias[driven] - data.qfrc_passive[driven]
 
@@ -124,6 +128,10 @@ def _mount(
     payload, base, unused = (np.zeros((3, model.nv)) for _ in range(3))
     mujoco.mj_jac(model, data, payload, unused, point, int(model.site(mount.payload_site).bodyid[0]))
     mujoco.mj_jac(model, data, base, unused, point, int(model.site(mount.base_site).bodyid[0]))
+    for site, rates in ((mount.payload_site, payload), (mount.base_site, base)):
+        own = data.site(site)
+        for dof, shape in shapes_at(system, int(own.id)):
+            rates[:, dof] += own.xmat.reshape(3, 3) @ shape
     axes = data.site(mount.base_site).xmat.reshape(3, 3)
     first = system.assembly.activation
     states = [data.act[first + part.start : first + part.stop].copy() for part in mount.states]
@@ -164,6 +172,8 @@ def participation_of(system: System, rest: AtRest, shapes: Array) -> tuple[Array
     for mover in movers_of(system):
         for body in mover.bodies:
             force += model.body_mass[body] * _jacobians(model, rest, body).centre.T
+    for mode in system.assembly.subjects.modes:
+        force[rest.free == mode.dof] += mode.participation
     modal = np.einsum("nj,nk,kj->j", shapes, rest.mass, shapes)
     moving = np.einsum("na,na->a", force, np.linalg.solve(rest.mass, force))
     effective = (shapes.T @ force) ** 2 / modal[:, None]
@@ -185,6 +195,9 @@ def description_of(system: System, rest: AtRest, shape: Array) -> str:
         spin = turn * (_inertia(model, rest, payload) @ turn) / energy
         ratios += [(float(part), prefix + w) for part, w in zip(spin, _ROTATIONS, strict=True)]
         ratios += _inner(model, rest, payload, shape, velocity, turn, energy)
+    for mode in system.assembly.subjects.modes:
+        name = model.body(mode.body).name.split("mode/")[-1].replace("/", " bends in its mode ")
+        ratios.append((float(np.sum(shape[rest.free == mode.dof] ** 2)) / energy, name))
     ratios.sort(reverse=True)
     named = [description for ratio, description in ratios if ratio >= NAMED] or [ratios[0][1]]
     return " + ".join(named)

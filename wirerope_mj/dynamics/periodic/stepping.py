@@ -60,7 +60,7 @@ def go(structure, shared, numbers, states, memory, positions, rates, motion, h, 
         take_step(lay, fix, num, y, work, middle, end, h)
         if carried.shape[0] > 0:
             place_links(lay, fix, y, work)
-            deflect(lay, fix, num, work)
+            deflect(lay, fix, num, y, work)
             for i in range(carried.shape[0]):
                 for number in range(lanes):
                     x0, v0, z0 = before[i, 0, number], before[i, 1, number], before[i, 2, number]

@@ -6,7 +6,7 @@ or in parallel with others, has a row, in the order of mounts, axes and laws. Wi
 """
 
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.control.mounts import point_velocity
+from wirerope_mj.engine.control.mounts import bent, point_velocity, turned
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import PARALLEL, STOP
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, LOSS, stop_force
@@ -119,17 +119,24 @@ def write_forces(lay, i, u, w, time, s, o):
 
 
 @njit
-def rate_along(lay, m, c, site_xpos, site_xmat, subtree_com, cvel):
+def rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel):
     """Return the rate of the deflection of the mount in row `m` along its axis `c` [m/s]."""
     s, r = 3 * index(lay[m]), 9 * index(lay[m + 1]) + c
     px, py, pz = site_xpos[s], site_xpos[s + 1], site_xpos[s + 2]
     ux, uy, uz = point_velocity(cvel, index(lay[m + 2]), subtree_com, index(lay[m + 4]), px, py, pz)
     bx, by, bz = point_velocity(cvel, index(lay[m + 3]), subtree_com, index(lay[m + 5]), px, py, pz)
+    shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
+    if shapes:
+        ox, oy, oz = turned(site_xmat, 3 * s, bent(lay, i + shapes, qvel, 0))
+        ux, uy, uz = ux + ox, uy + oy, uz + oz
+    if below:
+        ox, oy, oz = turned(site_xmat, r - c, bent(lay, i + below, qvel, 0))
+        ux, uy, uz = ux - ox, uy - oy, uz - oz
     return site_xmat[r] * (ux - bx) + site_xmat[r + 3] * (uy - by) + site_xmat[r + 6] * (uz - bz)
 
 
 @njit
-def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtree_com, cvel):
+def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtree_com, cvel, qvel):
     """Update the memory of all stops with the deflections of this step."""
     n_stops = index(lay[i + at.N_STOPS])
     if n_stops == 0:
@@ -155,7 +162,7 @@ def track_stops(lay, i, par, q, u, w, act, a, time, site_xpos, site_xmat, subtre
                 x = u[record + c]
                 depth = max(-x - par[p + BELOW], x - par[p + ABOVE])
                 if depth > 0.0:
-                    v = rate_along(lay, m, c, site_xpos, site_xmat, subtree_com, cvel)
+                    v = rate_along(lay, i, m, c, site_xpos, site_xmat, subtree_com, cvel, qvel)
                     pull = stop_force(par, p, x, v, act[z] if par[p + LOSS] != 0.0 else 0.0)
                     if pull != 0.0:
                         u[row + at.FORCE_NOW] = 0.0

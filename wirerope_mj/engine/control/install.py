@@ -71,10 +71,11 @@ def python_callbacks() -> Callbacks:
         apply_mounts(
             v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states,
             v.d_site_xpos, v.d_site_xmat, v.d_site_xquat, v.d_subtree_com, v.d_cvel, v.d_xipos, v.d_xfrc_applied,
+            v.d_qpos, v.d_qvel, v.d_qfrc_applied,
         )  # fmt: skip
         apply_loads(
             v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_site_xpos, v.d_site_xmat, v.d_xipos,
-            v.d_xfrc_applied,
+            v.d_xfrc_applied, v.d_qfrc_applied,
         )  # fmt: skip
 
     def act_dyn(model: mujoco.MjModel, data: mujoco.MjData, actuator: int) -> float:
@@ -92,12 +93,12 @@ def python_callbacks() -> Callbacks:
             _track_contacts(v, data)
             track_stops(
                 v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states, data.time,
-                v.d_site_xpos, v.d_site_xmat, v.d_subtree_com, v.d_cvel,
+                v.d_site_xpos, v.d_site_xmat, v.d_subtree_com, v.d_cvel, v.d_qvel,
             )  # fmt: skip
         observe(
             v.numeric, v.layout, v.d_userdata, v.userdata, v.d_act, v.states, data.time, v.d_sensordata,
             v.d_site_xpos, v.d_site_xquat, v.d_xipos, v.d_xquat, v.d_subtree_com, v.d_cvel, v.d_cdof, v.d_cdof_dot,
-            v.d_qvel, v.d_qacc,
+            v.d_qvel, v.d_qacc, v.d_site_xmat, v.d_qpos,
         )  # fmt: skip
 
     return Callbacks(control=control, act_dyn=act_dyn, sensor=sensor)

@@ -22,23 +22,29 @@ PARAMETERS = "wirerope/parameters"
 N_MOUNTS, N_DRIVEN, N_BODIES, N_POINTS, N_TREE, N_STATES, N_CHANNELS = range(7)
 MOUNTS, AXES, DRIVEN, BODIES, POINTS, TREE, CHANNELS, SENSOR, N_SLIPPING, N_CONTACTS, N_STOPS = range(7, 18)
 USER_MOUNTS, USER_RATES, USER_ACCELERATIONS, USER_CHANNELS, USER_CONTACTS, USER_STOPS = range(18, 24)  # see `UserData`
-N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS = range(24, 30)
-HEADER = 30
+N_FORCES, FORCES, USER_FORCES, N_PAIRS, PAIRS, USER_TRAVELS, N_MODES, MODES = range(24, 32)
+HEADER = 32
 
 # columns of the tables
 # payload site, base site, payload body, base body, payload root, base root, base takes the reaction, and what follows
-MOUNT_COLUMNS = 20
+MOUNT_COLUMNS = 22
 COUPLING = 7  # index of the parameters of coupled axes (-1: none)
 TURNING, MODELLED = 8, 11  # rotational stiffnesses about the base site's axes (3); orientation as modelled (4)
 PARTNER = 15  # axis that roll is coupled to: 1 shear, 2 axial
 TRAVEL = 16  # one over the square of the rated travel along roll, shear, in compression, in tension (4); 0: not rated
+# where the shapes at the payload's and at the base's site stand, from the layout's begin on; here and elsewhere 0 of what is
+# on no flexible part
+SHAPES = 20
 AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
 DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
 BODY_COLUMNS = 2  # body, root
-POINT_COLUMNS = 7  # site, body, root, base body, point from the base body's centre of mass as modelled (3)
+POINT_COLUMNS = 8  # site, body, root, base body, point from the base body's centre of mass as modelled (3), shapes
 TREE_COLUMNS = 3  # parent, first dof, number of dofs; one row per body of the model
-FORCE_COLUMNS = 2  # site, body; a row for every site at which a force may act
+FORCE_COLUMNS = 3  # site, body, shapes; a row for every site at which a force may act
 PAIR_COLUMNS = 2  # the two geoms; a row for every pair that the model declares
+MODE_COLUMNS = 4  # dof, participation [sqrt(kg)] along the world's axes (3); a row for every mode of a flexible part
+# shapes at a site: number of modes, then of each dof, coordinate in qpos, and shape in the site's axes [1/sqrt(kg)] (3)
+SHAPE_COLUMNS = 5
 CHANNEL_COLUMNS = 1  # index of a 3-vector among the system's sensor values
 
 # userdata, relative to the system's first entry

@@ -8,6 +8,9 @@ site's point,
 so that a rotating base is seen as the mount sees it. The restoring force R F acts on both bodies at p, which balances momentum
 and angular momentum.
 
+A site on a flexible part has Phi q and Phi q' besides, in its own axes, with the modal coordinates q of that part (see
+`wirerope_mj.engine.flexible`): p and p_b are where the bent part has them, and its modes take Phi^T f of the force there.
+
 A mount that resists turning adds opposite torques, from a potential of the relative orientation. With e = (e0, e) the unit
 quaternion that turns the payload's site, in the base site's axes, from the modelled geometry, and K = diag(roll, shear, axial):
 
@@ -98,6 +101,13 @@ def drive_base(lay, i, u, w, time, qfrc_applied, qfrc_bias, qfrc_passive):
         # The bias carries gravity, so that the base does not sink; contacts and mounts act on 1e10 kg.
         qfrc_applied[dof] = lay[j + 1] * acceleration + qfrc_bias[dof] - qfrc_passive[dof]
         j += at.DRIVEN_COLUMNS
+    j = i + index(lay[i + at.MODES])
+    for _ in range(index(lay[i + at.N_MODES])):  # -Gamma a of the base
+        total = 0.0
+        if n_points > 0:
+            total = lay[j + 1] * u[table] + lay[j + 2] * u[table + 1] + lay[j + 3] * u[table + 2]
+        qfrc_applied[index(lay[j])] = -total
+        j += at.MODE_COLUMNS
 
 
 @inlined
@@ -165,8 +175,49 @@ def add_torque(lay, m, site_xmat, site_xquat, xfrc):
             xfrc[b + c] -= torque
 
 
+@njit
+def bent(lay, k, coordinates, column):
+    """Return Phi times modal coordinates (column 1), rates or accelerations (column 0) at a site, in its axes."""
+    x = y = z = 0.0
+    for mode in range(index(lay[k])):
+        row = k + 1 + at.SHAPE_COLUMNS * mode
+        value = coordinates[index(lay[row + column])]
+        x, y, z = x + lay[row + 2] * value, y + lay[row + 3] * value, z + lay[row + 4] * value
+    return x, y, z
+
+
+@njit
+def push_modes(lay, k, r, site_xmat, qfrc_applied, fx, fy, fz):
+    """Add Phi^T f of the force f on a flexible part, world axes, at a site with the axes `site_xmat[r:]`."""
+    f1 = site_xmat[r] * fx + site_xmat[r + 3] * fy + site_xmat[r + 6] * fz
+    f2 = site_xmat[r + 1] * fx + site_xmat[r + 4] * fy + site_xmat[r + 7] * fz
+    f3 = site_xmat[r + 2] * fx + site_xmat[r + 5] * fy + site_xmat[r + 8] * fz
+    for mode in range(index(lay[k])):
+        row = k + 1 + at.SHAPE_COLUMNS * mode
+        qfrc_applied[index(lay[row])] += lay[row + 2] * f1 + lay[row + 3] * f2 + lay[row + 4] * f3
+
+
 @inlined
-def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc):
+def apply_mounts(
+    lay,
+    i,
+    par,
+    q,
+    u,
+    w,
+    act,
+    a,
+    site_xpos,
+    site_xmat,
+    site_xquat,
+    subtree_com,
+    cvel,
+    xipos,
+    xfrc,
+    qpos,
+    qvel,
+    qfrc_applied,
+):
     """Write every mount's deflection, force and state rates to userdata and its wrenches to `xfrc`.
 
     `lay[i:]` is the layout, `par[q:]` the laws' parameters, `u[w:]` the system's userdata, `act[a:]` its states.
@@ -184,10 +235,23 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat,
         payload, base = index(lay[m + 2]), index(lay[m + 3])
         s, b, r = 3 * index(lay[m]), 3 * index(lay[m + 1]), 9 * index(lay[m + 1])
         px, py, pz = site_xpos[s], site_xpos[s + 1], site_xpos[s + 2]
+        shapes, below = index(lay[m + at.SHAPES]), index(lay[m + at.SHAPES + 1])
+        ox, oy, oz = 0.0, 0.0, 0.0
+        if shapes:
+            ox, oy, oz = turned(site_xmat, 3 * s, bent(lay, i + shapes, qpos, 1))
+            px, py, pz = px + ox, py + oy, pz + oz
         dx, dy, dz = px - site_xpos[b], py - site_xpos[b + 1], pz - site_xpos[b + 2]
         ux, uy, uz = point_velocity(cvel, payload, subtree_com, index(lay[m + 4]), px, py, pz)
         bx, by, bz = point_velocity(cvel, base, subtree_com, index(lay[m + 5]), px, py, pz)
         ux, uy, uz = ux - bx, uy - by, uz - bz
+        if shapes:
+            ox, oy, oz = turned(site_xmat, 3 * s, bent(lay, i + shapes, qvel, 0))
+            ux, uy, uz = ux + ox, uy + oy, uz + oz
+        if below:
+            ox, oy, oz = turned(site_xmat, r, bent(lay, i + below, qpos, 1))
+            dx, dy, dz = dx - ox, dy - oy, dz - oz
+            ox, oy, oz = turned(site_xmat, r, bent(lay, i + below, qvel, 0))
+            ux, uy, uz = ux - ox, uy - oy, uz - oz
         fx, fy, fz = 0.0, 0.0, 0.0
         for c in range(3):
             ex, ey, ez = site_xmat[r + c], site_xmat[r + 3 + c], site_xmat[r + 6 + c]
@@ -205,6 +269,10 @@ def apply_mounts(lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat,
             gx, gy, gz = couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz)
             fx, fy, fz = fx + gx, fy + gy, fz + gz
         add_force(xfrc, payload, xipos, px, py, pz, -fx, -fy, -fz)
+        if shapes:
+            push_modes(lay, i + shapes, 3 * s, site_xmat, qfrc_applied, -fx, -fy, -fz)
+        if below:
+            push_modes(lay, i + below, r, site_xmat, qfrc_applied, fx, fy, fz)
         if lay[m + 6] != 0.0:
             add_force(xfrc, base, xipos, px, py, pz, fx, fy, fz)
         if resists_turning(lay, m):
@@ -252,7 +320,7 @@ def clear_loads(lay, i, xfrc):
 
 
 @inlined
-def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc):
+def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc, qfrc_applied):
     """Add the forces and moments of this instant, which act at sites and along their axes."""
     n_forces = index(lay[i + at.N_FORCES])
     if n_forces == 0 or u[w + at.STAGE_POINTS] == 0.0:
@@ -262,9 +330,11 @@ def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc):
     for _ in range(n_forces):
         site, body = index(lay[j]), index(lay[j + 1])
         s, r = 3 * site, 9 * site
-        fx, fy, fz = turned(site_xmat, r, u, k)
-        tx, ty, tz = turned(site_xmat, r, u, k + 3)
+        fx, fy, fz = turned(site_xmat, r, (u[k], u[k + 1], u[k + 2]))
+        tx, ty, tz = turned(site_xmat, r, (u[k + 3], u[k + 4], u[k + 5]))
         add_force(xfrc, body, xipos, site_xpos[s], site_xpos[s + 1], site_xpos[s + 2], fx, fy, fz)
+        if index(lay[j + 2]):
+            push_modes(lay, i + index(lay[j + 2]), r, site_xmat, qfrc_applied, fx, fy, fz)
         xfrc[6 * body + 3] += tx
         xfrc[6 * body + 4] += ty
         xfrc[6 * body + 5] += tz
@@ -273,9 +343,9 @@ def apply_loads(lay, i, u, w, time, site_xpos, site_xmat, xipos, xfrc):
 
 
 @inlined
-def turned(matrix, r, vector, k):
-    """Return R v, the matrix standing row by row from `r` on and the vector from `k` on."""
-    x, y, z = vector[k], vector[k + 1], vector[k + 2]
+def turned(matrix, r, vector):
+    """Return R v, the matrix standing row by row from `r` on."""
+    x, y, z = vector
     return (
         matrix[r] * x + matrix[r + 1] * y + matrix[r + 2] * z,
         matrix[r + 3] * x + matrix[r + 4] * y + matrix[r + 5] * z,

@@ -26,7 +26,7 @@ from wirerope_mj.foundation.jit import address, inlined, njit
 
 MODEL_FIELDS = ("actuator_dynprm", "numeric_data")
 DATA_FIELDS = (
-    "qvel", "act", "qfrc_applied", "xfrc_applied", "qacc", "act_dot", "userdata", "sensordata", "xquat", "xipos",
+    "qpos", "qvel", "act", "qfrc_applied", "xfrc_applied", "qacc", "act_dot", "userdata", "sensordata", "xquat", "xipos",
     "site_xpos", "site_xmat", "site_xquat", "subtree_com", "cdof", "cvel", "cdof_dot", "qfrc_bias", "qfrc_passive",
 )  # fmt: skip
 
@@ -41,12 +41,12 @@ ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per st
 
 CONTROL_FIELDS = (
     "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "site_xquat", "subtree_com",
-    "cvel", "xipos", "xfrc_applied",
+    "cvel", "xipos", "xfrc_applied", "qpos", "qvel",
 )  # fmt: skip
 
 SENSOR_FIELDS = (
     "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
-    "qvel", "qacc", "site_xmat",
+    "qvel", "qacc", "site_xmat", "qpos",
 )  # fmt: skip
 
 
@@ -179,8 +179,12 @@ def _control(m, d, system, field, time):  # type: ignore[no-untyped-def]
     apply_mounts(
         lay, 0, par, 0, u, 0, member(d, field[4], activation), 0, member(d, field[5]), member(d, field[6]),
         member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]), member(d, field[11]),
+        member(d, field[12]), member(d, field[13]), member(d, field[1]),
     )  # fmt: skip
-    apply_loads(lay, 0, u, 0, now, member(d, field[5]), member(d, field[6]), member(d, field[10]), member(d, field[11]))
+    apply_loads(
+        lay, 0, u, 0, now, member(d, field[5]), member(d, field[6]), member(d, field[10]), member(d, field[11]),
+        member(d, field[1]),
+    )  # fmt: skip
 
 
 @inlined
@@ -223,12 +227,12 @@ def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-
         _contacts(d, lay, u, now, in_data, in_contact)
         track_stops(
             lay, 0, par, 0, u, 0, act, 0, now, member(d, field[3]), member(d, field[13]), member(d, field[7]),
-            member(d, field[8]),
+            member(d, field[8]), member(d, field[11]),
         )  # fmt: skip
     observe(
         lay, 0, u, 0, act, 0, now, member(d, field[2]), member(d, field[3]), member(d, field[4]), member(d, field[5]),
         member(d, field[6]), member(d, field[7]), member(d, field[8]), member(d, field[9]), member(d, field[10]),
-        member(d, field[11]), member(d, field[12]),
+        member(d, field[11]), member(d, field[12]), member(d, field[13]), member(d, field[14]),
     )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ import math
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.contacts import write_forces
+from wirerope_mj.engine.control.mounts import bent, turned
 from wirerope_mj.foundation.jit import index, inlined, njit
 
 
@@ -47,6 +48,25 @@ def kinematics(out, o, point, p, quaternion, k, body, root, subtree_com, cvel, c
     out[o + 13] = cacc[g + 3] + ay * rz - az * ry + wy * vz - wz * vy
     out[o + 14] = cacc[g + 4] + az * rx - ax * rz + wz * vx - wx * vz
     out[o + 15] = cacc[g + 5] + ax * ry - ay * rx + wx * vy - wy * vx
+
+
+@njit
+def bend_point(lay, k, out, o, r, site_xmat, qpos, qvel, qacc):
+    """Add to the kinematics of a point what the modes of its part add: e = Phi q turns and moves with the part.
+
+    The velocity grows by e' + omega x e, the acceleration by e'' + 2 omega x e' + alpha x e + omega x (omega x e).
+    """
+    ex, ey, ez = turned(site_xmat, r, bent(lay, k, qpos, 1))
+    vx, vy, vz = turned(site_xmat, r, bent(lay, k, qvel, 0))
+    ax, ay, az = turned(site_xmat, r, bent(lay, k, qacc, 0))
+    wx, wy, wz, bx, by, bz = out[o + 10], out[o + 11], out[o + 12], out[o + 16], out[o + 17], out[o + 18]
+    cx, cy, cz = wy * ez - wz * ey, wz * ex - wx * ez, wx * ey - wy * ex
+    ux, uy, uz = 2.0 * vx + cx, 2.0 * vy + cy, 2.0 * vz + cz
+    out[o], out[o + 1], out[o + 2] = out[o] + ex, out[o + 1] + ey, out[o + 2] + ez
+    out[o + 7], out[o + 8], out[o + 9] = out[o + 7] + vx + cx, out[o + 8] + vy + cy, out[o + 9] + vz + cz
+    out[o + 13] += ax + wy * uz - wz * uy + by * ez - bz * ey
+    out[o + 14] += ay + wz * ux - wx * uz + bz * ex - bx * ez
+    out[o + 15] += az + wx * uy - wy * ux + bx * ey - by * ex
 
 
 @njit
@@ -175,8 +195,9 @@ def track_peaks(lay, i, u, w, time, s, first):
 
 @inlined
 def observe(
-    lay, i, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc
-):
+    lay, i, u, w, act, a, time, s, site_xpos, site_xquat, xipos, xquat, subtree_com, cvel, cdof, cdof_dot, qvel, qacc,
+    site_xmat, qpos,
+):  # fmt: skip
     """Write the system's sensor values of this instant and, while a simulation observes, update the peaks."""
     record, cacc = w + index(lay[i + at.USER_MOUNTS]), w + index(lay[i + at.USER_ACCELERATIONS])
     body_accelerations(lay, i, u, cacc, cdof, cdof_dot, qvel, qacc)
@@ -192,9 +213,11 @@ def observe(
     for _ in range(index(lay[i + at.N_POINTS])):
         site, body, root = index(lay[row]), index(lay[row + 1]), index(lay[row + 2])
         kinematics(s, o, site_xpos, 3 * site, site_xquat, 4 * site, body, root, subtree_com, cvel, u, cacc)
+        if index(lay[row + 7]):
+            bend_point(lay, i + index(lay[row + 7]), s, o, 9 * site, site_xmat, qpos, qvel, qacc)
         base = 3 * index(lay[row + 3])
         for c in range(3):
-            s[o + at.RELATIVE + c] = site_xpos[3 * site + c] - xipos[base + c] - lay[row + 4 + c]
+            s[o + at.RELATIVE + c] = s[o + c] - xipos[base + c] - lay[row + 4 + c]
         o += at.POINT_VALUES
         row += at.POINT_COLUMNS
     axis = i + index(lay[i + at.AXES])

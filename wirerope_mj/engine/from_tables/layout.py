@@ -55,12 +55,22 @@ def why_impossible(inertia: Array) -> str:
     return ""
 
 
+@dataclass(frozen=True)
+class Sprung:
+    """How a subassembly stands in the payload: natural frequency alone [Hz], damping ratio, the axis along which it moves."""
+
+    frequency: float
+    damping: float
+    axis: str
+
+
 @dataclass(frozen=True, eq=False)
 class Mass:
     """A row of the table of masses."""
 
     name: str
     properties: MassProperties
+    sprung: Sprung | None = None  # of a subassembly that rings on its own; else it is part of the rigid payload
 
 
 @dataclass(frozen=True)
@@ -109,8 +119,13 @@ class Layout:
 
     @property
     def payload(self) -> MassProperties:
-        """Mass properties of all masses together."""
+        """Mass properties of all masses together, subassemblies where they stand."""
         return combined([mass.properties for mass in self.masses])
+
+    @property
+    def rigid(self) -> MassProperties:
+        """Mass properties of the payload without the subassemblies that ring on their own."""
+        return combined([mass.properties for mass in self.masses if mass.sprung is None])
 
 
 def axes_along(axial: Array, bars: Array | None = None) -> Array:
@@ -130,7 +145,9 @@ def axes_along(axial: Array, bars: Array | None = None) -> Array:
 
 def check_places(layout: Layout, masses: Path) -> None:
     """Raise RecordError if the masses make no body, or a mount stands where none can."""
-    payload = layout.payload
+    if all(mass.sprung is not None for mass in layout.masses):
+        raise RecordError(f'{masses}: every mass has a "frequency"; what the mounts carry needs one without.')
+    payload = layout.rigid
     if np.linalg.eigvalsh(payload.inertia)[0] <= 1e-9 * payload.inertia.trace() or why_impossible(payload.inertia):
         raise RecordError(
             f'{masses}: the masses together have no moment of inertia about some axis. Fill in columns "ixx", "iyy" '

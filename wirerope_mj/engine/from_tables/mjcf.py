@@ -5,7 +5,7 @@ from xml.etree import ElementTree as ET
 
 import numpy as np
 
-from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed
+from wirerope_mj.engine.from_tables.layout import Layout, Mass, Placed, Sprung
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.vendor_parts import load_isolator
@@ -68,12 +68,12 @@ def _add_deck(world: ET.Element, layout: Layout) -> None:
 
 
 def _add_payload(world: ET.Element, layout: Layout) -> None:
-    payload = layout.payload
+    payload, rigid = layout.rigid, [mass for mass in layout.masses if mass.sprung is None]
     body = ET.SubElement(world, "body", name=layout.name)
     ET.SubElement(body, "freejoint", name=layout.name)
     body.append(
         ET.Comment(
-            f" {len(layout.masses)} masses together: the inertia is about the centre of mass, xx yy zz xy xz yz of the tensor"
+            f" {len(rigid)} masses together: the inertia is about the centre of mass, xx yy zz xy xz yz of the tensor"
             " (xy = -sum of x y dm) "
         )
     )
@@ -82,7 +82,7 @@ def _add_payload(world: ET.Element, layout: Layout) -> None:
         body, "inertial", pos=_numbers(payload.centre), mass=_numbers([payload.mass]),
         fullinertia=_numbers([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]),
     )  # fmt: skip
-    for mass in layout.masses:
+    for mass in rigid:
         ET.SubElement(
             body, "geom", {"name": f"mass/{mass.name}", "mass": "0", "rgba": "0.20 0.36 0.52 0.6", **_drawn(mass)}
         )
@@ -96,6 +96,30 @@ def _add_payload(world: ET.Element, layout: Layout) -> None:
         ET.SubElement(body, "site", {"name": f"point/{point.name}", "class": "point", "pos": _numbers(point.position)})
     for point in layout.forces:
         ET.SubElement(body, "site", {"name": f"force/{point.name}", "class": "point", "pos": _numbers(point.position)})
+    for mass in layout.masses:
+        if mass.sprung is not None:
+            _add_subassembly(body, mass, mass.sprung)
+
+
+def _add_subassembly(payload: ET.Element, mass: Mass, sprung: Sprung) -> None:
+    """Add a part of the payload that rings on its own, on a slide; the weight that it has is in its spring as drawn."""
+    own, omega = mass.properties, 2.0 * np.pi * sprung.frequency
+    body = ET.SubElement(payload, "body", name=mass.name, pos=_numbers(own.centre))
+    axis = np.eye(3)["xyz".index(sprung.axis)]
+    ET.SubElement(
+        body, "joint", name=mass.name, type="slide", axis=_numbers(axis), stiffness=_numbers([own.mass * omega**2]),
+        damping=_numbers([2.0 * sprung.damping * own.mass * omega]),
+        springref=_numbers([STANDARD_GRAVITY * axis[2] / omega**2]),
+    )  # fmt: skip
+    inertia = own.inertia + (0.0 if own.inertia.any() else 1e-4 * own.mass) * np.eye(
+        3
+    )  # of a point mass a centimetre's
+    ET.SubElement(
+        body, "inertial", pos="0 0 0", mass=_numbers([own.mass]),
+        fullinertia=_numbers([inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]),
+    )  # fmt: skip
+    drawn = _drawn(mass) | {"pos": "0 0 0"}
+    ET.SubElement(body, "geom", {"name": f"mass/{mass.name}", "mass": "0", "rgba": "0.70 0.38 0.20 0.9", **drawn})
 
 
 def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:

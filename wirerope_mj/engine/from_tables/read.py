@@ -6,12 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
+from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.layout import (
     Layout,
     Mass,
     MassProperties,
     Placed,
     Point,
+    Sprung,
     StopLaw,
     axes_along,
     check_places,
@@ -42,7 +44,8 @@ def read_layout(
         name: of the model and its payload.
         mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth.
         masses: table with name, mass, x, y, z of the centre of mass and the inertia about it, or the size_x, size_y, size_z
-            of a box that is filled evenly; or a CAD program's text, .txt.
+            of a box that is filled evenly; of a subassembly that rings on its own its frequency, and perhaps damping and
+            along, x, y or z; or a CAD program's text, .txt.
         stops: table with name, x, y, z, direction, and gap, stiffness, damping or an isolator.
         points: table with name, x, y, z.
         forces: table with name, x, y, z, of points at which forces may act.
@@ -80,7 +83,10 @@ def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
             raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
         return (Mass(path.stem, properties),)
     needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
-    further = {**dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia"), **dict.fromkeys(_SIZES, "length")}
+    further = {
+        **dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia"), **dict.fromkeys(_SIZES, "length"),
+        "frequency": "frequency", "damping": "ratio", "along": TEXT,
+    }  # fmt: skip
     rows = read_sheet(path, kind="table of masses", needed=needed, further=further)
     return tuple(_mass(row, sign) for row in rows)
 
@@ -108,7 +114,29 @@ def _mass(row: Row, sign: float) -> Mass:
             f'{row.location}: no body has the inertia in columns "ixx" to "iyz" of "{short(name)}": {why}. It is taken '
             "about the part's own centre of mass."
         )
-    return Mass(name, MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor))
+    return Mass(name, MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor), _sprung(row, name))
+
+
+def _sprung(row: Row, name: str) -> Sprung | None:
+    """Return how a subassembly stands in the payload; None of a mass that is part of it."""
+    if not row.has("frequency"):
+        if given := [column for column in ("damping", "along") if row.has(column)]:
+            raise RecordError(
+                f'{row.location}: "{short(name)}" has a {given[0]} and no "frequency"; fill in both or none.'
+            )
+        return None
+    frequency, damping = row.number("frequency"), row.number("damping", DAMPING)
+    axis = row.text("along") if row.has("along") else "z"
+    if frequency <= 0.0 or not 0.0 <= damping < 1.0 or axis not in ("x", "y", "z"):
+        raise RecordError(
+            f'{row.location}: a subassembly has a "frequency" > 0, a "damping" from 0 to below 100 % and moves "along" x, y or '
+            f"z; got {frequency:g} Hz, {100.0 * damping:g} % and {short(axis)}."
+        )
+    if "/" in name or any(character.isspace() for character in name) or name == "deck":
+        raise RecordError(
+            f'{row.location}: "{short(name)}" is a body of its own and needs a name without spaces and "/".'
+        )
+    return Sprung(frequency, damping, axis)
 
 
 def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:

@@ -38,6 +38,8 @@ UNITS: dict[str, Mapping[str, float]] = {
         f"{force}/{length}": newtons / metres
         for force, newtons in FORCE_UNITS.items() for length, metres in (("m", 1.0), ("mm", 1e-3))
     } | {"MN/m": 1e6},
+    "frequency": {"Hz": 1.0},
+    "ratio": {"%": 0.01, "-": 1.0},
     "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
 }  # fmt: skip
 

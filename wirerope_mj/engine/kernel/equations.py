@@ -61,9 +61,10 @@ def equations_of(system: System) -> Equations:
     model, tables, bodies = system.model, system.assembly.tables, Bodies(system.model)
     fix, num, lay = Writer([]), Writer([]), np.zeros(at.HEADER, dtype=np.int64)
     links, kinds = _links(bodies, fix, num)
-    dofs = _dofs(system, bodies, kinds, fix)
-    mounts, runs = _mounts(system, bodies, kinds, fix, num)
-    frames = _frames(system, bodies, fix, num)
+    dofs = _dofs(system, bodies, kinds, fix, num)
+    shapes, places = _shapes(system, bodies, kinds, num)
+    mounts, runs = _mounts(system, bodies, kinds, places, fix, num)
+    frames = _frames(system, bodies, places, fix, num)
     weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
     lay[at.GRAVITY] = fix.put(np.zeros(3) if weightless else model.opt.gravity)
     masses = tables.rows(control.DRIVEN, control.DRIVEN_COLUMNS, len(tables.drive))[:, 1]  # as the callback has them
@@ -74,8 +75,9 @@ def equations_of(system: System) -> Equations:
     tracked = tables.channels[tables.tracked]
     parts: list[Any] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
-    flat = [np.asarray(part, dtype=np.int64).ravel() for part in parts]
-    lay[at.LINKS : at.LINKS + len(flat)] = at.HEADER + np.cumsum([0] + [part.size for part in flat[:-1]])
+    modes = [[mode.dof, num.put(mode.participation)] for mode in system.assembly.subjects.modes]
+    flat = [np.asarray(part, dtype=np.int64).ravel() for part in (shapes, *parts)]
+    lay[at.LINKS : at.LINKS + len(parts)] = at.HEADER + np.cumsum([part.size for part in flat[:-1]])
     n_links, n_states = len(bodies.links), tables.user.n_states
     n_values = int(sum(control.POINT_VALUES if row[3] else control.KINEMATICS for row in frames))
     n_values += control.MOUNT_VALUES * len(mounts) + n_states
@@ -88,6 +90,8 @@ def equations_of(system: System) -> Equations:
     }  # fmt: skip
     lay[at.PAIRS], lay[at.N_PAIRS] = at.HEADER + sum(part.size for part in flat), len(pairs)
     flat.append(np.array(pairs, dtype=np.int64).ravel())
+    lay[at.MODES], lay[at.N_MODES] = at.HEADER + sum(part.size for part in flat), len(modes)
+    flat.append(np.array(modes, dtype=np.int64).ravel())
     for entry, number in counts.items():
         lay[entry] = number
     _sections(lay, largest=max((row[2] for row in trees), default=0))
@@ -155,7 +159,7 @@ def _rest(bodies: Bodies, kinds: list[int]) -> Array:
     return rows.ravel()
 
 
-def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> list[list[int]]:
+def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Writer) -> list[list[int]]:
     model, driven = system.model, system.assembly.driven_dofs
     rows = []
     for dof in range(model.nv):
@@ -166,13 +170,18 @@ def _dofs(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> list
         axis = model.jnt_axis[joint]
         if kinds[link] == at.STRAIGHT:
             axis = modelled(bodies, link).axes @ axis
-        constants = fix.put(
-            axis, model.jnt_pos[joint], model.dof_armature[dof], model.dof_damping[dof], model.jnt_stiffness[joint],
-            model.qpos_spring[q], model.qpos0[q], _limits(model, joint),
-        )  # fmt: skip
+        constants = fix.put(axis, model.jnt_pos[joint], model.dof_armature[dof], model.qpos0[q], _limits(model, joint))
+        spring = num.put(spring_of(model, dof))
         number = driven.index(dof) if dof in driven else -1
-        rows.append([link, kind, q, int(model.dof_parentid[dof]), number, constants])
+        rows.append([link, kind, q, int(model.dof_parentid[dof]), number, constants, spring])
     return rows
+
+
+def spring_of(model: mujoco.MjModel, dof: int) -> tuple[float, float, float]:
+    """Return damping and stiffness of a joint's coordinate, and where its spring is at rest."""
+    joint = int(model.dof_jntid[dof])
+    reference = model.qpos_spring[int(model.jnt_qposadr[joint])]
+    return float(model.dof_damping[dof]), float(model.jnt_stiffness[joint]), float(reference)
 
 
 def _limits(model: mujoco.MjModel, joint: int) -> Array:
@@ -212,7 +221,7 @@ def inverse_mass(bodies: Bodies, link: int, dofs: Integers) -> Array:
 
 
 def _mounts(
-    system: System, bodies: Bodies, kinds: list[int], fix: Writer, num: Writer
+    system: System, bodies: Bodies, kinds: list[int], places: dict[int, int], fix: Writer, num: Writer
 ) -> tuple[list[list[int]], list[list[int]]]:
     """Return the rows of the mounts, and their runs."""
     tables = system.assembly.tables
@@ -227,12 +236,27 @@ def _mounts(
         axes = seen(bodies, kinds, base) @ base_site.axes
         frame = fix.put(axes.T, base_site.quaternion, site.quaternion, row[control.MODELLED : control.MODELLED + 4])
         coupling, aligned = (int(row[control.COUPLING]), int(row[control.PARTNER])), np.array_equal(axes, np.eye(3))
-        rows.append([int(row[6]), points, frame, *coupling, int(turning.any()), int(aligned)])
+        bends = (places.get(int(row[c]), 0) for c in (0, 1))
+        rows.append([int(row[6]), points, frame, *coupling, int(turning.any()), int(aligned), *bends])
         if runs and runs[-1][:2] == [payload, base]:
             runs[-1][2] += 1
         else:
             runs.append([payload, base, 1])
     return rows, runs
+
+
+def _shapes(system: System, bodies: Bodies, kinds: list[int], num: Writer) -> tuple[list[int], dict[int, int]]:
+    """Return the shapes at the sites of flexible parts as integers behind the header, and where each site's stand."""
+    model, table, places = system.model, list[int](), {}
+    for site, modes in system.assembly.subjects.shapes.items():
+        link, pose = bodies.site(site)
+        of_point = site in system.assembly.subjects.points  # whose place is in the link's own axes
+        to_link = pose.axes if of_point else seen(bodies, kinds, link) @ pose.axes
+        places[site] = at.HEADER + len(table)
+        table.append(len(modes))
+        for dof, shape in modes:
+            table += [dof, int(model.jnt_qposadr[model.dof_jntid[dof]]), num.put(to_link @ shape)]
+    return table, places
 
 
 def seen(bodies: Bodies, kinds: list[int], link: int) -> Array:
@@ -279,7 +303,7 @@ def _stops(tables: Tables, axes: list[list[int]]) -> list[list[int]]:
     return rows
 
 
-def _frames(system: System, bodies: Bodies, fix: Writer, num: Writer) -> list[list[int]]:
+def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer, num: Writer) -> list[list[int]]:
     """Return the rows of the bodies and points that are observed."""
     model, assembly = system.model, system.assembly
     tables, rows = assembly.tables, []
@@ -290,13 +314,13 @@ def _frames(system: System, bodies: Bodies, fix: Writer, num: Writer) -> list[li
         pose = bodies.pose[body]
         centre = pose.then(model.body_ipos[body], model.body_iquat[body]).origin
         rows.append(
-            [bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed)]
+            [bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed), 0]
         )
     points = assembly.subjects.points
     for site, row in zip(points, tables.rows(control.POINTS, control.POINT_COLUMNS, len(points)), strict=True):
         link, pose = bodies.site(site)
         there = [bodies.link[base], num.put(base_centre), fix.put(row[4:7])]
-        rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *there, 1])
+        rows.append([link, num.put(pose.origin), fix.put(pose.quaternion), 1, *there, 1, places.get(site, 0)])
     return rows
 
 

@@ -62,8 +62,28 @@ def add_torque(lay, m, payload, base, fix, num, work):
         grow(work, lay[at.WRENCH] + 6 * base + 3, times(-1.0, torque))
 
 
+@njit
+def bent(lay, k, num, values, first, column):
+    """Return Phi times modal coordinates (column 1), rates or accelerations (0), from `values[first]`, in its point's axes."""
+    x = times(0.0, (values[first], values[first], values[first]))
+    for mode in range(lay[k]):
+        row = k + 1 + at.SHAPE_COLUMNS * mode
+        x = plus(x, times(values[first + lay[row + column]], vector(num, lay[row + 2])))
+    return x
+
+
+@njit
+def push_modes(lay, k, fix, num, work, force):
+    """Add Phi^T f of a force on a flexible part, in the axes of the site's point, to the links of its modes."""
+    for mode in range(lay[k]):
+        row = k + 1 + at.SHAPE_COLUMNS * mode
+        d = lay[at.DOFS] + at.DOF_COLUMNS * lay[row]
+        axis = vector(fix, lay[d + at.DOF_FIX] + at.AXIS)
+        grow(work, lay[at.WRENCH] + 6 * lay[d + at.DOF_LINK], times(dot(vector(num, lay[row + 2]), force), axis))
+
+
 @inlined
-def deflect(lay, fix, num, work):
+def deflect(lay, fix, num, y, work):
     """Write every mount's deflection and its rate, in its axes, and its arm on the payload's link, to RECORD."""
     run, m, record = lay[at.RUNS], lay[at.MOUNTS], lay[at.RECORD]
     for _ in range(lay[at.N_RUNS]):
@@ -76,16 +96,27 @@ def deflect(lay, fix, num, work):
         for _ in range(lay[run + 2]):
             p, f, rate = lay[m + at.POINTS], lay[m + at.AXES_IN], faster
             arm = vector(num, p)  # on a link that never turns it is in the world's axes, as base points and axes are
+            there = vector(num, p + 3)
+            above, below = lay[m + at.BENT], lay[m + at.BENT_BASE]
+            if above:
+                arm = plus(arm, bent(lay, above, num, y, 0, 1))
+            if below:
+                there = plus(there, bent(lay, below, num, y, 0, 1))
             if turns:
                 arm = turned(work, k + at.KIN_R, arm)
                 rate = plus(rate, cross(w, arm))
+            if above:
+                own = bent(lay, above, num, y, lay[at.NQ], 0)
+                rate = plus(rate, turned(work, k + at.KIN_R, own) if turns else own)
             keep(work, record + 9, arm)
-            reach, there = plus(apart, arm), vector(num, p + 3)
+            reach = plus(apart, arm)
             if straight:
                 d = minus(reach, there)
             else:
                 d = turned_back(work, b + at.KIN_R, minus(reach, turned(work, b + at.KIN_R, there)))
                 rate = turned_back(work, b + at.KIN_R, minus(rate, cross(vector(work, b + at.KIN_W), reach)))
+            if below:
+                rate = minus(rate, bent(lay, below, num, y, lay[at.NQ], 0))
             if not lay[m + at.ALIGNED]:
                 ex, ey, ez = vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)
                 d, rate = (dot(ex, d), dot(ey, d), dot(ez, d)), (dot(ex, rate), dot(ey, rate), dot(ez, rate))
@@ -119,7 +150,7 @@ def apply_mounts(lay, fix, num, y, work):
     A wrench is force and torque about the link's origin, world axes. Mounts between the same two links follow each other in a
     run. Laws are called in a loop of their own, where no more than a deflection and its rate need be kept in registers.
     """
-    deflect(lay, fix, num, work)
+    deflect(lay, fix, num, y, work)
     evaluate_laws(lay, num, y, work)
     wrench, record = lay[at.WRENCH], lay[at.RECORD]
     for c in range(6 * lay[at.N_LINKS]):
@@ -140,8 +171,15 @@ def apply_mounts(lay, fix, num, y, work):
                     plus(times(force[0], vector(fix, f)), times(force[1], vector(fix, f + 3))),
                     times(force[2], vector(fix, f + 6)),
                 )
+            if lay[m + at.BENT_BASE]:
+                push_modes(lay, lay[m + at.BENT_BASE], fix, num, work, force)
             if not straight:
                 force = turned(work, b + at.KIN_R, force)
+            if lay[m + at.BENT]:
+                own = force
+                if lay[lay[at.LINKS] + at.LINK_COLUMNS * payload + at.KIND] != at.STRAIGHT:
+                    own = turned_back(work, k + at.KIN_R, force)
+                push_modes(lay, lay[m + at.BENT], fix, num, work, times(-1.0, own))
             total, torque = plus(total, force), plus(torque, cross(arm, force))
             if lay[m + at.MOVED]:
                 reach = plus(arm, minus(vector(work, k + at.KIN_O), vector(work, b + at.KIN_O)))

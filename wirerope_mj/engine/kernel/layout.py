@@ -16,7 +16,8 @@ SLOPE, SUM, RECORD, VALUES, RECENT, MEMORY, TOUCHED, FAILED = range(32, 40)
 N_WORK = 40
 GRAVITY = 41  # address in `fix`
 TRAVELS = 44
-HEADER = 45
+N_MODES, MODES = 45, 46
+HEADER = 47
 
 # parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),
 # inertia in `num`
@@ -31,12 +32,17 @@ MASS_OF, CENTRE, ABOUT, INVERSE, INERTIA_SIZE = 0, 1, 4, 10, 16
 TREE_COLUMNS = 6
 DRIVEN_TREE, FREE_TREE, SLIDING_TREE, ANY_TREE = 0, 1, 2, 3  # the first three have one link
 
-# link, kind, qpos, parent dof (-1), place among the driven (-1), constants in `fix`
-DOF_COLUMNS = 6
-DOF_LINK, DOF_KIND, DOF_QPOS, DOF_PARENT, DOF_DRIVEN, DOF_FIX = range(6)
+# link, kind, qpos, parent dof (-1), place among the driven (-1), constants in `fix`, spring and damper in `num`
+DOF_COLUMNS = 7
+DOF_LINK, DOF_KIND, DOF_QPOS, DOF_PARENT, DOF_DRIVEN, DOF_FIX, DOF_NUM = range(7)
 SLIDE, HINGE, FLOATING, ALONG = 0, 1, 2, 3  # of a floating link's six dofs the first, and those that come with it
-# of `fix`: axis (3), anchor (3), armature, damping, stiffness, spring's reference, origin, limits (2)
-AXIS, ANCHOR, ARMATURE, DAMPING, STIFFNESS, REFERENCE, ORIGIN, LOWEST, HIGHEST = 0, 3, 6, 7, 8, 9, 10, 11, 12
+# of `fix`: axis (3), anchor (3), armature, origin, limits (2)
+AXIS, ANCHOR, ARMATURE, ORIGIN, LOWEST, HIGHEST = 0, 3, 6, 7, 8, 9
+DAMPING, STIFFNESS, REFERENCE = 0, 1, 2  # of `num`; the last is where the spring is at rest
+# dof and participation in `num` (3) of a mode of a flexible part, whose link is a unit mass on a slide
+MODE_COLUMNS = 2
+# of a site on a flexible part: number of modes, then of each dof, qpos, and shape in `num` (3), in the axes that its point has
+SHAPE_COLUMNS = 3
 
 # links that carry geoms which may touch, and in `fix` how they stand to each other as modelled: place and axes of the second in
 # the first (3, 9), clearance, reach of the second's geoms from its origin
@@ -49,10 +55,10 @@ WILD, LIMITED, TOUCHING = 1.0, 2.0, 3.0
 RUN_COLUMNS = 3
 
 # base takes the reaction, points in `num` (payload 3, base 3, turning 3, rated travel 4), frames in `fix`, coupling among the
-# parameters (-1), partner, resists turning, axes are those of its base's link; points and axes are in the world's where a link
-# never turns
-MOUNT_COLUMNS = 7
-MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED = range(7)
+# parameters (-1), partner, resists turning, axes are those of its base's link, shapes at the payload's and at the base's site
+# (0: on no flexible part); points and axes are in the world's where a link never turns
+MOUNT_COLUMNS = 9
+MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED, BENT, BENT_BASE = range(9)
 # of `fix`: axes of the base site (3, 3), orientation of base and payload site in their links (4, 4), as modelled (4)
 # of the memory: deflection, force, rate of the deflection, arm (3 each)
 RECORD_SIZE = 12
@@ -61,8 +67,8 @@ RECORD_SIZE = 12
 AXIS_COLUMNS = 4
 
 # link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point
-# in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked
-FRAME_COLUMNS = 8
+# in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked, shapes (0: on no flexible part)
+FRAME_COLUMNS = 9
 
 # of a channel: its last three vectors with their norms, in turn
 RECENT_SIZE = 12

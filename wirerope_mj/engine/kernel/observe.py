@@ -4,8 +4,8 @@ import math
 
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.forces import orientation
-from wirerope_mj.engine.kernel.links import carried, keep, minus, plus, swung, turned, vector
+from wirerope_mj.engine.kernel.forces import bent, orientation
+from wirerope_mj.engine.kernel.links import carried, cross, grow, keep, minus, plus, swung, times, turned, vector
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import some, where
 from wirerope_mj.mounts.laws.stop_kernels import ABOVE, BELOW, stop_force
@@ -26,13 +26,26 @@ def measure(lay, fix, num, y, work, whole):
             r, w, alpha = (
                 turned(work, k + at.KIN_R, vector(num, lay[row + 1])), vector(work, k + at.KIN_W), vector(work, k + at.KIN_A),
             )  # fmt: skip
+            shapes = lay[row + 8]
+            if shapes:
+                r = plus(r, turned(work, k + at.KIN_R, bent(lay, shapes, num, y, 0, 1)))
             position = plus(vector(work, k + at.KIN_O), r)
             keep(work, o + control.ACCELERATION, swung(r, w, alpha, vector(work, k + at.KIN_L)))
+            if shapes:
+                rate = turned(work, k + at.KIN_R, bent(lay, shapes, num, y, lay[at.NQ], 0))
+                grow(work, o + control.ACCELERATION, times(2.0, cross(w, rate)))
+                grow(
+                    work,
+                    o + control.ACCELERATION,
+                    turned(work, k + at.KIN_R, bent(lay, shapes, num, work, lay[at.RHS], 0)),
+                )
             if whole:
                 keep(work, o, position)
                 q = orientation(lay, lay[row], lay[row + 2], fix, work)
                 work[o + 3], work[o + 4], work[o + 5], work[o + 6] = q[0], q[1], q[2], q[3]
                 keep(work, o + 7, carried(r, w, vector(work, k + at.KIN_V)))
+                if shapes:
+                    grow(work, o + 7, turned(work, k + at.KIN_R, bent(lay, shapes, num, y, lay[at.NQ], 0)))
                 keep(work, o + 10, w)
                 keep(work, o + 16, alpha)
             if is_point:

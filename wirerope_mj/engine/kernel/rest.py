@@ -199,7 +199,7 @@ def consider(search, number, result, jacobian, settings):
 def deflections(lay, fix, num, y, work):
     """Place the links of all lanes and write the mounts' deflections to RECORD."""
     place_links(lay, fix, y, work)
-    deflect(lay, fix, num, work)
+    deflect(lay, fix, num, y, work)
 
 
 @njit

@@ -10,6 +10,7 @@ from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.links import (
     cross,
     dot,
+    grow,
     keep,
     minus,
     plus,
@@ -73,7 +74,7 @@ def slide(lay, t, fix, num, y, work):
     for i in range(n):
         d = lay[at.DOFS] + at.DOF_COLUMNS * (first + i)
         work[lay[at.MASS] + i] = dot(vector(fix, lay[d + at.DOF_FIX] + at.AXIS), force) + joint_passive_force(
-            lay, d, first + i, fix, y
+            lay, d, first + i, num, y
         )
     a = times(0.0, force)
     for i in range(n):
@@ -87,12 +88,12 @@ def slide(lay, t, fix, num, y, work):
 
 
 @inlined
-def joint_passive_force(lay, d, dof, fix, y):
+def joint_passive_force(lay, d, dof, num, y):
     """Return the force of spring and damper of a joint [N or N m]."""
-    f = lay[d + at.DOF_FIX]
-    force = -fix[f + at.DAMPING] * y[lay[at.NQ] + dof]
+    n = lay[d + at.DOF_NUM]
+    force = -num[n + at.DAMPING] * y[lay[at.NQ] + dof]
     if lay[d + at.DOF_KIND] <= at.HINGE:
-        force = force - fix[f + at.STIFFNESS] * (y[lay[d + at.DOF_QPOS]] - fix[f + at.REFERENCE])
+        force = force - num[n + at.STIFFNESS] * (y[lay[d + at.DOF_QPOS]] - num[n + at.REFERENCE])
     return force
 
 
@@ -184,7 +185,7 @@ def substitute(lay, first, n, work):
 
 
 @njit
-def balance(lay, first, n, fix, y, work, base):
+def balance(lay, first, n, fix, num, y, work, base):
     """Write a tree's mass matrix and right side from its composite links."""
     for dof in range(first + n - 1, first - 1, -1):
         d, j = lay[at.DOFS] + at.DOF_COLUMNS * dof, lay[at.SUB] + 6 * dof
@@ -204,7 +205,7 @@ def balance(lay, first, n, fix, y, work, base):
             work[lay[at.RHS] + dof] = side + fix[lay[at.DRIVEN] + 4 * number + 3] * drive(lay, fix, number, base)
             continue
         side -= dot(turn, vector(work, c + at.COM_B + 3)) + dot(shift, vector(work, c + at.COM_B))
-        work[lay[at.RHS] + dof] = side + joint_passive_force(lay, d, dof, fix, y)
+        work[lay[at.RHS] + dof] = side + joint_passive_force(lay, d, dof, num, y)
 
 
 @njit
@@ -221,7 +222,7 @@ def solve_tree(lay, t, fix, num, y, work, base):
         if parent >= link:
             for c in range(at.COM_SIZE):
                 work[one + c] += work[other + c]
-    balance(lay, first, n, fix, y, work, base)
+    balance(lay, first, n, fix, num, y, work, base)
     factor(lay, first, n, work)
     substitute(lay, first, n, work)
     for i in range(link, end):
@@ -241,6 +242,13 @@ def solve_tree(lay, t, fix, num, y, work, base):
 @inlined
 def accelerate(lay, fix, num, y, work, base):
     """Write the accelerations of all coordinates to RHS, those of the links to KIN; `base` is that of the base (3)."""
+    row = lay[at.MODES]
+    for _ in range(lay[at.N_MODES]):  # -Gamma a of the base
+        push = -1.0 * dot(vector(num, lay[row + 1]), base)
+        d = lay[at.DOFS] + at.DOF_COLUMNS * lay[row]
+        axis = vector(fix, lay[d + at.DOF_FIX] + at.AXIS)
+        grow(work, lay[at.WRENCH] + 6 * lay[d + at.DOF_LINK], times(push, axis))
+        row += at.MODE_COLUMNS
     t = lay[at.TREES]
     for _ in range(lay[at.N_TREES]):
         if lay[t] == at.DRIVEN_TREE:

@@ -1,7 +1,7 @@
 """Variants of a system: the numbers of their equations, written from the changes that make them, and several side by side."""
 
 import copy
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -16,7 +16,7 @@ from wirerope_mj.engine.kernel.observe import CLOCK_SIZE
 from wirerope_mj.engine.kernel.steps import advance, finish
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.tables import rated_travel, turning
-from wirerope_mj.engine.system.varied import moving_bodies
+from wirerope_mj.engine.system.varied import moving_bodies, tune
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.mounts.isolator import Isolator
@@ -86,7 +86,19 @@ class Numbers:
         for mount, isolator in changes.isolators.items():
             if mount not in self._points or not self.write_isolator(numbers, mount, isolator.conditioned):
                 return None
+        self.write_springs(numbers, changes.tunings)
         return numbers if self.write_geometry(numbers, changes) else None
+
+    def write_springs(self, numbers: Array, tunings: Mapping[str, float]) -> None:
+        """Write springs and dampers of joints with other natural frequencies."""
+        if not tunings:
+            return
+        lay, model = self.equations.lay, self._system.model.__copy__()
+        for name, factor in tunings.items():
+            tune(model, name, factor)
+            dof = int(model.joint(name).dofadr[0])
+            first = int(lay[lay[at.DOFS] + at.DOF_COLUMNS * dof + at.DOF_NUM])
+            numbers[first : first + 3] = made.spring_of(model, dof)
 
     def write_law(self, numbers: Array, mount: str, axis: int, parameters: Array) -> None:
         """Write the parameters of a law of the same structure."""

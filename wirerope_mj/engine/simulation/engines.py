@@ -212,8 +212,9 @@ def unsupported_motion(system: System, motion: BaseMotion) -> str:
     """Return why the kernel does not follow a motion, "" if it does."""
     if motion.loaded_sites:
         return "forces act on the payload"
-    if motion.velocity_jumps and riding_dofs(system.model, system.assembly.driven_dofs).size:
-        return "the base's velocity jumps under what rides on it through joints of its own"
+    modes, driven = system.assembly.subjects.modes, system.assembly.driven_dofs
+    if motion.velocity_jumps and (modes or riding_dofs(system.model, driven).size):
+        return "the base's velocity jumps under what rides on it through joints or modes of its own"
     return ""
 
 

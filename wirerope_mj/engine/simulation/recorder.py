@@ -53,7 +53,8 @@ def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
     model = system.model
     base = model.body(system.base).id if system.base else -1
     bodies = []
-    for body in range(model.nbody):
+    modal = {mode.body for mode in system.assembly.subjects.modes}
+    for body in sorted(set(range(model.nbody)) - modal):
         moves = bool(model.body_weldid[body] != 0)
         fixed = not moves and body != 0
         bodies.append(

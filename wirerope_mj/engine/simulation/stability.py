@@ -1,4 +1,4 @@
-"""Rates of a system's own motion from its mounts' tangents, the step with which RK4 is stable, and its bounds."""
+"""Rates of a system's own motion from its mounts and joint springs, the step with which RK4 is stable, and its bounds."""
 
 import mujoco
 import numpy as np
@@ -19,6 +19,12 @@ RK4_LIMIT = 2.7
 SLOWEST_RATE = 1.0
 
 ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
+
+
+def joint_matrices(model: mujoco.MjModel) -> tuple[Array, Array]:
+    """Return stiffness and damping of the springs and dampers of slides and hinges, (n_v, n_v) each."""
+    single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
+    return np.diag(np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)), np.diag(model.dof_damping)
 
 
 def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
@@ -59,7 +65,8 @@ def eigenvalues(system: System, *, closed: bool = False) -> npt.NDArray[np.compl
     moves = np.ones(model.nv, dtype=bool)
     moves[system.assembly.driven_dofs] = False
     free = np.flatnonzero(moves)
-    stiffness, damping = (matrix[np.ix_(free, free)] for matrix in matrices)
+    pairs = zip(matrices, joint_matrices(model), strict=True)
+    stiffness, damping = ((mounts + joints)[np.ix_(free, free)] for mounts, joints in pairs)
     inverse, n = np.linalg.inv(mass[np.ix_(free, free)]), free.size
     rates = np.zeros((2 * n, 2 * n))  # of displacements and velocities
     rates[:n, n:] = np.eye(n)
@@ -115,6 +122,8 @@ class StepBound:
                 parts = (axes.T @ moving)[:, self._free], (axes.T @ turn_rates)[:, self._free]
                 self._links.append((int(row[at.INERTIA]), *parts))
         self._armature = np.diag(model.dof_armature[self._free])
+        rows = lay[lay[at.DOFS] :][: at.DOF_COLUMNS * model.nv].reshape(-1, at.DOF_COLUMNS)
+        self._springs = rows[self._free, at.DOF_NUM]
         self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
 
     def inertia(self, numbers: Array) -> Array:
@@ -145,7 +154,14 @@ class StepBound:
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)
         inertia = self.inertia(numbers)
-        k, c = (_largest(inertia, np.tensordot(values, self._squares, axes=1)) for values in (stiffness, damping))
+        joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
+        pairs = zip((stiffness, damping), joints, strict=True)
+        k, c = (
+            _largest(
+                inertia, np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1])
+            )
+            for values, own in pairs
+        )
         fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))
         passive = (stiffness >= 0.0).all(axis=1) & (damping >= 0.0).all(axis=1)
         return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))

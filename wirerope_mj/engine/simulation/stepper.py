@@ -174,9 +174,11 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
     """Let what rides on the base through joints keep its momentum while the base's velocity jumps by `jump` [m/s], (3,).
 
     No spring passes on an impulse: M_rr dv_r + M_rb dv_b = 0 for the riding coordinates r and the driven ones b, so that a
-    slide between base and frame takes up the whole jump.
+    slide between base and frame takes up the whole jump; a mode of a flexible part that of its participation.
     """
     driven = system.assembly.driven_dofs
+    for mode in system.assembly.subjects.modes:
+        data.qvel[mode.dof] -= mode.participation @ jump
     riding = riding_dofs(model, driven)
     if not riding.size:
         return
@@ -261,8 +263,9 @@ def moving_with_base(system: System, motion: BaseMotion, state: State) -> State:
 def _carry(system: System, data: mujoco.MjData, shift: Array, velocity: Array) -> None:
     """Move every tree of the model by `shift` [m] and `velocity` [m/s] as far as the joints at its root allow."""
     model = system.model
+    modal = {mode.body for mode in system.assembly.subjects.modes}  # their coordinates are relative to the base
     mujoco.mj_kinematics(model, data)
-    for body in range(1, model.nbody):
+    for body in set(range(1, model.nbody)) - modal:
         if model.body_parentid[body] != 0 or not model.body_jntnum[body]:
             continue
         first = int(model.body_jntadr[body])

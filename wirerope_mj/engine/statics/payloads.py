@@ -45,10 +45,12 @@ def movers_of(system: System) -> tuple[Payload, ...]:
     model = system.model
     payloads = payloads_of(system)
     known = {body for payload in payloads for body in payload.bodies}
+    modal = {mode.body for mode in system.assembly.subjects.modes}
     roots = [
         body
         for body in range(1, model.nbody)
         if body not in known
+        and body not in modal
         and int(model.body_weldid[body]) not in _fixed(system)
         and int(model.body_weldid[model.body_parentid[body]]) in _fixed(system)
     ]

@@ -10,6 +10,7 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.control.mounts import bent, turned
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
@@ -104,16 +105,19 @@ def _updated(inverse: Array, step: Array, before: Array, after: Array) -> Array 
 
 
 @njit
-def deflect(lay, site_xpos, site_xmat, deflection):  # type: ignore[no-untyped-def]
+def deflect(lay, site_xpos, site_xmat, qpos, deflection):  # type: ignore[no-untyped-def]
     """Write the mounts' deflections in their axes, (n_mounts, 3)."""
     row = int(lay[at.MOUNTS])
     for mount in range(deflection.shape[0]):
         payload, base = int(lay[row]), int(lay[row + 1])
+        shapes, below = int(lay[row + at.SHAPES]), int(lay[row + at.SHAPES + 1])
+        sag = bent(lay, below, qpos, 1) if below else (0.0, 0.0, 0.0)
+        rise = turned(site_xmat[payload], 0, bent(lay, shapes, qpos, 1)) if shapes else (0.0, 0.0, 0.0)
         for axis in range(3):
             total = 0.0
             for c in range(3):
-                total += site_xmat[base, 3 * c + axis] * (site_xpos[payload, c] - site_xpos[base, c])
-            deflection[mount, axis] = total
+                total += site_xmat[base, 3 * c + axis] * (site_xpos[payload, c] + rise[c] - site_xpos[base, c])
+            deflection[mount, axis] = total - sag[axis]
         row += at.MOUNT_COLUMNS
 
 
@@ -191,5 +195,5 @@ class SlowPath:
 
     def _deflections(self, data: mujoco.MjData) -> Array:
         deflections = np.empty_like(self.rest_deflection)
-        deflect(self.tables.layout, data.site_xpos, data.site_xmat, deflections)
+        deflect(self.tables.layout, data.site_xpos, data.site_xmat, data.qpos, deflections)
         return deflections

@@ -10,6 +10,7 @@ import numpy as np
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.engine.system.tables import (
     DRIVE_ARMATURE,
     Subjects,
@@ -79,7 +80,9 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         if not element.name:  # each has one, so that it can be observed and drawn
             element.name = f"body_{element.id}"
     plain = spec.compile()
-    bodies = tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0)
+    modes = declared_modes(plain)
+    modal = {mode.body for mode in modes}  # no bodies that anything of is seen
+    bodies = tuple(body for body in range(1, plain.nbody) if plain.body_weldid[body] != 0 and body not in modal)
     points = tuple(site for site in range(plain.nsite) if POINT in plain.site(site).name)
     forces = tuple(site for site in range(plain.nsite) if FORCE in plain.site(site).name)
     for site in forces:
@@ -97,6 +100,7 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
         point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points),
         forces=forces,
         force_names=tuple(plain.site(site).name.replace(FORCE, "", 1) for site in forces),
+        modes=modes,
     )
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))

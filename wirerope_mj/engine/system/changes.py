@@ -20,6 +20,7 @@ class Changes:
         centres: shifts of the centre of mass [m], world axes of the modelled geometry, by body.
         positions: shifts of both sites [m], world axes of the modelled geometry, by mount.
         turns: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount.
+        tunings: factors on the natural frequency that a joint's spring gives, its damping ratio kept, by joint.
     """
 
     isolators: Mapping[str, Isolator] = field(default_factory=dict)
@@ -27,6 +28,7 @@ class Changes:
     centres: Mapping[str, Vector] = field(default_factory=dict)
     positions: Mapping[str, Vector] = field(default_factory=dict)
     turns: Mapping[str, Vector] = field(default_factory=dict)
+    tunings: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         for mount, isolator in self.isolators.items():
@@ -38,6 +40,7 @@ class Changes:
             "centres": {body: _shift("centres", body, shift) for body, shift in self.centres.items()},
             "positions": {mount: _shift("positions", mount, shift) for mount, shift in self.positions.items()},
             "turns": {mount: _shift("turns", mount, turn, "rad") for mount, turn in self.turns.items()},
+            "tunings": {joint: positive(f"tunings[{joint!r}]", factor) for joint, factor in self.tunings.items()},
         }
         for name, value in checked.items():
             object.__setattr__(self, name, value)
@@ -49,6 +52,7 @@ class Changes:
         return {
             "isolators": {mount: isolator.to_dict() for mount, isolator in self.isolators.items()},
             "masses": dict(self.masses),
+            **({"tunings": dict(self.tunings)} if self.tunings else {}),
             **{name: {key: list(shift) for key, shift in values.items()} for name, values in shifts.items()},
         }
 
@@ -64,7 +68,7 @@ class Changes:
             mount: Isolator.from_dict(isolator, where=f"isolator of mount {mount!r}")
             for mount, isolator in content.get("isolators", {}).items()
         }
-        rest = {name: content.get(name, {}) for name in ("masses", "centres", "positions", "turns")}
+        rest = {name: content.get(name, {}) for name in ("masses", "centres", "positions", "turns", "tunings")}
         return cls(isolators=isolators, **rest)
 
 

@@ -12,6 +12,7 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
+from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import BETWEEN, SIZES, PayloadLimit
 from wirerope_mj.foundation.plain_text import plain
@@ -262,7 +263,8 @@ def is_subject(name: str, kind: str, known: Mapping[str, Sequence[str]]) -> bool
 def limit_subjects(model: mujoco.MjModel, base: int) -> dict[str, list[str]]:
     """Return the names of the bodies and points that a limit of each kind may be on, and all points as "point"."""
     points = [model.site(s).name.replace(POINT, "", 1) for s in range(model.nsite) if POINT in model.site(s).name]
-    bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base)]
+    modal = {mode.body for mode in declared_modes(model)}
+    bodies = [b for b in range(1, model.nbody) if model.body_weldid[b] not in (0, base) and b not in modal]
     shaped = [b for b in bodies if model.body_geomnum[b]]  # a body without geoms has no corners
     return {
         "acceleration": [*(model.body(b).name for b in bodies), *points],

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 from functools import wraps
 from os import PathLike
 from pathlib import Path
+from string import ascii_letters, digits
 from typing import TypeVar
 from weakref import WeakKeyDictionary
 
@@ -36,6 +37,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 Value = TypeVar("Value")
+_LETTERS = frozenset(f"{ascii_letters}{digits}_-")  # of a name that may name a folder
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -120,8 +122,11 @@ class System(Summarised):
 
     @property
     def name(self) -> str:
-        """Name of the model's file without its ending; "model" if it was given as text."""
-        return self.path.stem if self.path else "model"
+        """Name of the model's file without its ending; of a text the name that it gives itself, else "model"."""
+        if self.path:
+            return self.path.stem
+        own = self.model.names.split(b"\0", 1)[0].decode("utf-8", "replace")
+        return own if own and set(own) <= _LETTERS else "model"
 
 
 def load_system(source: str | Path, *, isolators: Mapping[str, Isolator] | None = None) -> System:
@@ -255,8 +260,15 @@ def mount_rates(system: System, data: mujoco.MjData) -> Iterator[tuple[Array, Ar
         rates = np.zeros((2, 2, 3, model.nv))  # of payload and base: of displacements and of turns
         for site, (moves, turns) in zip(sites, rates, strict=True):
             mujoco.mj_jac(model, data, moves, turns, data.site_xpos[sites[0]], int(model.site_bodyid[site]))
+            for dof, shape in shapes_at(system, int(site)):
+                moves[:, dof] += data.site_xmat[site].reshape(3, 3) @ shape
         moves, turns = rates[0] - rates[1]
         yield moves, turns
+
+
+def shapes_at(system: System, site: int) -> Iterator[tuple[int, Array]]:
+    """Yield velocity coordinate and shape [1/sqrt(kg)] in the site's axes, (3,), of every mode of what carries a site."""
+    return iter(system.assembly.subjects.shapes.get(site, ()))
 
 
 def once_per_system(compute: Callable[[System], Value]) -> Callable[[System], Value]:

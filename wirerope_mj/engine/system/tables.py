@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import mujoco
 import numpy as np
@@ -10,6 +11,7 @@ import numpy.typing as npt
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.modal import DeclaredMode
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
@@ -99,6 +101,16 @@ class Subjects:
     point_names: tuple[str, ...]
     forces: tuple[int, ...] = ()
     force_names: tuple[str, ...] = ()
+    modes: tuple[DeclaredMode, ...] = ()  # of all flexible parts
+
+    @cached_property
+    def shapes(self) -> dict[int, list[tuple[int, Array]]]:
+        """Velocity coordinate and shape in the site's axes of every mode, by the sites of flexible parts."""
+        sites: dict[int, list[tuple[int, Array]]] = {}
+        for mode in self.modes:
+            for site, shape in mode.shapes.items():
+                sites.setdefault(site, []).append((mode.dof, shape))
+        return sites
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -144,7 +156,7 @@ def make_tables(
     mounts = [
         [
             *_mount_row(model, mount, on), coupling, *turning(isolators[mount.name]), *_as_modelled(data, mount),
-            _partner(mount.isolator), *rated_travel(isolators[mount.name]),
+            _partner(mount.isolator), *rated_travel(isolators[mount.name]), 0, 0,
         ]
         for mount, coupling in zip(declared, couplings, strict=True)
     ]  # fmt: skip
@@ -161,20 +173,29 @@ def make_tables(
                 model.body_rootid[bodies[site]],
                 on.base,
                 *(data.site_xpos[site] - data.xipos[on.base]),
+                0,
             ]
             for site in on.points
         ],
         list(zip(model.body_parentid, model.body_dofadr, model.body_dofnum, strict=True)),
         channels,
-        [[site, bodies[site]] for site in on.forces],
+        [[site, bodies[site], 0] for site in on.forces],
         declared_pairs(model),
+        [[mode.dof, *mode.participation] for mode in on.modes],
+        _shape_rows(model, on),
     ]
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
     header = np.zeros(at.HEADER)
     counts = (len(declared), len(on.driven), len(on.bodies), len(on.points), model.nbody, n_states, len(channels))
     header[: len(counts)] = counts
-    header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-3], starts[-3], starts[-2]
+    header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-5], starts[-5], starts[-4]
+    header[at.MODES], header[at.N_MODES] = starts[-3], len(on.modes)
+    places = _shape_places(on, int(starts[-2]))
+    ends = [[mount.payload_site, mount.base_site] for mount in declared]
+    flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in both] for both in ends]
+    for part, columns, sites in ((4, at.POINT_COLUMNS, on.points), (7, at.FORCE_COLUMNS, on.forces)):
+        flat[part].reshape(-1, columns)[:, -1] = [places.get(site, 0) for site in sites]
     header[at.N_FORCES], header[at.N_PAIRS] = len(on.forces), len(declared_pairs(model))
     header[at.SENSOR] = sensor
     header[at.N_SLIPPING] = _slipping(axes)
@@ -204,7 +225,7 @@ def with_laws(tables: Tables, isolators: Mapping[str, Isolator]) -> Tables:
     rows[:, at.COUPLING] = couplings
     rows[:, at.TURNING : at.MODELLED] = [turning(isolator) for isolator in isolators.values()]
     rows[:, at.PARTNER] = [_partner(isolator) for isolator in isolators.values()]
-    rows[:, at.TRAVEL :] = [rated_travel(isolator) for isolator in isolators.values()]
+    rows[:, at.TRAVEL : at.SHAPES] = [rated_travel(isolator) for isolator in isolators.values()]
     made.rows(at.AXES, at.AXIS_COLUMNS, len(axes))[:] = axes
     made.layout[at.N_SLIPPING] = _slipping(axes)
     made.layout[at.N_STOPS] = sum(len(isolator.stops) for isolator in isolators.values())
@@ -222,6 +243,24 @@ def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> lis
     driven_only = on.base and model.body_dofnum[on.base] == len(on.driven)
     moved = model.body_weldid[bodies[1]] not in ({0, on.base} if driven_only else {0})
     return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
+
+
+def _shape_rows(model: mujoco.MjModel, on: Subjects) -> list[float]:
+    """Return the shapes at all sites of flexible parts, one site behind the other."""
+    rows: list[float] = []
+    for modes in on.shapes.values():
+        rows.append(len(modes))
+        for dof, shape in modes:
+            rows += [dof, float(model.jnt_qposadr[model.dof_jntid[dof]]), *shape]
+    return rows
+
+
+def _shape_places(on: Subjects, start: int) -> dict[int, int]:
+    """Return where the shapes of each site on a flexible part stand, the first at `start`."""
+    places: dict[int, int] = {}
+    for site, modes in on.shapes.items():
+        places[site], start = start, start + 1 + at.SHAPE_COLUMNS * len(modes)
+    return places
 
 
 def _partner(isolator: Isolator) -> int:
@@ -310,5 +349,6 @@ def _base_channels(model: mujoco.MjModel, on: Subjects) -> tuple[int, ...]:
         return ()
     fixed = [i for i, body in enumerate(on.bodies) if model.body_weldid[body] == on.base]
     n = len(on.bodies)
-    fixed += [n + 2 * i for i, site in enumerate(on.points) if model.body_weldid[model.site_bodyid[site]] == on.base]
+    rigid = [(i, site) for i, site in enumerate(on.points) if site not in on.shapes]
+    fixed += [n + 2 * i for i, site in rigid if model.body_weldid[model.site_bodyid[site]] == on.base]
     return tuple(fixed)

@@ -13,6 +13,7 @@ from scipy.spatial.transform import Rotation
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.changes import Changes, Vector
 from wirerope_mj.engine.system.declared import DeclaredMount
+from wirerope_mj.engine.system.modal import declared_modes
 from wirerope_mj.engine.system.system import Mount, System, load_system
 from wirerope_mj.engine.system.tables import Tables, make_tables, with_laws
 from wirerope_mj.foundation.arrays import Array
@@ -33,6 +34,7 @@ def varied(
     centres: Mapping[str, Shift] | None = None,
     positions: Mapping[str, Shift] | None = None,
     turns: Mapping[str, Shift] | None = None,
+    tunings: Mapping[str, float] | None = None,
 ) -> System:
     """Return a variant of `system`, which stays as it is: the compiled model copied and its numbers changed, not compiled anew.
 
@@ -52,6 +54,8 @@ def varied(
         positions: shifts of mounts [m], (3,), world axes of the modelled geometry; both sites move.
         turns: rotation vectors of mounts [rad], (3,), world axes of the modelled geometry; the axes of both sites turn, each
             about itself.
+        tunings: factors on the natural frequency that a joint's spring gives what stands on it, its damping ratio kept: of a
+            deck panel, a subassembly, a mode of a flexible part.
 
     Raises:
         ValueError: a factor is not positive, or a shift is not three numbers.
@@ -59,7 +63,7 @@ def varied(
     """
     changes = Changes(
         isolators=isolators or {}, masses=masses or {}, centres=centres or {},  # type: ignore[arg-type]
-        positions=positions or {}, turns=turns or {},  # type: ignore[arg-type]
+        positions=positions or {}, turns=turns or {}, tunings=tunings or {},  # type: ignore[arg-type]
     )  # fmt: skip
     return changed(system, changes)
 
@@ -68,6 +72,8 @@ def changed(system: System, changes: Changes) -> System:
     """Return the variant of `system` that changes make, as `varied` does."""
     _check_mounts(system, changes)
     model = system.model.__copy__()
+    for name, factor in changes.tunings.items():
+        tune(model, name, factor)
     isolators = {name: changes.isolators.get(name, mount.written) for name, mount in system.mounts.items()}
     positions = {name: mount.position for name, mount in system.mounts.items()}
     if changes.masses or changes.centres or changes.positions or changes.turns:
@@ -155,9 +161,36 @@ def _change_bodies(model: mujoco.MjModel, data: mujoco.MjData, changes: Changes)
         model.body_ipos[body] += _in_body(data, body, shift)
 
 
+def sprung_joints(model: mujoco.MjModel) -> dict[str, float]:
+    """Return the slides and hinges with springs, and the natural frequency [Hz] that each gives what stands on it alone."""
+    found = {}
+    for joint in np.flatnonzero(model.jnt_stiffness > 0.0).tolist():
+        if model.jnt_type[joint] < int(mujoco.mjtJoint.mjJNT_SLIDE) or not model.joint(joint).name:
+            continue
+        inertia = float(model.body_subtreemass[model.jnt_bodyid[joint]])
+        if model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE:
+            inertia = 1.0 / float(model.dof_invweight0[model.jnt_dofadr[joint]])
+        found[model.joint(joint).name] = float(np.sqrt(model.jnt_stiffness[joint] / inertia)) / (2.0 * np.pi)
+    return found
+
+
+def tune(model: mujoco.MjModel, name: str, factor: float) -> None:
+    """Multiply the natural frequency that a joint's spring gives, in place; the force in the spring as drawn stays."""
+    known = sprung_joints(model)
+    if name not in known:
+        raise ModelError(f"there is no joint {name!r} with a spring. Joints with one: {list(known) or 'none'}.")
+    joint = int(model.joint(name).id)
+    q, dof = int(model.jnt_qposadr[joint]), int(model.jnt_dofadr[joint])
+    model.jnt_stiffness[joint] *= factor**2
+    model.dof_damping[dof] *= factor
+    model.qpos_spring[q] = model.qpos0[q] + (model.qpos_spring[q] - model.qpos0[q]) / factor**2
+
+
 def moving_bodies(model: mujoco.MjModel) -> list[str]:
-    """Return the names of the bodies that move and have a mass: those that can vary."""
-    return [model.body(b).name for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
+    """Return the names of the bodies that move and have a mass, those of modes left out: those that can vary."""
+    modal = {mode.body for mode in declared_modes(model)}
+    moving = [b for b in range(1, model.nbody) if model.body_weldid[b] != 0 and model.body_mass[b] > 0.0]
+    return [model.body(b).name for b in moving if b not in modal]
 
 
 def _body(model: mujoco.MjModel, name: str) -> int:
@@ -211,7 +244,8 @@ def _moved_tables(
         )
         for (name, mount), (payload, base) in zip(system.mounts.items(), old.tables.sites.tolist(), strict=True)
     ]
-    tables = make_tables(model, data, declared, old.subjects, sensor=old.sensor, drive=old.tables.drive)
+    subjects = replace(old.subjects, modes=declared_modes(model))  # whose shapes are in the axes of sites that may turn
+    tables = make_tables(model, data, declared, subjects, sensor=old.sensor, drive=old.tables.drive)
     return replace(tables, user=old.tables.user)
 
 

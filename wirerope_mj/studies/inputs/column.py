@@ -37,6 +37,7 @@ class Draft:
         centre_shifts: along the world's axes [m], by body.
         position_shifts: along the world's axes [m], by mount.
         turns: rotation vectors about the world's axes [°], by mount.
+        tunings: factors on natural frequencies, by joint.
     """
 
     system: System
@@ -49,6 +50,7 @@ class Draft:
     centre_shifts: dict[str, list[float]] = field(default_factory=dict)
     position_shifts: dict[str, list[float]] = field(default_factory=dict)
     turns: dict[str, list[float]] = field(default_factory=dict)
+    tunings: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -27,11 +27,12 @@ from wirerope_mj.studies.inputs.mount_columns import (
     StiffeningParameter,
     Turn,
 )
+from wirerope_mj.studies.inputs.spring_columns import Tuning
 
 # Kinds of quantities, in the order in which a name is held against them.
 KINDS: tuple[type[InputColumn], ...] = (
-    Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Centre,
-    CentreShift, Level, Azimuth, Elevation, Record,
+    Spread, Fitted, Failed, PositionShift, Turn, StiffeningParameter, LawParameter, MountFactor, OtherIsolator, Mass, Tuning,
+    Centre, CentreShift, Level, Azimuth, Elevation, Record,
 )  # fmt: skip
 # Names of quantities; NAME may hold * and ?, and be several, as in m01,m04,-m13; names joined by " & " share a draw.
 FORMS = ", ".join(kind.form for kind in KINDS)

@@ -88,6 +88,7 @@ class Maker:
         return Changes(
             isolators=isolators, masses=draft.masses, centres=moved, positions=draft.position_shifts,  # type: ignore[arg-type]
             turns={mount: np.radians(turn) for mount, turn in draft.turns.items()},  # type: ignore[misc]
+            tunings=draft.tunings,
         )  # fmt: skip
 
     def forget(self) -> None:

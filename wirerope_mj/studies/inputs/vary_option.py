@@ -8,7 +8,7 @@ from typing import Any, get_args
 import numpy as np
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.varied import centre_of_mass
+from wirerope_mj.engine.system.varied import centre_of_mass, sprung_joints
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.parallel import FACTORS
@@ -46,7 +46,7 @@ def available_lines(system: System, motion: BaseMotion) -> list[str]:
         lines.append(f"  mount/NAME/position_shift/AXIS  shift [m] along the world's {_AXES}")
         lines.append(f"  mount/NAME/turn/AXIS  angle [°] by which it leans about the world's {_AXES}")
         lines.append("  several: mount/m01,m05,-m04/position_shift/x, those behind a minus moving the other way")
-    lines += _bodies(system)
+    lines += [*_bodies(system), *_springs(system)]
     lines += [f"motion {motion.description}:", "  motion/level  factor"]
     lines += ["  motion/azimuth, motion/elevation  values [deg]"] if _can_turn(system, motion) else []
     return lines
@@ -74,6 +74,16 @@ def _bodies(system: System) -> list[str]:
         f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
         f"  body/NAME/centre_shift/AXIS  shift [m] along the world's {_AXES}",
     ]
+
+
+def _springs(system: System) -> list[str]:
+    """Return the lines of the joints with springs, and the natural frequency that each gives alone."""
+    joints = sprung_joints(system.model)
+    if not joints:
+        return []
+    lines = [f"  {name}: {frequency:.4g} Hz" for name, frequency in joints.items()]
+    heading = "joints with springs, with the natural frequency of each alone:"
+    return [heading, *lines, "  joint/NAME/frequency  value [Hz] or factor"]
 
 
 def _identical(system: System) -> Iterable[tuple[list[str], Mapping[str, Law]]]:

@@ -1,0 +1,92 @@
+"""What a flexible part is: its modes, the mass that takes part in each, and what is perhaps not meant."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.numbers import several, with_unit
+from wirerope_mj.engine.flexible import FlexiblePart
+from wirerope_mj.foundation.tables import Cell, Column, Table
+
+CAPTURED = 0.9  # of the mass along an axis below which modes that are left out matter: usual in seismic rules
+_LIGHTEST, _HEAVIEST = (
+    1.0,
+    1e6,
+)  # effective mass that decks and machines have [kg]; beyond it units are perhaps other ones
+
+
+def flexible_content(name: str, part: FlexiblePart, *, mass: float | None = None) -> Content:
+    """Describe a flexible part; with its mass [kg], how much of it the modes bring along."""
+    headline = Statement(
+        id="part",
+        text=f"{several(len(part.frequencies), 'mode')} from {with_unit(float(part.frequencies.min()), 'Hz')} to "
+        f"{with_unit(float(part.frequencies.max()), 'Hz')} at {several(len(part.points), 'point')}.",
+        tone="strong",
+    )
+    sections = (
+        Section(id="modes", title="", build=lambda: [_table(part, mass)], depth="summary"),
+        Section(id="checks", title="", build=lambda: _checks(part, mass), depth="summary"),
+    )
+    return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
+
+
+def _table(part: FlexiblePart, mass: float | None) -> Table:
+    effective = part.participation**2
+    rows: list[list[Cell]] = [
+        [str(number), float(frequency), float(damping), *map(float, row)]
+        for number, (frequency, damping, row) in enumerate(
+            zip(part.frequencies, part.damping, effective, strict=True), 1
+        )
+    ]
+    rows.append(["all", None, None, *map(float, effective.sum(axis=0))])
+    if mass is not None:
+        rows.append(
+            [f"of {with_unit(mass, 'kg')}", None, None, *(f"{100.0 * c:.1f} %" for c in effective.sum(axis=0) / mass)]
+        )
+    columns = (
+        Column("mode", align="left"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
+        *(Column(f"mass\n{axis}", "kg", "z.2f") for axis in "xyz"),
+    )  # fmt: skip
+    return Table(
+        id="flexible-modes", title="Modes and the mass that takes part", columns=columns, rows=rows,
+        note="The square of the participation: what a motion of the base along the axis shakes in that mode.",
+    )  # fmt: skip
+
+
+def _checks(part: FlexiblePart, mass: float | None) -> Iterator[Block]:
+    """Yield a sentence on each thing that is perhaps not meant."""
+    effective = part.participation**2
+    total = effective.sum(axis=0)
+    if not total.any():
+        yield _warning(
+            "free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck."
+        )
+    elif not _LIGHTEST <= float(total.max()) <= _HEAVIEST:
+        yield _warning(
+            "units",
+            f"The modes bring along {with_unit(float(total.max()), 'kg')}: are the units those that --units says?",
+        )
+    for axis, share in zip("xyz", total / mass if mass else (), strict=False):
+        if share > 1.0 + 1e-6:
+            yield _warning(
+                "mass", f"Along {axis} the modes bring along {100 * share:.1f} % of the mass, more than there is."
+            )
+        elif 0.01 < share < CAPTURED:
+            yield _warning(
+                "captured",
+                f"Along {axis} the modes bring along {100 * share:.1f} % of the mass, less than {100 * CAPTURED:.0f} %: take "
+                "more modes, or residual vectors.",
+            )
+    if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
+        yield _warning(
+            "twice",
+            "Two modes have one frequency: right where the part is symmetric; else one stands there twice.",
+        )
+    largest = max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values())
+    if largest == 0.0:
+        yield _warning("still", "No point moves in any mode: mounts there stand as on a rigid part.")
+
+
+def _warning(name: str, text: str) -> Statement:
+    return Statement(id=f"flexible-{name}", text=text, tone="unjudged")

@@ -1,0 +1,178 @@
+"""Files of a flexible part: a folder of modes.csv, shapes.csv and points.csv, in SI."""
+
+import csv
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.engine.flexible.part import FlexiblePart
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.atomic_files import atomic_folder
+from wirerope_mj.foundation.csv_units import number_in
+from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.units import LENGTH_UNITS
+
+MODES, SHAPES, POINTS = "modes.csv", "shapes.csv", "points.csv"
+_MODES = ("mode", "frequency_Hz", "damping", "participation_x", "participation_y", "participation_z")
+_SHAPES = ("point", "mode", "x", "y", "z")
+_POINTS = ("point", "x_m", "y_m", "z_m")
+KIND = "folder of a flexible part"
+MASSES = {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": 0.45359237}  # units of mass of finite-element models [kg]
+
+
+def save_flexible(part: FlexiblePart, folder: str | Path, *, force: bool = False) -> None:
+    """Write a part as a folder that `load_flexible` reads."""
+    modes = [
+        [number, float(f), float(d), *map(float, gamma)]
+        for number, (f, d, gamma) in enumerate(zip(part.frequencies, part.damping, part.participation, strict=True), 1)
+    ]
+    shapes = [
+        [name, number, *map(float, row)] for name, shape in part.shapes.items() for number, row in enumerate(shape, 1)
+    ]
+    points = [[name, *map(float, place)] for name, place in part.points.items()]
+    with atomic_folder(Path(folder), force=force, kind=KIND, marks=(MODES, SHAPES, POINTS)) as temporary:
+        for file, header, rows in ((MODES, _MODES, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):
+            with (temporary / file).open("w", newline="", encoding="utf-8") as stream:
+                csv.writer(stream, lineterminator="\n").writerows([header, *rows])
+
+
+@dataclass(frozen=True, kw_only=True)
+class Units:
+    """Units of length and mass of a finite-element model, in SI; its second is the second."""
+
+    length: float = 1.0
+    mass: float = 1.0
+
+
+def units_in(text: str) -> Units:
+    """Parse "mm,t,s": the units of length, mass and time in which a finite-element model was written.
+
+    Raises:
+        ValueError: it names others than are known.
+    """
+    names = [name.strip() for name in text.split(",")]
+    if len(names) != 3 or names[0] not in LENGTH_UNITS or names[1] not in MASSES or names[2] != "s":
+        raise ValueError(
+            f"`--units` are those of length, mass and time, as mm,t,s or m,kg,s, got {text!r}. Lengths: "
+            f"{', '.join(LENGTH_UNITS)}; masses: {', '.join(MASSES)}; time: s."
+        )
+    return Units(length=LENGTH_UNITS[names[0]], mass=MASSES[names[1]])
+
+
+SI = Units()
+
+
+def load_flexible(path: str | Path) -> FlexiblePart:
+    """Read a flexible part from a folder with modes.csv, shapes.csv and points.csv, in SI.
+
+    modes.csv has the columns mode, frequency_Hz, damping and perhaps participation_x, participation_y, participation_z
+    [sqrt(kg)]; shapes.csv point, mode, x, y, z [1/sqrt(kg)]; points.csv point, x_m, y_m, z_m.
+
+    Raises:
+        RecordError: a file, a column or a row is missing, twice, or no number; says file and row.
+    """
+    folder = Path(path)
+    return read_flexible(folder / MODES, folder / SHAPES, folder / POINTS)
+
+
+def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) -> FlexiblePart:
+    """Read a flexible part from tables as `load_flexible` describes them.
+
+    Args:
+        modes: table of the modes, participations in the root of the unit of mass.
+        shapes: table of the shapes, normalised to a modal mass of one unit of mass.
+        points: table of the points; x_m, y_m, z_m are metres in any case, x, y, z in the unit of length.
+        units: of the tables.
+
+    Raises:
+        RecordError: as `load_flexible`.
+    """
+    of_modes = _rows(modes, (_MODES, _MODES[:3]))
+    of_points = _rows(points, (_POINTS, ("point", "x", "y", "z")))
+    of_shapes = _rows(shapes, (_SHAPES,))
+    numbers = [row["mode"] for _, row in of_modes]
+    _require_once([(where, f"mode {row['mode']}") for where, row in of_modes])
+    _require_once([(where, f"point {row['point']}") for where, row in of_points])
+    _require_once([(where, f"point {row['point']}, mode {row['mode']},") for where, row in of_shapes])
+    places = {}
+    for where, row in of_points:
+        metres = "x_m" in row
+        columns = _POINTS[1:] if metres else ("x", "y", "z")
+        places[row["point"]] = _numbers(where, row, columns) * (1.0 if metres else units.length)
+    found = {}
+    for where, row in of_shapes:
+        if row["point"] not in places:
+            raise RecordError(f"{where}: point {row['point']!r} is not in {points.name}; say there where it is.")
+        if row["mode"] not in numbers:
+            raise RecordError(f"{where}: mode {row['mode']!r} is not in {modes.name}; say there its frequency.")
+        found[row["point"], row["mode"]] = _numbers(where, row, _SHAPES[2:]) / math.sqrt(units.mass)
+    for point in places:
+        if missing := [mode for mode in numbers if (point, mode) not in found]:
+            raise RecordError(f"{shapes}: point {point!r} has no row for mode {missing[0]!r}.")
+    figures = np.array([_numbers(where, row, _MODES[1:3]) for where, row in of_modes])
+    participation = [_numbers(where, row, _MODES[3:]) for where, row in of_modes if _MODES[3] in row]
+    try:
+        return FlexiblePart(
+            frequencies=figures[:, 0], damping=figures[:, 1], points=places,
+            participation=np.reshape(participation, (-1, 3)) * math.sqrt(units.mass),
+            shapes={point: np.array([found[point, mode] for mode in numbers]) for point in places},
+        )  # fmt: skip
+    except ValueError as error:
+        raise RecordError(f"{modes}: {error}") from None
+
+
+def _rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str, dict[str, str]]]:
+    """Read the rows of a table below its header, each with its location; the header must be one of some."""
+    if path.suffix.lower() != ".csv":
+        raise RecordError(
+            f"{path}: tables of a flexible part are CSV files. Have the finite-element program write its eigenvectors of unit "
+            f"modal mass as {', '.join(_SHAPES)}, and the modes as {', '.join(_MODES)}, participation being Phi^T M r of a "
+            "unit motion of the base."
+        )
+    try:
+        text = regular(path).read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise RecordError(f"{path}: this is not text in UTF-8; save it as CSV in UTF-8.") from None
+    except OSError as error:
+        raise RecordError(
+            f"{path}: the table cannot be read: {why_unread(error)} A flexible part is a folder with {MODES}, {SHAPES} and "
+            f"{POINTS}."
+        ) from None
+    try:
+        cells = list(csv.reader(text.splitlines()))
+    except csv.Error as error:
+        raise RecordError(f"{path}: this is no CSV file: {error}. Save the table again.") from None
+    lines = [(number, row) for number, row in enumerate(cells, 1) if any(map(str.strip, row))]
+    header = tuple(name.strip() for name in lines[0][1]) if lines else ()
+    if header not in headers:
+        wanted = " or ".join(", ".join(columns) for columns in headers)
+        raise RecordError(f"{path}, line 1: the columns must be {wanted}; got {short(', '.join(header)) or 'none'}.")
+    if len(lines) < 2:
+        raise RecordError(f"{path}: there is a header and no row below it.")
+    rows = []
+    for number, line in lines[1:]:
+        if len(line) != len(header):
+            raise RecordError(f"{path}, line {number}: expected {len(header)} cells, got {len(line)}.")
+        row = {name: cell.strip() for name, cell in zip(header, line, strict=True)}
+        named = next((name for name in ("point", "mode") if not row.get(name, "-")), "")
+        if named:
+            raise RecordError(f'{path}, line {number}: column "{named}" is empty.')
+        rows.append((f"{path}, line {number}", row))
+    return rows
+
+
+def _require_once(keys: Sequence[tuple[str, str]]) -> None:
+    seen: set[str] = set()
+    for where, key in keys:
+        if key in seen:
+            raise RecordError(f"{where}: {short(key)} stands there twice.")
+        seen.add(key)
+
+
+def _numbers(where: str, row: Mapping[str, str], columns: Sequence[str]) -> Array:
+    return np.array([number_in(where, column, row[column]) for column in columns])

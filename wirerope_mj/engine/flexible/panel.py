@@ -1,0 +1,135 @@
+"""A deck panel of one mode: a mass guided along the deck's normal on a spring and a damper, between base and mounts."""
+
+import math
+from dataclasses import dataclass
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.motions.phrases import parse_phrase
+
+EXAMPLE = "10 Hz 800 kg 4 %"
+NAME = "deck_panel"
+
+# damping ratio where none is said: a welded deck with what is bolted to it
+DAMPING = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class Panel:
+    """A panel under all mounts, as one number of a deck's survey says it.
+
+    Alone on the base it swings at `frequency`: k = m (2 pi f)^2, c = 2 zeta m 2 pi f. Its own weight is carried before it is
+    drawn; what stands on it makes it sag.
+
+    Attributes:
+        frequency: natural frequency alone [Hz].
+        mass: that moves [kg].
+        damping: damping ratio [-].
+        direction: along which it moves; "z", the deck's normal, unless said.
+    """
+
+    frequency: float
+    mass: float
+    damping: float = DAMPING
+    direction: Direction = "z"
+
+    def __post_init__(self) -> None:
+        positive("frequency", self.frequency, unit="Hz")
+        positive("mass", self.mass, unit="kg")
+        if not 0.0 <= self.damping < 1.0:
+            raise ValueError(f"`damping` of a panel is a ratio from 0 to below 1, got {self.damping:g}.")
+        checked_direction(self.direction)
+
+    @property
+    def stiffness(self) -> float:
+        """Stiffness [N/m]."""
+        return self.mass * (2.0 * math.pi * self.frequency) ** 2
+
+    @property
+    def damper(self) -> float:
+        """Damping coefficient [N s/m]."""
+        return 4.0 * math.pi * self.damping * self.mass * self.frequency
+
+    @property
+    def description(self) -> str:
+        """Phrase that says it again."""
+        along = self.direction if isinstance(self.direction, str) else ",".join(f"{c:g}" for c in self.direction)
+        words = f"{self.frequency:.6g} Hz {self.mass:.6g} kg {100.0 * self.damping:.6g} %"
+        return words if along == "z" else f"{words} {along}"
+
+
+def panel_of_phrase(text: str) -> Panel:
+    """Parse "10 Hz 800 kg 4 %": frequency alone, mass, damping ratio, and a direction where it is not z.
+
+    Raises:
+        ValueError: a part is missing, unknown or said twice.
+    """
+    try:
+        phrase = parse_phrase(text, words={})
+        said = {name: len(phrase.quantities.get(name, ())) for name in ("frequency", "mass", "ratio")}
+        unknown = [name for name in phrase.quantities if name not in said]
+        if unknown or said["frequency"] != 1 or said["mass"] != 1 or said["ratio"] > 1 or len(phrase.directions) > 1:
+            raise ValueError(
+                "a deck has one frequency [Hz], one mass [kg], and perhaps one damping ratio [%] and one direction."
+            )
+        return Panel(
+            frequency=phrase.one("frequency"), mass=phrase.one("mass"),
+            damping=phrase.one("ratio") if said["ratio"] else DAMPING,
+            direction=phrase.directions[0] if phrase.directions else "z",
+        )  # fmt: skip
+    except ValueError as error:
+        raise ValueError(f'deck "{text}": {error} Expected is a phrase such as "{EXAMPLE}".') from None
+
+
+def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity: Array) -> None:
+    """Put a panel between a model's base and all that stands on it, in place.
+
+    The base keeps its driven slides; sites, geoms and bodies on it move to the panel, a body of its own on one more slide.
+
+    Args:
+        root: of an MJCF document.
+        panel: to be put in.
+        base: name of the driven body.
+        axes: of that body in the modelled geometry, as columns, world frame, (3, 3).
+        gravity: of the model [m/s^2], (3,).
+
+    Raises:
+        ModelError: the base does not stand in this document.
+    """
+    body = next((one for one in root.iter("body") if one.get("name") == base), None)
+    if body is None:
+        raise ModelError(
+            f"the driven base {base!r} does not stand as a <body> in the model's own file; a deck panel is put between it and "
+            "the mounts. Write the body there instead of including or attaching it."
+        )
+    direction = unit_vector(panel.direction)
+    carried = [one for one in body if one.tag not in ("joint", "inertial", "freejoint")]
+    inertial = body.find("inertial")
+    inner = ET.Element("body", name=NAME)
+    ET.SubElement(
+        inner, "joint", name=NAME, type="slide", axis=_numbers(axes.T @ direction), stiffness=repr(panel.stiffness),
+        damping=repr(panel.damper), springref=repr(-panel.mass * float(gravity @ direction) / panel.stiffness),
+    )  # fmt: skip
+    size = repr(panel.mass)
+    ET.SubElement(inner, "inertial", pos="0 0 0", mass=size, diaginertia=f"{size} {size} {size}")
+    for one in carried:
+        body.remove(one)
+        inner.append(one)
+    if inertial is None:  # its geoms, which had its mass, are the panel's now; a drive's inertia outweighs any
+        ET.SubElement(body, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
+    body.append(inner)
+    for exclude in root.iter("exclude"):
+        for key in ("body1", "body2"):
+            if exclude.get(key) == base:
+                exclude.set(key, NAME)
+    for keyframe in root.findall("keyframe"):  # of a state with one coordinate less
+        root.remove(keyframe)
+
+
+def _numbers(values: Array) -> str:
+    return " ".join(repr(float(value)) for value in np.asarray(values))

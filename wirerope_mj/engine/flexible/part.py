@@ -1,0 +1,124 @@
+"""A part that bends, by its modes: shapes at named points, frequencies, damping, participation; and the MJCF of it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from xml.etree import ElementTree as ET
+
+import numpy as np
+
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import ModelError
+
+NEAR = 1e-3  # distance from a mount's site within which a point of the part is meant [m]
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class FlexiblePart:
+    """A deck fixed to the base, or equipment free in space, by m modes of unit modal mass.
+
+    q'' + 2 zeta omega q' + omega^2 q = Phi^T f - Gamma a_base (Craig and Bampton 1968, fixed interface; of equipment free-free
+    modes about mean axes, with Gamma = 0). Shapes are displacements, so that mounts with rotational stiffness do not bend it.
+
+    Attributes:
+        frequencies: natural frequencies [Hz], (m,).
+        damping: damping ratios [-], (m,).
+        shapes: Phi by point, x, y, z in the part's axes [1/sqrt(kg)], (m, 3).
+        points: where the points are in the part's axes [m], (3,).
+        participation: Gamma = Phi^T M r along x, y, z [sqrt(kg)], (m, 3); zero of what is free in space.
+    """
+
+    frequencies: Array
+    damping: Array
+    shapes: Mapping[str, Array]
+    points: Mapping[str, Array]
+    participation: Array = field(default_factory=lambda: np.zeros((0, 3)))
+
+    def __post_init__(self) -> None:
+        frequencies = np.atleast_1d(np.asarray(self.frequencies, dtype=np.float64))
+        n = frequencies.size
+        own = np.asarray(self.participation, dtype=np.float64)
+        checked = {
+            "frequencies": frequencies,
+            "damping": np.broadcast_to(np.asarray(self.damping, dtype=np.float64), (n,)).copy(),
+            "participation": own if own.size else np.zeros((n, 3)),
+            "shapes": {name: np.asarray(shape, dtype=np.float64) for name, shape in self.shapes.items()},
+            "points": {name: np.asarray(place, dtype=np.float64) for name, place in self.points.items()},
+        }
+        for name, value in checked.items():
+            object.__setattr__(self, name, value)
+        if not n or not np.isfinite(frequencies).all() or not (frequencies > 0.0).all():
+            low = f", got {frequencies.min():g} Hz" if n else ""
+            raise ValueError(
+                f"`frequencies` of a flexible part must be > 0{low}: rigid-body modes are the body's own; leave them out."
+            )
+        if not ((self.damping >= 0.0) & (self.damping < 1.0)).all():
+            raise ValueError(f"`damping` must be ratios from 0 to below 1, got {self.damping.tolist()}.")
+        if self.participation.shape != (n, 3) or not np.isfinite(self.participation).all():
+            raise ValueError(f"`participation` must be {n} rows of three numbers, one for each mode.")
+        if set(self.shapes) != set(self.points):
+            lone = sorted(set(self.shapes) ^ set(self.points))[0]
+            raise ValueError(f"point {lone!r} must have both a place and shapes.")
+        for name in self.points:
+            if self.points[name].shape != (3,) or self.shapes[name].shape != (n, 3):
+                raise ValueError(f"point {name!r} must have a place (3,) and shapes ({n}, 3), one row for each mode.")
+            if not (np.isfinite(self.points[name]).all() and np.isfinite(self.shapes[name]).all()):
+                raise ValueError(f"place and shapes of point {name!r} must be finite.")
+
+    @property
+    def description(self) -> str:
+        """What it is, in a few words."""
+        return f"flexible part of {len(self.frequencies)} modes from {self.frequencies.min():.4g} Hz"
+
+    def nearest(self, place: Array) -> str:
+        """Return the name of the point at a place in the part's axes [m]; ValueError if there is none within 1 mm."""
+        name = min(self.points, key=lambda one: float(np.linalg.norm(self.points[one] - place)))
+        away = float(np.linalg.norm(self.points[name] - place))
+        if away > NEAR:
+            raise ValueError(
+                f"no point within {1e3 * NEAR:g} mm of ({', '.join(f'{c:.4g}' for c in place)}) m; the nearest is {name!r}, "
+                f"{1e3 * away:.4g} mm away. Add it, or check the part's axes and units."
+            )
+        return name
+
+
+def add_part(
+    root: ET.Element, part: FlexiblePart, *, name: str, body: str, sites: Mapping[str, str], gravity: Array
+) -> None:
+    """Add a flexible part to a model, in place: its modes as bodies of 1 kg on slides, its shapes as numbers.
+
+    Args:
+        root: of an MJCF document.
+        part: to be added.
+        name: of the part in the model.
+        body: that bends, in whose axes the shapes are.
+        sites: point of the part for each site on it.
+        gravity: of the model [m/s^2], (3,); the slides are across it, so that modes have no weight.
+    """
+    world, custom = root.find("worldbody"), root.find("custom")
+    if world is None or custom is None:
+        raise ModelError("the model's file has no <worldbody> or no <custom>: it is put together from other files.")
+    axis = np.eye(3)[int(np.argmin(np.abs(gravity)))]
+    if abs(float(axis @ gravity)) > 0.0:
+        axis = np.cross(gravity, axis) / np.linalg.norm(np.cross(gravity, axis))
+    modal = []
+    for number, (frequency, damping) in enumerate(zip(part.frequencies, part.damping, strict=True), 1):
+        mode, omega = f"mode/{name}/{number}", 2.0 * np.pi * float(frequency)
+        element = ET.SubElement(world, "body", name=mode)
+        ET.SubElement(
+            element, "joint", name=mode, type="slide", axis=_text(axis), stiffness=repr(omega**2),
+            damping=repr(2.0 * float(damping) * omega),
+        )  # fmt: skip
+        ET.SubElement(element, "inertial", pos="0 0 0", mass="1", diaginertia="1 1 1")
+        modal.append(("body", mode))
+    ET.SubElement(custom, "numeric", name=f"flexible/{name}", data=_text(part.participation))
+    holds = [("body", body), *modal, ("numeric", f"flexible/{name}")]
+    for site, point in sites.items():
+        ET.SubElement(custom, "numeric", name=f"shapes/{site}", data=_text(part.shapes[point]))
+        holds += [("site", site), ("numeric", f"shapes/{site}")]
+    whole = ET.SubElement(custom, "tuple", name=f"flexible/{name}")
+    for kind, element_name in holds:
+        ET.SubElement(whole, "element", objtype=kind, objname=element_name)
+
+
+def _text(values: Array) -> str:
+    return " ".join(repr(float(value)) for value in np.ravel(values))

@@ -1,0 +1,108 @@
+"""A model put on a deck that bends, in place of the rigid one that it stands on, or with a body that bends."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from xml.etree import ElementTree as ET
+
+import mujoco
+
+from wirerope_mj.engine.flexible import Deck, FlexiblePart, deck_of
+from wirerope_mj.engine.flexible.panel import NAME, add_panel
+from wirerope_mj.engine.flexible.part import add_part
+from wirerope_mj.engine.system.named_files import named_files
+from wirerope_mj.engine.system.system import System, load_system
+from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.mounts.isolator import Isolator
+
+
+def load_on_deck(source: str | Path, deck: Deck | None, *, isolators: Mapping[str, Isolator] | None = None) -> System:
+    """Load a model as `load_system` does, on a deck that bends if one is given."""
+    system = load_system(source, isolators=isolators)
+    return system if deck is None else on_deck(system, deck)
+
+
+def on_deck(system: System, deck: Deck | str) -> System:
+    """Put a deck under all mounts of a system; its model is text then, which any MuJoCo loads.
+
+    Args:
+        system: the system.
+        deck: a panel of one mode, or a part fixed to the base by its modes, with a point at every mount; a text says a panel,
+            "10 Hz 800 kg 4 %" for its frequency alone, mass and damping ratio, or names a part's folder.
+
+    Raises:
+        ModelError: the base is not driven, or the model has such a deck already, or names files of its own, or no point of
+            the part is at a mount's site.
+    """
+    return _as_written(system, deck_text(system, deck_of(deck) if isinstance(deck, str) else deck))
+
+
+def with_flexible(system: System, part: FlexiblePart, *, body: str) -> System:
+    """Let a body of a system bend by the modes of a part, in the body's own axes; of equipment free-free elastic ones.
+
+    Raises:
+        ModelError: there is no such body, or it bends already, or no point of the part is at a mount's site.
+    """
+    return _as_written(system, _text_of(system, part, body=body, name=body))
+
+
+def _as_written(system: System, text: str) -> System:
+    return with_changes(load_system(text, isolators=system.isolators), system.changes)
+
+
+def deck_text(system: System, deck: Deck) -> str:
+    """Write the MJCF of a system on a deck."""
+    if not system.assembly.subjects.driven:
+        raise ModelError("a deck that bends stands on a driven base, and the base of this model has no slides.")
+    if isinstance(deck, FlexiblePart):
+        return _text_of(system, deck, body=system.base, name=system.base)
+    if mujoco.mj_name2id(system.model, mujoco.mjtObj.mjOBJ_BODY, NAME) >= 0:
+        raise ModelError(f"the model has a body {NAME!r} already: change its joint, or rename it.")
+    root = _root(system)
+    with system.assembly.scratch.data(system.model) as data:
+        mujoco.mj_kinematics(system.model, data)
+        axes = data.body(system.base).xmat.reshape(3, 3).copy()
+    add_panel(root, deck, base=system.base, axes=axes, gravity=system.model.opt.gravity)
+    return _written(root)
+
+
+def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str:
+    """Write the MJCF of a system whose body bends; the mounts' sites on it are at points of the part."""
+    model = system.model
+    number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body)
+    if number < 0:
+        raise ModelError(
+            f"there is no body {body!r}. Bodies of this model: {list(system.assembly.subjects.body_names)}."
+        )
+    if any(mode.part == name for mode in system.assembly.subjects.modes):
+        raise ModelError(f"the body {body!r} bends already.")
+    sites: dict[str, str] = {}
+    subjects = system.assembly.subjects
+    with system.assembly.scratch.data(model) as data:
+        mujoco.mj_kinematics(model, data)
+        for one in dict.fromkeys([*system.assembly.tables.sites.ravel().tolist(), *subjects.points, *subjects.forces]):
+            if model.body_weldid[model.site_bodyid[one]] != number:
+                continue
+            place = (data.site_xpos[one] - data.body(body).xpos) @ data.body(body).xmat.reshape(3, 3)
+            try:
+                sites[model.site(one).name] = part.nearest(place)
+            except ValueError as error:
+                raise ModelError(f"site {model.site(one).name!r} on {body!r}: {error}") from None
+    root = _root(system)
+    add_part(root, part, name=name, body=body, sites=sites, gravity=model.opt.gravity)
+    return _written(root)
+
+
+def _root(system: System) -> ET.Element:
+    """Parse the model as written; ModelError if it names files beside it, which a new text would not find."""
+    if system.path is not None and (named := [name for name, _ in named_files(system.path)]):
+        raise ModelError(
+            f"{system.path}: what bends makes a new text of the model, and this one names {named[0]!r}, a file beside it. "
+            "Write a body with a slide, stiffness and damping into the model, between the base and the mounts."
+        )
+    return ET.fromstring(system.mjcf, parser=ET.XMLParser(target=ET.TreeBuilder(insert_comments=True)))
+
+
+def _written(root: ET.Element) -> str:
+    ET.indent(root)
+    return ET.tostring(root, encoding="unicode") + "\n"
