@@ -2,10 +2,14 @@
 
 import json
 import shutil
+import signal
+import subprocess
+import time
 from pathlib import Path
 
 import numpy as np
 import pytest
+from commands import WIREROPE
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -120,9 +124,9 @@ def test_a_case_whose_files_were_altered_runs_again(again, tmp_path):
 
 def test_a_record_is_an_input_by_its_content(tmp_path, monkeypatch):
     monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
-    time = np.arange(200) / 1000.0
+    at = np.arange(200) / 1000.0
     for name, peak in (("a", 1.0), ("b", 2.0)):
-        rows = np.column_stack([time, peak * np.sin(np.pi * time / 0.011) * (time < 0.011)])
+        rows = np.column_stack([at, peak * np.sin(np.pi * at / 0.011) * (at < 0.011)])
         head = "time [s],z [g]"
         np.savetxt(tmp_path / f"{name}.csv", rows, delimiter=",", header=head, comments="", fmt="%.6g")
     text = 'model = "shock_table"\nsimulate.duration = 0.1\n[records]\nfiles = "*.csv"\ndirection = "z"\nchannels = ["z"]\n'
@@ -162,6 +166,21 @@ def test_a_case_that_fails_leaves_the_others_and_the_next_call_goes_on(again, mo
         again(changed)
     monkeypatch.setattr(job_module, "write_run", ordinary)
     assert again(changed) == {"Up and hard": "changed: numerics"}
+
+
+@pytest.mark.slow
+def test_an_interrupted_job_leaves_nothing_half_written_and_goes_on(tmp_path):
+    written(tmp_path)
+    command = [*WIREROPE, "cases", "job.toml", "--out", "out"]
+    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+        while not list((tmp_path / "out" / "cases").glob(".*")) and process.poll() is None:
+            time.sleep(0.01)
+        process.send_signal(signal.SIGINT)
+        said = process.communicate(timeout=120)[1]
+    assert process.returncode == 130
+    assert "the same command goes on" in said
+    assert not [path for path in (tmp_path / "out").rglob(".*")]
+    assert sorted(wr.run_job(tmp_path / "job.toml", tmp_path / "out", workers=1).computed.values()) == ["new", "new"]
 
 
 @pytest.mark.slow

@@ -29,6 +29,7 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, worked_on_alone
 from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
+from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.runs.document_table import document_table, logo_ending, read_document
@@ -116,7 +117,10 @@ def run_job(
             if (why := _why(folder / CASES / case.folder, made[case.name], force=force))
         }
         questions = [(made[case.name], folder / CASES / case.folder) for case in job.cases if case.name in computed]
-        failed = dict(_run_all(questions, workers, done))
+        try:
+            failed = dict(_run_all(questions, workers, done))
+        finally:
+            clear_half_written((folder / CASES).resolve())  # of processes that were ended in the middle of a case
         if failed:
             names = "; ".join(f"{name}: {text}" for name, text in failed.items())
             raise SimulationError(
