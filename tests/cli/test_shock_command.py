@@ -2,6 +2,7 @@
 
 import json
 import tomllib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -253,3 +254,34 @@ def test_a_sweep_ends_the_run_and_a_pulse_is_followed_by_its_ring_down(asked):
     assert sweep.simulate["duration"] == sweep.motion.end == pytest.approx(2.0)
     pulse = asked("cabinet", "--half-sine", "15 g 11 ms z at 50 ms")
     assert 0.061 + 5.0 / 11.3 < pulse.simulate["duration"] < 0.061 + 15.0 / 11.3  # ten periods of some 11 Hz
+
+
+@pytest.mark.slow
+def test_a_run_on_a_deck_that_bends_says_so_replays_and_becomes_a_study(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    deck = ["--deck", "18 Hz 100 kg 4 %"]
+    assert (
+        main(["shock", "shock_table", "--half-sine", "15 g 11 ms z", *deck, "--duration", "0.2", "--out", "run"]) == 0
+    )
+    assert "deck_panel" in capsys.readouterr().out
+    page = Path("run/report.html").read_text(encoding="utf-8")
+    assert "18 Hz 100 kg 4 %" in page
+    assert "was not looked at" not in page
+    assert main(["replay", "run"]) == 0
+    vary = ["--vary", "joint/deck_panel/frequency = Uniform(12, 25)", "--variants", "4", "--workers", "1"]
+    assert main(["study", "run", *vary, "--out", "study"]) == 0
+    assert (
+        main(["study", "shock_table", *deck, "--vary", "motion/level = Uniform(0.5, 1)", "--variants", "2", "--out", "of"])
+        == 0
+    )
+
+
+@pytest.mark.parametrize("command", ["shock", "modes", "statics", "frf"])
+def test_a_deck_that_is_none_is_one_message(command, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    motion = ["--half-sine", "15 g 11 ms z"] if command == "shock" else []
+    assert main([command, "shock_table", *motion, "--deck", "10 Hz 800"]) == 2
+    error = capsys.readouterr().err
+    assert 'Expected is a phrase such as "10 Hz 800 kg 4 %"' in error
+    assert error.count("\n") == 1
+    assert not list(tmp_path.iterdir())

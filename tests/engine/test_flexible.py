@@ -8,6 +8,7 @@ import pytest
 from house import hysteresis, sdof, sdof_text
 
 import wirerope_mj as wr
+from wirerope_mj.assessment.durability.mounts import deflection_rates
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.simulation.engines import unsupported_system
@@ -225,3 +226,15 @@ def test_modes_that_are_written_wrongly_are_refused(old, new, message):
     text = text.replace(f"<element {old}", f"<element {new}") if "objtype" in old else text.replace(old, new)
     with pytest.raises(ModelError, match=message):
         wr.load_system(text, isolators=system.isolators)
+
+
+@pytest.mark.slow
+def test_rates_of_deflections_that_durability_uses_include_what_bends(bending_cabinet):
+    motion = wr.HalfSine(peak=50.0, duration=0.02, direction=(1.0, 0.5, 1.0), start=0.02)
+    r = wr.simulate(bending_cabinet, motion, duration=0.12, timestep=1e-4, sample_rate=1e4)
+    for mount in r.scene.isolating:
+        deflection = r.mounts[mount.name].deflection
+        differences = (deflection[2:] - deflection[:-2]) / 2e-4
+        rates = deflection_rates(r, mount)[1:-1]
+        # central differences of 0.1 ms at 60 Hz: (2 pi 60 1e-4)^2 / 6 = 2e-4
+        np.testing.assert_allclose(rates, differences, atol=2e-3 * np.abs(rates).max())

@@ -21,6 +21,8 @@ _LEAST = 16  # Samples from which on every other one alone tells how much hangs 
 # Samples to a period of the mean frequency below which a steady vibration may repeat itself in them, and look alike.
 _OF_PERIOD = 4.0
 
+ROUNDING = 1e-8  # deflection that bodies far away leave where nothing bends [m]
+
 
 @dataclass(frozen=True, kw_only=True)
 class MountCycles:
@@ -103,7 +105,11 @@ def deflection_rates(response: Response, mount: SceneMount) -> Array:
     place, velocity, _, _ = _site(response, mount.payload_body, mount.payload_point)
     base, base_velocity, turn, spin = _site(response, mount.base_body, mount.base_point)
     relative = velocity - base_velocity - np.cross(spin, place - base)
-    return np.asarray(np.einsum("...ij,...i->...j", turn @ mount.axes, relative))
+    rates, rigid = (np.einsum("...ij,...i->...j", turn @ mount.axes, one) for one in (relative, place - base))
+    bent = response.mounts[mount.name].deflection - rigid  # what a flexible part adds, whose modes are no bodies
+    if np.abs(bent).max(initial=0.0) > ROUNDING:
+        rates += np.gradient(bent, response.time, axis=0)
+    return np.asarray(rates)
 
 
 def _site(response: Response, body: str, point: Array) -> tuple[Array, Array, Array, Array]:

@@ -35,7 +35,7 @@ def write_model(system: System, folder: Path) -> Path:
     Raises:
         ModelError: a file of the model lies outside its folder.
     """
-    target = folder / (system.path.name if system.path else "model.xml")
+    target = folder / (system.path.name if system.path else f"{system.name}.xml")
     folder.mkdir(parents=True, exist_ok=True)
     text, files = system.mjcf, _isolator_files(system)
     for name, (data, file) in files.items():
