@@ -1,4 +1,4 @@
-"""How well a run agrees with a test: every measure of every channel, in one table and one sentence."""
+"""Agreement of a run with a test: every measure of every channel, in one table and one sentence."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
@@ -41,7 +41,7 @@ _NEARLY = 0.1  # deviation of the ratio of two spectra below which nothing is sa
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ChannelCorrelation:
-    """How well a run agrees with one measured channel.
+    """Agreement of a run with one measured channel.
 
     Attributes:
         pair: both histories.
@@ -55,7 +55,7 @@ class ChannelCorrelation:
 
     @property
     def channel(self) -> MeasuredChannel:
-        """What was measured."""
+        """The measured channel."""
         return self.pair.channel
 
     @property
@@ -139,7 +139,7 @@ class ChannelCorrelation:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Correlation(Summarised):
-    """How well a run agrees with a test.
+    """Agreement of a run with a test.
 
     Attributes:
         name: of the test.

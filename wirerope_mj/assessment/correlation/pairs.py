@@ -57,7 +57,7 @@ class Delay:
 
 
 def model_history(response: Response, measured: Measured, channel: MeasuredChannel) -> Array:
-    """Return what the model says of a channel, in SI at the samples of the response, (n_t,).
+    """Read the calculated history of a channel off the response [SI], at the samples of the response, (n_t,).
 
     Raises:
         RecordError: the run does not have what the channel was measured at.

@@ -26,7 +26,7 @@ from wirerope_mj.mounts.isolator.travel import travel_in
 
 @dataclass(frozen=True, kw_only=True)
 class Used:
-    """What a mount, a body or a point uses of its limits.
+    """Fraction of its limits that a mount, a body or a point uses over time.
 
     Attributes:
         subject: its name.
