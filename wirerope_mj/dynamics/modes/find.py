@@ -196,17 +196,24 @@ class _Springs:
 
     def __init__(self, rest: AtRest) -> None:
         self.rest = rest
+        laws = {name: mount.isolator.axes.values() for name, mount in rest.mounts.items()}
+        steady = [name for name, of in laws.items() if all(law is None or law.rate_independent for law in of)]
+        # Of vanishing amplitude: neither the shape nor the frequency matters to these.
+        self.small = {name: self._of(name, np.zeros(3), 1.0) for name in steady}
 
     def held(self, shape: Array, amplitude: float, frequency: float) -> ComplexArray:
         """Return the complex stiffness of the free coordinates [N/m, ...], (n, n), when the motion is amplitude * shape."""
         total = (self.rest.other + self.rest.weight).astype(np.complex128)
         for name, mount in self.rest.mounts.items():
-            moved = amplitude * (mount.jacobian @ shape)
-            stiffness = _finite(name, mount.stiffness(np.abs(moved), frequency))
-            total += mount.jacobian.T @ (stiffness[:, None] * mount.jacobian)
-            if mount.isolator.loop is not None:
-                total += mount.jacobian.T @ mount.loop_stiffness(moved) @ mount.jacobian
+            small = amplitude == 0.0 and name in self.small
+            total += self.small[name] if small else self._of(name, amplitude * (mount.jacobian @ shape), frequency)
         return total
+
+    def _of(self, name: str, moved: Array, frequency: float) -> ComplexArray:
+        """Return the complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,)."""
+        mount = self.rest.mounts[name]
+        stiffness = np.diag(_finite(name, mount.stiffness(np.abs(moved), frequency)))
+        return np.asarray(mount.jacobian.T @ (stiffness + mount.loop_stiffness(moved)) @ mount.jacobian)
 
     def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
         """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""
