@@ -103,6 +103,10 @@ COMMANDS = {
         "durability:durability",
         "Count the cycles of the mounts of a run or a service life, and compare the damage that they do.",
     ),
+    "comfort": (
+        "comfort:comfort",
+        "Print what people feel at bodies and points of a run: weighted acceleration, doses, and limits for ships.",
+    ),
     "flexible": (
         "flexible:flexible",
         "Read the modes of a deck or of equipment from tables, check them, and write them as a part that models bend by.",

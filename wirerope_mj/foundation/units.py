@@ -26,7 +26,7 @@ ACCELERATION_UNITS = {
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
 # Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers.
 _PER_SI = {
-    "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
+    "mm": 1e3, "ms": 1e3, "mrad": 1e3, "kN": 1e-3, "kN/m": 1e-3, "mm/s": 1e3, "N/mm": 1e-3, "MB": 1e-6, "%": 100.0,
 }  # fmt: skip
 
 
@@ -49,7 +49,7 @@ def in_unit(value: Array, unit: str) -> Array: ...
 
 
 def in_unit(value: float | Array, unit: str) -> float | Array:
-    """Return SI values in the unit that is displayed: "mm", "ms", "mrad", "kN", "kN/m", "N/mm", "g", "%"; else as they are."""
+    """Return SI values in the unit that is displayed: one of `_PER_SI`, such as "mm" or "kN", or "g"; else as they are."""
     if unit == "g":
         return value / STANDARD_GRAVITY
     return _PER_SI[unit] * value if unit in _PER_SI else value

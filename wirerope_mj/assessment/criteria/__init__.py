@@ -20,10 +20,6 @@ from wirerope_mj.assessment.criteria.points import transmissibility_verdict as t
 from wirerope_mj.assessment.criteria.random import judge_random as judge_random
 from wirerope_mj.assessment.criteria.random import random_verdicts as random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts as rattle_verdicts
-from wirerope_mj.assessment.criteria.ship import iso_6954_1984 as iso_6954_1984
-from wirerope_mj.assessment.criteria.ship import iso_6954_2000 as iso_6954_2000
-from wirerope_mj.assessment.criteria.ship import iso_6954_2000_of_history as iso_6954_2000_of_history
-from wirerope_mj.assessment.criteria.ship import velocity_lines as velocity_lines
 from wirerope_mj.assessment.criteria.summary import contact_lines as contact_lines
 from wirerope_mj.assessment.criteria.summary import summary as summary
 from wirerope_mj.assessment.criteria.summary import verdict_lines as verdict_lines

@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import scipy
 
+from wirerope_mj.assessment.comfort.people import WEIGHTINGS
 from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.assessment.criteria.points import check_rows
 from wirerope_mj.assessment.criteria.verdict import Verdict
@@ -27,24 +28,8 @@ _RANGE_1984 = (1.0, 100.0)
 _RANGE_2000 = (10.0**-0.05, 10.0**1.95)  # Outer edges of the third-octave bands of 1 and 80 Hz [Hz]: 0.891 and 89.1
 # Resolutions below which the drift of the integral shows in a line: the filter of `velocity_lines` ends at six.
 _LEAST_SHOWN = 5.75
+_TRANSITION = 0.028  # weighted acceleration times this is weighted velocity [s]
 _HOPS = 32  # Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %
-
-
-def weighting(frequency: npt.ArrayLike) -> Array:
-    """Return the size of the combined weighting of ISO 2631-2 (Wm) for acceleration at frequencies [Hz].
-
-    H(s) = s^2 / (s^2 + sqrt(2) w1 s + w1^2)  w2^2 / (s^2 + sqrt(2) w2 s + w2^2)  1 / (1 + s / w3) with w1 = 2 pi 10^-0.1,
-    w2 = 2 pi 100 and w3 = 1 / 0.028 rad/s (ISO 8041): band limits of 0.79 and 100 Hz, and the passage from acceleration to
-    velocity at 5.68 Hz. At 15.915 Hz it is 0.3362. For velocity the weighting is this one times w / w3, so that a weighted
-    acceleration is 35.7 times the weighted velocity.
-    """
-    f = np.asarray(frequency, dtype=np.float64)
-    low, high = 10.0**-0.1, 100.0
-    band = f**2 / np.sqrt(f**4 + low**4) / np.sqrt(1.0 + (f / high) ** 4)
-    return band / np.sqrt(1.0 + (2.0 * math.pi * f * _TRANSITION) ** 2)
-
-
-_TRANSITION = 0.028  # 1 / w3 of the weighting [s]
 
 
 def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
@@ -103,7 +88,7 @@ def iso_6954_2000(
             f"{f.max():.6g}."
         )
     f, v = f[inside], v[inside]
-    factors = weighting(f) * 2.0 * math.pi * f * _TRANSITION
+    factors = np.abs(WEIGHTINGS["Wm"].gain(f)) * 2.0 * math.pi * f * _TRANSITION
     return _overall(math.sqrt(0.5 * float(np.sum((factors * v) ** 2))), subject, space)
 
 
@@ -135,7 +120,7 @@ def iso_6954_2000_of_history(
     half = 0.5 * density.resolution  # a line stands for this much on either side of it
     low, high = _RANGE_2000
     widths = np.minimum(density.frequency + half, high) - np.maximum(density.frequency - half, low)
-    weighted = weighting(density.frequency) ** 2 * density.density * np.clip(widths, 0.0, None)
+    weighted = np.abs(WEIGHTINGS["Wm"].gain(density.frequency)) ** 2 * density.density * np.clip(widths, 0.0, None)
     return _overall(_TRANSITION * math.sqrt(float(np.sum(weighted))), subject, space)
 
 

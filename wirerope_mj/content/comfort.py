@@ -1,0 +1,147 @@
+"""Vibration with regard to people: what they feel at points of a run, and whether a ship's limits are kept there."""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from wirerope_mj.assessment.comfort import (
+    Exposure,
+    exposure,
+    iso_6954_1984,
+    iso_6954_2000_of_history,
+    velocity_lines,
+)
+from wirerope_mj.assessment.comfort.ship import RMS_2000
+from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.numbers import number
+from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.tables import Column, Mark, Row, Table
+
+# Ranges of the total value that ISO 2631-1, annex C calls by these words in public transport [m/s^2]; they overlap.
+_REACTIONS = (
+    (0.0, 0.315, "not uncomfortable"), (0.315, 0.63, "a little uncomfortable"), (0.5, 1.0, "fairly uncomfortable"),
+    (0.8, 1.6, "uncomfortable"), (1.25, 2.5, "very uncomfortable"), (2.0, np.inf, "extremely uncomfortable"),
+)  # fmt: skip
+_CREST = 9.0  # peak over rms above which the weighted rms says too little (ISO 2631-1, 6.2.1)
+_HEIGHT = ("below the lower value", "between the two values", "above the upper value")
+_TONES = ("within", "near", "exceeded")
+
+
+def comfort_content(
+    name: str,
+    response: Response,
+    subjects: Sequence[str],
+    *,
+    spaces: Sequence[str] = tuple(RMS_2000),
+    discard: float = 0.0,
+) -> Content:
+    """Describe what people feel at bodies and points of a run.
+
+    Args:
+        name: of the run.
+        response: its response.
+        subjects: names of bodies and points.
+        spaces: classes of spaces of ISO 6954:2000, "A" to "C".
+        discard: length at the beginning that does not count [s].
+
+    Raises:
+        ValueError: there is no such body or point, or nothing is left of the run.
+    """
+    known = {**response.bodies, **response.points}
+    missing = [subject for subject in subjects if subject not in known]
+    if missing:
+        raise ValueError(f"the run has no body or point {missing[0]!r}; it has {', '.join(known)}.")
+    histories = {subject: known[subject].acceleration for subject in subjects}
+    felt = {subject: exposure(response.time, values, discard=discard) for subject, values in histories.items()}
+    worst = max(felt, key=lambda subject: felt[subject].total)
+    verdict = _reaction(worst, felt[worst])
+
+    def build() -> list[Block]:
+        return [_exposure_table(felt), *_remarks(felt), *_ship(response.time, histories, spaces, discard)]
+
+    return Content(
+        title=f"Comfort: {name}", verdict=verdict,
+        sections=(Section(id="comfort", title="", build=lambda: [verdict, *build()], depth="summary"),),
+    )  # fmt: skip
+
+
+def _reaction(subject: str, felt: Exposure) -> Statement:
+    words = [text for low, high, text in _REACTIONS if low <= felt.total < high]
+    return Statement(
+        id="comfort-total",
+        text=f"Total weighted acceleration at {subject}: {number(felt.total)} m/s² rms, {' to '.join(words)} "
+        "(ISO 2631-1, annex C, public transport).",
+        values={"total_m_s2": felt.total, "where": subject},
+    )
+
+
+def _exposure_table(felt: Mapping[str, Exposure]) -> Table:
+    rows: list[Row] = []
+    for subject, one in felt.items():
+        for axis, weighting in enumerate(("Wd", "Wd", "Wk")):
+            crest = float(one.crest[axis])
+            rows.append((
+                subject, "xyz"[axis], weighting, float(one.rms[axis]), float(one.running[axis]), float(one.peak[axis]),
+                Mark(crest, "near" if crest > _CREST else ""), float(one.dose[axis]), one.sickness if axis == 2 else None,
+            ))  # fmt: skip
+    columns = (
+        Column("of", align="left"), Column("along", align="left"), Column("weighting", align="left"),
+        Column("weighted\nrms", "m/s²"), Column("largest rms\nover 1 s", "m/s²"), Column("weighted\npeak", "m/s²"),
+        Column("crest\nfactor", "", "z.1f"), Column("vibration\ndose", "m/s^1.75"), Column("motion\nsickness", "m/s^1.5"),
+    )  # fmt: skip
+    counted = next(iter(felt.values())).duration
+    return Table(
+        id="comfort", title="What people feel, by ISO 2631-1", columns=columns, rows=rows,
+        note=f"Over {number(counted)} s, along the axes of the world. Weightings of ISO 8041; motion sickness: Wf, along z alone.",
+    )  # fmt: skip
+
+
+def _remarks(felt: Mapping[str, Exposure]) -> Iterator[Statement]:
+    """Yield where a crest factor asks for more than the rms value."""
+    high = [subject for subject, one in felt.items() if bool(np.any(one.crest > _CREST))]
+    if high:
+        yield Statement(
+            id="comfort-crest",
+            text=f"The crest factor exceeds {number(_CREST)} at {', '.join(high)}: the weighted rms says too little there; use "
+            "the largest rms over 1 s and the vibration dose.",
+            tone="unjudged",
+        )
+
+
+def _ship(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], discard: float) -> Iterator[Block]:
+    """Yield the values of ISO 6954 and their two limits, or why there are none."""
+    rows: list[Row] = []
+    try:
+        for subject, values in histories.items():
+            each = [velocity_lines(time, values[:, axis], discard=discard) for axis in range(3)]
+            rows.append(_row("1984", subject, [iso_6954_1984(*lines, subject=subject) for lines in each]))
+            for space in spaces:
+                overall = [
+                    iso_6954_2000_of_history(time, values[:, axis], subject=subject, space=space, discard=discard)  # type: ignore[arg-type]
+                    for axis in range(3)
+                ]
+                rows.append(_row(f"2000 {space}", subject, overall))
+    except ValueError as error:
+        yield Statement(id="ship-habitability", text=f"ISO 6954 is not judged: {error}", tone="unjudged")
+        return
+    columns = (
+        Column("ISO 6954", align="left"), Column("of", align="left"), Column("along", align="left"),
+        Column("velocity", "mm/s"), Column("lower", "mm/s"), Column("upper", "mm/s"), Column("is", align="left"),
+    )  # fmt: skip
+    note = (
+        "1984: largest peak velocity of a line, 1 to 100 Hz. 2000: weighted rms velocity, 1 to 80 Hz; A passenger cabins, "
+        "B crew accommodation, C working spaces. Adverse comments: not probable below the lower value, probable above the upper."
+    )
+    yield Table(id="ship-habitability", title="Habitability of ships", columns=columns, rows=rows, note=note)
+
+
+def _row(edition: str, subject: str, axes: Sequence[Sequence[Verdict]]) -> Row:
+    """Return the axis along which most of the limits is used."""
+    worst = max(range(3), key=lambda axis: axes[axis][0].utilisation or 0.0)
+    lower, upper = axes[worst]
+    height = (lower.verdict == "exceeded") + (upper.verdict == "exceeded")
+    return (
+        edition, subject, "xyz"[worst], lower.value, lower.limit, upper.limit, Mark(_HEIGHT[height], _TONES[height]),
+    )  # fmt: skip
