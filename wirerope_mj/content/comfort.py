@@ -94,7 +94,7 @@ def _exposure_table(felt: Mapping[str, Exposure]) -> Table:
     counted = next(iter(felt.values())).duration
     return Table(
         id="comfort", title="What people feel, by ISO 2631-1", columns=columns, rows=rows,
-        note=f"Over {number(counted)} s, along the axes of the world. Weightings of ISO 8041; motion sickness: Wf, along z alone.",
+        note=f"Over {number(counted)} s, along the axes of the world. Weightings of ISO 8041; motion sickness by Wf along z.",
     )  # fmt: skip
 
 
@@ -132,7 +132,7 @@ def _ship(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], di
     )  # fmt: skip
     note = (
         "1984: largest peak velocity of a line, 1 to 100 Hz. 2000: weighted rms velocity, 1 to 80 Hz; A passenger cabins, "
-        "B crew accommodation, C working spaces. Adverse comments: not probable below the lower value, probable above the upper."
+        "B crew accommodation, C working spaces. Adverse comments are not probable below lower, probable above upper."
     )
     yield Table(id="ship-habitability", title="Habitability of ships", columns=columns, rows=rows, note=note)
 

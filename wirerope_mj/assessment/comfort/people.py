@@ -38,10 +38,10 @@ class Weighting:
 
     def gain(self, frequency: npt.ArrayLike) -> ComplexArray:
         """Evaluate H at frequencies [Hz], (...)."""
-        p = 1j * np.asarray(frequency, dtype=np.float64)
+        p = 1j * np.asarray(frequency, dtype=np.complex128)
         root = math.sqrt(2.0)
         band = p**2 / (p**2 + root * self.low * p + self.low**2) * self.high**2
-        found: ComplexArray = band / (p**2 + root * self.high * p + self.high**2)
+        found = band / (p**2 + root * self.high * p + self.high**2)
         found = found * (1.0 + p / self.f3) / (1.0 + p / (self.q4 * self.f4) + (p / self.f4) ** 2)
         if self.step:
             f5, q5, f6, q6 = self.step
