@@ -125,9 +125,50 @@ def test_axes_named_together_are_one_motion_along_each():
 def test_every_example_is_understood(tmp_path):
     (tmp_path / "transport.csv").write_text("frequency [Hz], psd [g^2/Hz]\n5, 0.01\n200, 0.01\n")
     (tmp_path / "floor.csv").write_text("frequency [Hz], acceleration [g]\n1, 0.5\n5, 1\n33, 0.4\n")
+    (tmp_path / "levels.csv").write_text("from [Hz], to [Hz], displacement [mm]\n4, 15, 0.76\n16, 25, 0.51\n")
     (tmp_path / "start.csv").write_text("time [ms], fz [kN], mx [N.m]\n0, 0, 0\n10, 2, 30\n20, 0, 0\n")
     for kind, spoken in SPOKEN_MOTIONS.items():
         assert motion_from_phrase(kind, spoken.example, folder=tmp_path).description
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("text", "lines", "quantity"),
+    [
+        ("from [Hz], to [Hz], displacement [in]\n4, 6, 0.03\n7, 7, 0.02\n", [(4, 3), (5, 3), (6, 3), (7, 2)], "displacement"),
+        ("frequency [Hz]; velocity [mm/s]\n5; 254\n5.5; 508\n", [(5, 1), (5.5, 2)], "velocity"),
+    ],
+)  # fmt: skip
+def test_an_amplitude_table_is_passed_frequency_by_frequency(tmp_path, text, lines, quantity):
+    """Each is a steady sine in the middle of its dwell; MIL-STD-167-1A states inches over hertz."""
+    (tmp_path / "table.csv").write_text(text)
+    motion = motion_from_phrase("amplitude-table", "table.csv 4 s z at 1 s", folder=tmp_path)
+    size = 0.254 if quantity == "velocity" else 0.000254
+    for number, (frequency, factor) in enumerate(lines):
+        times = 1.0 + 4.0 * number + np.linspace(1.5, 2.5, 1001)
+        of = motion.velocity if quantity == "velocity" else motion.displacement
+        assert np.abs(of(times)[:, 2]).max() == pytest.approx(factor * size, rel=2e-3)
+        crossings = np.count_nonzero(np.diff(np.sign(of(times)[:, 2])))
+        assert abs(crossings - 2.0 * frequency) <= 1
+    assert not motion.acceleration([1.0 + 4.0 * len(lines) + 0.01]).any()
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("frequency [Hz], level [mm]\n5, 1\n", "an amplitude table has the columns"),
+        ("to [Hz], from [Hz], displacement [mm]\n5, 6, 1\n", "an amplitude table has the columns"),
+        ("frequency [Hz], displacement [g]\n5, 1\n", 'unknown unit "g"'),
+        ("from [Hz], to [Hz], displacement [mm]\n9, 6, 1\n", "must end above its start"),
+        ("from [Hz], to [Hz], displacement [mm]\n4, 15, 1\n15, 25, 1\n", "must increase"),
+        ("frequency [Hz], displacement [mm]\n5, 0\n", "> 0"),
+    ],
+)
+def test_a_bad_amplitude_table_is_one_message(tmp_path, text, said):
+    (tmp_path / "table.csv").write_text(text)
+    with pytest.raises((ValueError, RecordError), match=re.escape(said)):
+        motion_from_phrase("amplitude-table", "table.csv 4 s z", folder=tmp_path)
 
 
 @pytest.mark.quick

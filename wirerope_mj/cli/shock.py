@@ -25,6 +25,7 @@ def shock(
     sine: Phrases = None,
     sweep: Phrases = None,
     psd: Phrases = None,
+    amplitude_table: Phrases = None,
     spectrum: Phrases = None,
     unbalance: Phrases = None,
     reciprocating: Phrases = None,
@@ -72,6 +73,8 @@ def shock(
         sine: "0.5 g 12 Hz 10 s z": steady sine.
         sweep: "0.5 g 5 to 50 Hz 2 oct/min z": logarithmic sine sweep.
         psd: "transport.csv 30 s z seed 1": random vibration of a file with "frequency [Hz], psd [g^2/Hz]".
+        amplitude_table: "levels.csv 10 s z": steady sines, one frequency after the other, of a file with
+            "from [Hz], to [Hz], displacement [mm]" in steps of 1 Hz, or "frequency [Hz], displacement [mm]".
         spectrum: "floor.csv 20 s x damping 5 % seed 1": a motion with the response spectrum of a file with
             "frequency [Hz], acceleration [g]".
         unbalance: "engine 20 kg.mm 5 to 30 Hz 20 s x": a force on the payload, at its site force/engine: unbalance of a shaft
@@ -120,6 +123,7 @@ def shock(
     spoken = {
         "half-sine": half_sine, "sawtooth": sawtooth, "trapezoid": trapezoid, "velocity-step": velocity_step,
         "double-pulse": double_pulse, "struck-deck": struck_deck, "sine": sine, "sweep": sweep, "psd": psd,
+        "amplitude-table": amplitude_table,
         "spectrum": spectrum, "unbalance": unbalance, "reciprocating": reciprocating, "force": payload_force, "moment": moment,
         "force-table": force_table,
     }  # fmt: skip

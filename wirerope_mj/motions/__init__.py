@@ -4,7 +4,7 @@ from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce, PayloadForce
-from wirerope_mj.motions.psd_lines import psd_from_g, psd_level, psd_rms
+from wirerope_mj.motions.psd_lines import banded_lines, psd_from_g, psd_level, psd_rms
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel, load_measured
@@ -15,7 +15,7 @@ from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, DesignSpectrum, ac156_spectrum, en1998_spectrum
 from wirerope_mj.motions.unbalance import Unbalance
-from wirerope_mj.motions.vibration_lines import VibrationLines, banded_lines
+from wirerope_mj.motions.vibration_lines import VibrationLines
 
 __all__ = [
     "EN1998_TYPE_1", "BaseMotion", "DecayingSine", "DesignSpectrum", "DoubleHalfSine", "DoubleTriangle", "ForceTable",

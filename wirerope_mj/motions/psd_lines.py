@@ -12,7 +12,15 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted, short
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, STANDARD_GRAVITY, TIME_UNITS, in_si
+from wirerope_mj.foundation.units import (
+    ACCELERATION_UNITS,
+    FORCE_UNITS,
+    LENGTH_UNITS,
+    STANDARD_GRAVITY,
+    TIME_UNITS,
+    VELOCITY_UNITS,
+    in_si,
+)
 
 Points = tuple[tuple[float, float], ...]
 
@@ -23,6 +31,7 @@ FORCE_COLUMNS = ("fx", "fy", "fz", "mx", "my", "mz")
 ForceRows = tuple[tuple[float, ...], tuple[tuple[float, ...], ...]]  # times [s] and loads [N, N m], (n,) and (n, 6)
 _MOMENT_UNITS = {"N.m": 1.0, "Nm": 1.0, "N m": 1.0, "kN.m": 1e3, "kNm": 1e3, "kN m": 1e3}
 _FREQUENCY_UNITS = {"Hz": 1.0, "kHz": 1e3}
+_AMPLITUDE_UNITS = {"displacement": LENGTH_UNITS, "velocity": VELOCITY_UNITS, "acceleration": ACCELERATION_UNITS}
 
 
 def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2) -> Points:
@@ -118,6 +127,54 @@ def psd_points(path: Path) -> Points:
 def spectrum_points(path: Path) -> Points:
     """Read the points (frequency [Hz], acceleration [m/s^2]) of a file such as "frequency [Hz], acceleration [g]"."""
     return _points(path, ACCELERATION_UNITS, kind="response spectrum", example='"frequency [Hz], acceleration [g]"')
+
+
+def table_lines(path: Path) -> tuple[str, Points]:
+    """Read the lines of an amplitude table: the quantity, and frequencies [Hz] with its amplitudes in SI.
+
+    The file has "frequency [Hz], displacement [mm]", a row for each frequency, or "from [Hz], to [Hz], displacement [mm]" for
+    bands, passed in steps of 1 Hz; a velocity or an acceleration may stand in place of the displacement.
+    """
+    example = '"frequency [Hz], displacement [mm]" or "from [Hz], to [Hz], displacement [mm]"'
+    header = read_header(path, kind="amplitude table", example=example)
+    *places, quantity = header.names
+    if places not in (["frequency"], ["from", "to"]) or quantity not in _AMPLITUDE_UNITS:
+        raise RecordError(
+            f"{header.location}: an amplitude table has the columns {example}, or with a velocity or an acceleration at the "
+            f"end; here are {header.listed()}."
+        )
+    rows = _rows(header, [*[_FREQUENCY_UNITS] * len(places), _AMPLITUDE_UNITS[quantity]])
+    try:
+        lines = banded_lines([row if len(row) == 3 else (row[0], *row) for row in rows])
+    except ValueError as error:
+        raise RecordError(f"{path}: {error}") from None
+    return quantity, lines
+
+
+def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Points:
+    """Return lines (frequency [Hz], amplitude) at equal steps through bands of constant amplitude.
+
+    Amplitude tables of shipboard vibration tests (MIL-STD-167-1A type I and the like) are such bands, passed one
+    frequency after the other: take the lines one by one for that. No table is built in.
+
+    Args:
+        bands: bands (first frequency [Hz], last frequency [Hz], amplitude), in order of frequency.
+        step: step between the frequencies [Hz].
+    """
+    positive("step", step)
+    lines: list[tuple[float, float]] = []
+    for band in bands:
+        if not isinstance(band, Sequence) or len(band) != 3:
+            raise ValueError(
+                f"`bands` must hold a first frequency, a last frequency and an amplitude each, got {band!r}."
+            )
+        low, high, amplitude = (positive("bands", value) for value in band)
+        if high < low:
+            raise ValueError(f"a band of `bands` must end above its start, got {low:g} to {high:g} Hz.")
+        # One part in 1e9: the last frequency must not be lost by rounding.
+        steps = math.floor((high - low) / step * (1 + 1e-9))
+        lines += [(low + number * step, amplitude) for number in range(steps + 1)]
+    return checked_points("bands", lines, quantity="amplitude", least=1)
 
 
 def force_rows(path: Path) -> ForceRows:

@@ -11,13 +11,14 @@ from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce
 from wirerope_mj.motions.phrases import START, UNITS, Phrase, SpokenMotion, file_first, parse_phrase, site_first
-from wirerope_mj.motions.psd_lines import ForceRows, force_rows, psd_points, spectrum_points
+from wirerope_mj.motions.psd_lines import ForceRows, Points, force_rows, psd_points, spectrum_points, table_lines
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.shock_machines import DecayingSine
 from wirerope_mj.motions.spectrum_match import match_spectrum
 from wirerope_mj.motions.target_spectra import DesignSpectrum
 from wirerope_mj.motions.unbalance import Unbalance
+from wirerope_mj.motions.vibration_lines import VibrationLines
 
 LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
 
@@ -76,6 +77,16 @@ def _lasting(phrase: Phrase, direction: Direction, number: int) -> dict[str, Any
 
 def _random(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
     return RandomVibration(psd=points, **_lasting(phrase, direction, number))
+
+
+def _dwells(phrase: Phrase, direction: Direction, _: int, table: tuple[str, Points]) -> BaseMotion:
+    """Pass the lines of an amplitude table one after the other, each from rest to rest."""
+    length, dwells = phrase.one("time"), []
+    for number, line in enumerate(table[1]):
+        amplitude: dict[str, Any] = {table[0]: [line]}
+        start = phrase.start + number * length
+        dwells.append(VibrationLines(direction=direction, duration=length, start=start, **amplitude))
+    return sum(dwells[1:], start=dwells[0])
 
 
 def _match(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
@@ -162,6 +173,11 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
         example="transport.csv 30 s z seed 1",
         summary='random vibration: CSV file with "frequency [Hz], psd [g^2/Hz]", length, direction',
         needs={"time": 1}, words=_LASTING, begins=file_first(psd_points), make=_random,
+    ),
+    "amplitude-table": SpokenMotion(
+        example="levels.csv 10 s z",
+        summary='sines one after the other: CSV file with "from [Hz], to [Hz], displacement [mm]", time of each, direction',
+        needs={"time": 1}, begins=file_first(table_lines), make=_dwells,
     ),
     "spectrum": SpokenMotion(
         example="floor.csv 20 s x damping 5 % seed 1",

@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arguments import finite, integer, positive, the_one_given
+from wirerope_mj.foundation.arguments import finite, integer, the_one_given
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.summary import AsCall
@@ -175,32 +175,6 @@ class VibrationLines(AsCall, StartedMotion):
         if order == 1 and np.any(first):
             value += first * self._oscillation(t, 0)
         return value
-
-
-def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Points:
-    """Return lines (frequency [Hz], amplitude) at equal steps through bands of constant amplitude.
-
-    Amplitude tables of shipboard vibration tests (MIL-STD-167-1A type I and the like) are such bands, passed one
-    frequency after the other: take the lines one by one for that. No table is built in.
-
-    Args:
-        bands: bands (first frequency [Hz], last frequency [Hz], amplitude), in order of frequency.
-        step: step between the frequencies [Hz].
-    """
-    positive("step", step)
-    lines: list[tuple[float, float]] = []
-    for band in bands:
-        if not isinstance(band, Sequence) or len(band) != 3:
-            raise ValueError(
-                f"`bands` must hold a first frequency, a last frequency and an amplitude each, got {band!r}."
-            )
-        low, high, amplitude = (positive("bands", value) for value in band)
-        if high < low:
-            raise ValueError(f"a band of `bands` must end above its start, got {low:g} to {high:g} Hz.")
-        # One part in 1e9: the last frequency must not be lost by rounding.
-        steps = math.floor((high - low) / step * (1 + 1e-9))
-        lines += [(low + number * step, amplitude) for number in range(steps + 1)]
-    return checked_points("bands", lines, quantity="amplitude", least=1)
 
 
 def _checked_phases(phases: Sequence[float], count: int) -> tuple[float, ...]:
