@@ -11,6 +11,8 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.foundation.resources import catalogue_folder
 
+pytestmark = pytest.mark.slow  # the script of the page fits a sheet and shakes its rack
+
 ROOT = Path(__file__).parents[2]
 PAGE = (ROOT / "docs/cabinet.md").read_text(encoding="utf-8")
 TABLES = runpy.run_path(str(ROOT / "docs/page_tables.py"))
@@ -32,7 +34,6 @@ def along_x(page):
     return dict(zip(names, np.array(page["along_x"][1:]), strict=True))
 
 
-@pytest.mark.slow
 def test_the_tables_are_what_the_script_computes(page):
     assert TABLES["rewritten"](PAGE, page["tables"]) == PAGE
 
