@@ -2,9 +2,15 @@
 
 from collections.abc import Sequence
 
+from wirerope_mj.assessment.durability.equivalent import EquivalentVibration
 from wirerope_mj.assessment.durability.mission import Mission, MountDamage, Stage
 from wirerope_mj.content.blocks import Content, Section, Statement
+from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.foundation.tables import Column, Row, Table
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+
+_EXACT = 0.01  # relative error of an equivalent vibration's damage up to which it is not said
+_FEW = 12  # rows of a density that are shown at once
 
 
 def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows: int) -> Content:
@@ -24,6 +30,29 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
             Section(id="durability", title="", build=lambda: [_table(mission, damages, rows), worst], depth="summary"),
         ),
     )
+
+
+def equivalent_content(found: EquivalentVibration) -> Content:
+    """Describe the random vibration that does the damage of a history: its rms value, and its density."""
+    text = (
+        f"{with_unit(found.rms, 'm/s^2')} rms for {with_unit(found.duration, 's')} along {found.along} do the damage that the "
+        f"run does at {found.subject}, to oscillators of Q = {found.q:g} with the exponent {found.exponent:g}"
+    )
+    exact = found.error < _EXACT
+    text += "." if exact else f", but for {100.0 * found.error:.2g} % of it at one frequency: more than the run's."
+    verdict = Statement(
+        id="equivalent", text=text, tone="" if exact else "unjudged",
+        values={"rms_m_s2": found.rms, "duration_s": found.duration, "error": found.error},
+    )  # fmt: skip
+    rows = [(frequency, level / STANDARD_GRAVITY**2) for frequency, level in found.points]
+    table = Table(
+        id="equivalent-psd", title="Power spectral density, straight on logarithmic axes", rows=rows, shown=_FEW,
+        columns=(Column("frequency", "Hz", ".4g"), Column("density", "g²/Hz", ".4g")),
+    )  # fmt: skip
+    return Content(
+        title=f"Vibration in place of the run at {found.subject}", verdict=verdict,
+        sections=(Section(id="equivalent", title="", build=lambda: [verdict, table], depth="summary"),),
+    )  # fmt: skip
 
 
 def _worst(mission: Mission, damages: Sequence[MountDamage]) -> Statement:

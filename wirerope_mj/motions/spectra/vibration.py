@@ -18,6 +18,10 @@ Method = Literal["dirlik", "narrow-band"]
 
 _POWERS = (0, 1, 2, 4)  # powers of the frequency in the moments that the rules of damage take
 
+_PER_OCTAVE = 400  # Frequencies to an octave by which a density is integrated: 1e-4 of the moments of Q = 50
+_ROUNDS, _EQUAL = 60, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
+_LEAST = 1e-6  # of the largest level
+
 # half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak
 _NEAR = 40.0
 
@@ -106,6 +110,64 @@ def vibration_response_spectrum(
         moments=integrals[:, :-1],
         q=quality,
     )
+
+
+def equivalent_psd(
+    frequencies: npt.ArrayLike,
+    damage: npt.ArrayLike,
+    *,
+    exponent: float,
+    duration: float,
+    q: float = 10.0,
+    method: Method = "dirlik",
+) -> tuple[Points, float]:
+    """Find the power spectral density that does the damage of a damage spectrum within a duration.
+
+    The levels at the frequencies are corrected by (wanted / found)^(2 / b) until the damage is the wanted one. Where the
+    spectrum falls more steeply than the skirts of an oscillator let it, the level goes to its least, a millionth of the
+    largest, and the damage stays above the wanted one: on the safe side. The levels at the ends stand for all that lies
+    beyond them, too.
+
+    Args:
+        frequencies: natural frequencies [Hz], increasing, (n,).
+        damage: of pseudo-velocity amplitudes with C = 1 at each, as `fatigue_damage_spectrum` counts it, (n,).
+        exponent: b of N = C / A^b.
+        duration: of the vibration [s].
+        q: quality of the oscillators.
+        method: by which the damage of the density is reckoned, as `VibrationSpectrum.fatigue_damage` takes it.
+
+    Returns:
+        Points (frequency [Hz], level [(m/s^2)^2/Hz]), and the largest relative error of the damage that is left.
+
+    Raises:
+        ValueError: an argument is out of its range.
+    """
+    at, wanted = np.array(checked_points("damage", list(zip(frequencies, damage, strict=True)), quantity="damage")).T  # type: ignore[arg-type]
+    b, quality = positive("exponent", exponent), positive("q", q)
+    grid = np.geomspace(at[0], at[-1], math.ceil(_PER_OCTAVE * math.log2(at[-1] / at[0])) + 1)
+    ratio = grid / at[:, None]
+    squared = 1.0 / ((1.0 - ratio**2) ** 2 + (ratio / quality) ** 2) / (2.0 * math.pi * at[:, None]) ** 4
+    steps = np.gradient(np.log(grid))
+    steps[[0, -1]] *= 0.5  # the trapezoidal rule
+    weights = np.stack([steps * grid ** (k + 1) for k in _POWERS])  # f^k df = f^(k + 1) dlog f
+    levels = np.ones(at.size)
+    for _ in range(_ROUNDS):
+        density = np.exp(np.interp(np.log(grid), np.log(at), np.log(levels)))
+        moments = squared @ (weights * density).T
+        spectrum = VibrationSpectrum(
+            frequencies=at,
+            acceleration=np.full(at.size, math.nan),
+            deflection=np.sqrt(moments[:, 0]),
+            moments=moments,
+            q=quality,
+        )
+        found = spectrum.fatigue_damage(b, duration, method=method)
+        error = float(np.abs(found / wanted - 1.0).max())
+        if error < _EQUAL:
+            break
+        levels = levels * (wanted / found) ** (2.0 / b)
+        levels = np.maximum(levels, _LEAST * levels.max())
+    return tuple(zip(at.tolist(), levels.tolist(), strict=True)), error
 
 
 def _integrals(points: Points, natural: float, q: float) -> Array:
