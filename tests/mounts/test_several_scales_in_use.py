@@ -53,6 +53,24 @@ def test_factors_are_on_force_friction_and_the_deflection_over_which_it_builds_u
 
 
 @pytest.mark.quick
+def test_columns_of_parameters_and_factors_hold_as_each_of_their_entries_does():
+    """Of whole columns a study asks once; 1 is the model's own factor, and of a parameter of one law a value."""
+    keys = [*TWO.factors, *(f"laws[1].{name}" for name in ("alpha", "beta", "n", "b"))]
+    for pair in [(key,) for key in keys] + [(one, other) for one in keys for other in keys if one < other]:
+        for last in (-1.0, 0.0, 0.4, 0.97, 2.5):
+            entries = [1.0, 1.1, last]
+            columns = {key: np.array(entries) * (1.0 if key in TWO.factors else TWO.parameter(key)) for key in pair}
+            each = True
+            for number in range(len(entries)):
+                try:
+                    laws = TWO.completed({key: float(column[number]) for key, column in columns.items()})["laws"]
+                    each = each and math.isinf(min(law.finite_travel for law in laws))
+                except ValueError:
+                    each = False
+            assert TWO.certainly_valid(columns) == each, (pair, last)
+
+
+@pytest.mark.quick
 def test_a_parameter_that_all_laws_have_is_a_factor_and_one_that_is_zero_in_all_is_none():
     assert TWO.factors == ("stiffness", "friction", "yield", "alpha", "beta", "gamma", "n", "k1", "b", "c")
     assert [law.c for law in TWO.completed({"c": 0.5})["laws"]] == [4.0, 4.0]

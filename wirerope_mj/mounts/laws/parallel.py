@@ -2,7 +2,8 @@
 
 import re
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
+from functools import cached_property
 from itertools import accumulate
 from typing import Any, ClassVar, Self
 
@@ -128,21 +129,32 @@ class Parallel(Law):
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
     def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
-        """Return whether there are no columns: each entry has to be tried."""
-        return not columns
+        """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
+        for law, own in zip(self.laws, self._own(columns), strict=True):
+            whole = law.completed(own)
+            for name, powers in law.powers_of_factors.items():
+                factor = np.asarray(columns.get(name, 1.0))
+                if not (np.isfinite(factor) & (factor > 0.0)).all():
+                    return False
+                for key, power in powers.items() if name in columns else ():
+                    value = whole.get(key, getattr(law, key))
+                    many = isinstance(value, tuple)
+                    whole[key] = tuple(one * factor**power for one in value) if many else value * factor**power
+            if not law.certainly_valid(whole):
+                return False
+        return True
 
     def with_yield(self, factor: float) -> Self:
         """Return the laws whose friction builds up over `factor` times the deflection."""
         return replace(self, laws=tuple(law.with_yield(factor) for law in self.laws))
 
-    @property
+    @cached_property
     def factors(self) -> tuple[str, ...]:
         """Names of factors on all laws: `FACTORS`, and of laws of one kind the numbers that are not all 0, as "alpha"."""
         if len({type(law) for law in self.laws}) > 1:
             return FACTORS
-        numbers = [
-            {key: value for key, value in law.to_dict().items() if isinstance(value, float)} for law in self.laws
-        ]
+        values = [{field.name: getattr(law, field.name) for field in fields(law)} for law in self.laws]
+        numbers = [{name: value for name, value in own.items() if isinstance(value, float)} for own in values]
         shared = [key for key in numbers[0] if all(key in one for one in numbers) and any(one[key] for one in numbers)]
         return (*FACTORS, *shared)
 
@@ -155,23 +167,26 @@ class Parallel(Law):
 
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
-        own: dict[int, dict[str, Any]] = {}
-        shared = {name: value for name, value in values.items() if name in self.factors and name not in FACTORS}
-        for name, value in values.items():
-            if name not in self.factors:
-                number, key = part_of(name)
-                own.setdefault(number, {})[key] = value
-        for number, law in enumerate(self.laws):
-            for name, value in shared.items():
-                mine = own.setdefault(number, {})
-                mine[name] = value * mine.get(name, law.parameter(name))
+        own = self._own(values)
         varied = replace(
-            self, laws=tuple(replace(law, **law.completed(own.get(number, {}))) for number, law in enumerate(self.laws))
+            self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in zip(self.laws, own, strict=True))
         )
         varied = varied.scaled(values["stiffness"]) if "stiffness" in values else varied
         varied = varied.with_damping(values["friction"]) if "friction" in values else varied
         varied = varied.with_yield(values["yield"]) if "yield" in values else varied
         return {"laws": varied.laws}
+
+    def _own(self, values: Mapping[str, Any]) -> list[dict[str, Any]]:
+        """Return what values of parameters and of factors on one parameter make of each law's parameters."""
+        own: list[dict[str, Any]] = [{} for _ in self.laws]
+        for name, value in values.items():
+            if name not in self.factors:
+                number, key = part_of(name)
+                own[number][key] = value
+        for name in set(values) & (set(self.factors) - set(FACTORS)):
+            for law, mine in zip(self.laws, own, strict=True):
+                mine[name] = values[name] * mine.get(name, law.parameter(name))
+        return own
 
     def to_dict(self) -> dict[str, Any]:
         """Return the laws as they stand in an isolator file."""

@@ -25,6 +25,7 @@ from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.plane import form_of
 from wirerope_mj.studies.inputs.check import systems_valid
@@ -225,10 +226,11 @@ _Laws = dict[Any, tuple[Array, tuple[float, float, float], tuple[float, float, f
 
 
 def _plain(draft: Draft) -> bool:
-    """Return whether only parameters of laws vary, of isolators that act as written."""
+    """Return whether only parameters of single laws vary, of isolators that act as written."""
     mounts = draft.system.mounts
     return not draft.isolators and all(
-        mounts[mount].written.stiffening is None and all(part in AXES for part, _ in parameters)
+        mounts[mount].written.stiffening is None
+        and all(part in AXES and not isinstance(mounts[mount].isolator.axes[part], Parallel) for part, _ in parameters)
         for mount, parameters in draft.parameters.items()
     )
 
