@@ -160,3 +160,18 @@ def test_spectra_outside_their_range_are_refused():
         ac156_spectrum(1.0, s_ds=1.0, height_ratio=0.0)
     with pytest.raises(ValueError, match="`height_ratio` must lie between 0 and 1, got 1.5"):
         ac156_spectrum(2.0, s_ds=1.0, height_ratio=1.5)
+
+
+def test_the_enveloping_motion_lies_nowhere_below_and_not_far_above(match):
+    """IEEE 344's sixth of an octave and closer; its shape is the match's, which between the lines was seen 15 % away."""
+    fine = np.geomspace(1.3, 33.3, 400)
+    wanted = ac156_spectrum(fine, s_ds=10.0, height_ratio=1.0)
+    ratio = spectrum(match.enveloping, fine) / wanted
+    assert ratio.min() > 0.99  # a dip that lies between two looks
+    assert np.median(ratio) < 1.25
+    grown = match.enveloping.acceleration([3.0, 4.0]) / match.motion.acceleration([3.0, 4.0])
+    assert grown[:, 0] == pytest.approx(np.full(2, grown[0, 0]), rel=1e-12)
+    assert 1.0 <= grown[0, 0] < 1.25
+    assert motion_from_dict(match.enveloping.to_dict()).acceleration([3.0]) == pytest.approx(
+        match.enveloping.acceleration([3.0])
+    )

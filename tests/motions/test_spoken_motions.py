@@ -125,6 +125,7 @@ def test_axes_named_together_are_one_motion_along_each():
 def test_every_example_is_understood(tmp_path):
     (tmp_path / "transport.csv").write_text("frequency [Hz], psd [g^2/Hz]\n5, 0.01\n200, 0.01\n")
     (tmp_path / "floor.csv").write_text("frequency [Hz], acceleration [g]\n1, 0.5\n5, 1\n33, 0.4\n")
+    (tmp_path / "rrs.csv").write_text("frequency [Hz], acceleration [g]\n1, 0.5\n5, 1\n33, 0.4\n")
     (tmp_path / "levels.csv").write_text("from [Hz], to [Hz], displacement [mm]\n4, 15, 0.76\n16, 25, 0.51\n")
     (tmp_path / "start.csv").write_text("time [ms], fz [kN], mx [N.m]\n0, 0, 0\n10, 2, 30\n20, 0, 0\n")
     for kind, spoken in SPOKEN_MOTIONS.items():

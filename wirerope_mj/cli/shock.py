@@ -27,6 +27,7 @@ def shock(
     psd: Phrases = None,
     amplitude_table: Phrases = None,
     spectrum: Phrases = None,
+    required_spectrum: Phrases = None,
     unbalance: Phrases = None,
     reciprocating: Phrases = None,
     payload_force: Phrases = None,
@@ -77,6 +78,7 @@ def shock(
             "from [Hz], to [Hz], displacement [mm]" in steps of 1 Hz, or "frequency [Hz], displacement [mm]".
         spectrum: "floor.csv 20 s x damping 5 % seed 1": a motion with the response spectrum of a file with
             "frequency [Hz], acceleration [g]".
+        required_spectrum: "rrs.csv 30 s x damping 5 % seed 1": the same, its spectrum nowhere below that of the file.
         unbalance: "engine 20 kg.mm 5 to 30 Hz 20 s x": a force on the payload, at its site force/engine: unbalance of a shaft
             about x, running up within 20 s; "25 Hz" for constant speed; "order 2", "for 10 s".
         reciprocating: "engine 8 kg.mm 25 Hz order 2 z": the same of what moves to and fro along z.
@@ -124,7 +126,8 @@ def shock(
         "half-sine": half_sine, "sawtooth": sawtooth, "trapezoid": trapezoid, "velocity-step": velocity_step,
         "double-pulse": double_pulse, "struck-deck": struck_deck, "sine": sine, "sweep": sweep, "psd": psd,
         "amplitude-table": amplitude_table,
-        "spectrum": spectrum, "unbalance": unbalance, "reciprocating": reciprocating, "force": payload_force, "moment": moment,
+        "spectrum": spectrum, "required-spectrum": required_spectrum,
+        "unbalance": unbalance, "reciprocating": reciprocating, "force": payload_force, "moment": moment,
         "force-table": force_table,
     }  # fmt: skip
     phrases = [(kind, phrase) for kind, several in spoken.items() for phrase in several or ()]

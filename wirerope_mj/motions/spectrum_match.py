@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -10,15 +11,18 @@ import scipy
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.budget import require_memory
-from wirerope_mj.foundation.directions import checked_direction
+from wirerope_mj.foundation.directions import checked_direction, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
+from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
+from wirerope_mj.motions.scaled import Scaled
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
+_PER_OCTAVE = 192  # frequencies at which an envelope is looked at: dips between the lines were seen 2 % wide
 LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
 
 # largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
@@ -70,6 +74,7 @@ class SpectrumMatch(Brief):
 
     Attributes:
         motion: the motion: lines between a rise from rest and a fall back to it.
+        points: of the target, frequency [Hz] and absolute acceleration [m/s^2].
         frequencies: frequencies of the comparison [Hz], (n,), at least twelve to an octave.
         target: absolute acceleration asked for [m/s^2], (n,).
         achieved: absolute acceleration of the motion's response spectrum [m/s^2], (n,).
@@ -78,6 +83,7 @@ class SpectrumMatch(Brief):
     """
 
     motion: VibrationLines
+    points: Points
     frequencies: Array
     target: Array
     achieved: Array
@@ -88,6 +94,18 @@ class SpectrumMatch(Brief):
     def mismatch(self) -> Array:
         """Achieved over target, less one, (n,)."""
         return self.achieved / self.target - 1
+
+    @cached_property
+    def enveloping(self) -> BaseMotion:
+        """The motion at the lowest level at which its spectrum lies nowhere below the target, looked at 192 times an octave.
+
+        That a test spectrum envelops the required one is the rule of IEEE 344 and of GR-63.
+        """
+        fine, wanted = _at(self.points, _PER_OCTAVE)
+        time = np.arange(self.motion.start, self.motion.end, 1.0 / (SAMPLES_PER_PERIOD * fine[-1]))
+        history = self.motion.acceleration(time) @ unit_vector(self.motion.direction)
+        found = shock_response_spectrum(time, history, fine, q=0.5 / self.damping).maximax
+        return Scaled(motion=self.motion, factor=float((wanted / found).max()))
 
     @property
     def largest_mismatch(self) -> float:
@@ -169,15 +187,19 @@ def match_spectrum(
         start=start,
     )
     return SpectrumMatch(
-        motion=motion, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
+        motion=motion, points=points, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
         iterations=iterations,
     )  # fmt: skip
 
 
 def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
     """Return the frequencies of the comparison [Hz] and the target there [m/s^2], (n,)."""
+    return _at(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping)))
+
+
+def _at(points: Points, per_octave: float) -> tuple[Array, Array]:
+    """Return so many frequencies an octave [Hz], evenly apart, and the level of the points there, (n,)."""
     f, levels = np.array(points).T
-    per_octave = max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping))
     count = math.ceil(per_octave * math.log2(f[-1] / f[0]) - 1e-9) + 1
     frequencies = np.geomspace(f[0], f[-1], count)
     return frequencies, np.exp(np.interp(np.log(frequencies), np.log(f), np.log(levels)))

@@ -93,6 +93,10 @@ def _match(phrase: Phrase, direction: Direction, number: int, points: Any) -> Ba
     return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number)).motion
 
 
+def _required(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
+    return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number)).enveloping
+
+
 def _shaft(kind: str) -> Make:
     """Make the force of an unbalance, its direction the `kind`: axis or line; a time is that of a run-up."""
 
@@ -184,6 +188,12 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
         summary='earthquake-like: CSV file of a response spectrum, "frequency [Hz], acceleration [g]", length, direction',
         needs={"time": 1}, words=_LASTING | {"damping": "ratio"}, needed_words=("damping",),
         begins=file_first(spectrum_points), make=_match,
+    ),
+    "required-spectrum": SpokenMotion(
+        example="rrs.csv 30 s x damping 5 % seed 1",
+        summary="the same, its spectrum nowhere below the file's, as IEEE 344 and GR-63 ask: a file of a required spectrum",
+        needs={"time": 1}, words=_LASTING | {"damping": "ratio"}, needed_words=("damping",),
+        begins=file_first(spectrum_points), make=_required,
     ),
     "unbalance": SpokenMotion(
         example="engine 20 kg.mm 5 to 30 Hz 20 s x",
