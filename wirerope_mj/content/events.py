@@ -15,6 +15,7 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 
 NEAR = 0.8  # Utilisation from which a limit is reported
+_NOTHING = 1e-9  # of the largest of all axes
 _UNITS = {"deflection": "mm", "force": "kN"}
 
 
@@ -74,17 +75,20 @@ def _acceleration_peaks(response: Response, selection: Selection) -> Iterator[Ev
 
 def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
     """Yield the largest deflection and force along every axis, and how far the mount swings back in the first of them."""
-    for axis in selection.axes:
-        number = AXES.index(axis)
-        for quantity, unit in _UNITS.items():
-            name = selection.leading[quantity, axis][0]
+    for quantity, unit in _UNITS.items():
+        ends_of = {}
+        for axis in selection.axes:
+            name, number = selection.leading[quantity, axis][0], AXES.index(axis)
             peak: Peak = getattr(response.peaks.mounts[name], quantity)
             ends = [
                 (float(peak.minimum[number]), float(peak.minimum_time[number])),
                 (float(peak.maximum[number]), float(peak.maximum_time[number])),
             ]
-            ends.sort(key=lambda end: -abs(end[0]))
-            (value, time), (back, after) = ends
+            ends_of[axis] = name, sorted(ends, key=lambda end: -abs(end[0]))
+        most = max(abs(ends[0][0]) for _, ends in ends_of.values())
+        for axis, (name, ((value, time), (back, after))) in ends_of.items():
+            if abs(value) <= _NOTHING * most:
+                continue  # rounding, along an axis in which nothing acts
             size = f"{in_unit(value, unit):.4g} {unit}"
             yield Event(time=time, level="INFO", text=f"{name}: largest {axis} {quantity}, {size}")
             if quantity == "deflection" and axis == selection.axes[0] and after > time and value * back < 0.0:

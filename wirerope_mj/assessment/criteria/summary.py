@@ -117,10 +117,12 @@ def _payload_lines(verdicts: Sequence[Verdict], early: str) -> list[str]:
 
 
 def against_limit(row: Verdict) -> str:
-    """Return a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"."""
+    """Return a value beside its limit, "travel in compression of m16, 42.9 of 43.2 mm (99 %)"; of a ratio the percentage."""
+    used = f"{100.0 * (row.utilisation or 0.0):.0f} %"
+    if not row.unit:
+        return f"{row.criterion} of {row.subject}, {used}"
     unit, factor = shown_in(row.unit)
-    reached = f"{factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit}".strip()
-    return f"{row.criterion} of {row.subject}, {reached} ({100.0 * (row.utilisation or 0.0):.0f} %)"
+    return f"{row.criterion} of {row.subject}, {factor * row.value:.3g} of {factor * (row.limit or 0.0):.3g} {unit} ({used})"
 
 
 def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
