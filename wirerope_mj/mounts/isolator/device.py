@@ -171,8 +171,7 @@ class Isolator(Brief):
     def conditioned(self) -> "Isolator":
         """The isolator as it acts: all forces times the factor of its stiffening, on its bracket; itself where nothing changes.
 
-        It has neither stiffening, bracket nor spread, which speak of the laws as written. Where a bracket holds one of two
-        coupled axes, they are independent.
+        It has neither stiffening, bracket nor spread, which speak of the laws as written.
         """
         if self.bracket is not None:
             return replace(self, bracket=None).conditioned._on(self.bracket)
@@ -183,13 +182,14 @@ class Isolator(Brief):
     def _on(self, bracket: Bracket) -> "Isolator":
         laws: dict[str, Law] = {}
         for axis, stiffness in bracket.stated.items():
-            if (law := self.axes[axis]) is None:
-                raise ValueError(f"`bracket` holds {axis}, along which the isolator has no law.")
+            law = self.axes[axis]
+            if law is None or AXES.index(axis) in self.coupled_axes:
+                why = (
+                    "has no law" if law is None else f"is coupled ({self.coupling}); leave the coupling out of its file"
+                )
+                raise ValueError(f"`bracket` holds {axis}, along which {self.name} {why}.")
             laws[axis] = on_bracket(law, stiffness)
-        apart = any(AXES[axis] in laws for axis in self.coupled_axes)
-        return replace(
-            self, spread=None, coupling=None if apart else self.coupling, loop=None if apart else self.loop, **laws
-        )  # type: ignore[arg-type]
+        return replace(self, spread=None, **laws)  # type: ignore[arg-type]
 
     def scaled(self, factor: float) -> "Isolator":
         """Return the isolator with all forces and torques times a factor > 0; limits stay, spread goes: it is of these laws."""
@@ -220,7 +220,17 @@ class Isolator(Brief):
         if self.free:
             content["free"] = list(self.free)
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in ("loop", "rotation", "stiffening", "bracket", "limits", "geometry", "provenance", "spread", "validity"):
+        for name in (
+            "loop",
+            "rotation",
+            "stiffening",
+            "bracket",
+            "limits",
+            "geometry",
+            "provenance",
+            "spread",
+            "validity",
+        ):
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:

@@ -52,11 +52,12 @@ class OnBracket(Law):
 
         ddot = xdot K / (K + T),   T = df/dd + df/dz dz/dd   in the direction of xdot,
 
-    so that it has no states but the law's and K adds nothing fast. d is found to rounding, T by a forward difference over 10 nm,
-    to 1e-6 of itself. It lives in memory alone: an isolator file holds the law and, in [bracket], K.
+    so that it has no states but the law's, and K adds nothing fast. d is found to rounding, T by a forward difference over
+    10 nm to 1e-6 of itself. It lives in memory alone: an isolator file holds the law and, in [bracket], K.
 
     Attributes:
-        law: Bouc-Wen's, Ni's, Ozdemir's, the enhanced dry friction, the tabulated one, Vaiana and Rosati's; or some in parallel.
+        law: Bouc-Wen's, Ni's, Ozdemir's, the enhanced dry friction, the tabulated one, Vaiana and Rosati's, or some in
+            parallel.
         stiffness: K [N/m].
     """
 

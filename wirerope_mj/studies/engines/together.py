@@ -228,7 +228,7 @@ def _plain(draft: Draft) -> bool:
     """Return whether only parameters of laws vary, of isolators that act as written."""
     mounts = draft.system.mounts
     return not draft.isolators and all(
-        mounts[mount].written.stiffening is None and all(part in AXES for part, _ in parameters)
+        mounts[mount].written.conditioned is mounts[mount].written and all(part in AXES for part, _ in parameters)
         for mount, parameters in draft.parameters.items()
     )
 
