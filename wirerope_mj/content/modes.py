@@ -101,8 +101,8 @@ def energy_table(system: System, modes: Modes) -> Table | None:
         title="Where the strain energy sits",
         columns=(*_MODE, _FREQUENCY, *(Column(name, "%", "z.1f") for name in SHARES)),
         rows=rows,
-        note="Mounts: with what weight and contacts do. Deck: what bends or is sprung between base and mounts. A mode with most "
-        "of it in the deck is the deck's own: it moves with the deck's frequency, hardly with the mounts.",
+        note="Mounts: with what weight and contacts do. Deck: what bends or is sprung between base and mounts. Most of it in "
+        "the deck: the mode is the deck's own, and moves with the deck's frequency, hardly with the mounts.",
     )
 
 
