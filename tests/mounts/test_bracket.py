@@ -2,12 +2,14 @@
 
 import re
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from house import hysteresis, sdof_text
 from laws_for_tests import example
 from scipy.optimize import brentq
+from table_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -15,6 +17,8 @@ from wirerope_mj.content.isolator import provenance_statement
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.laws import KelvinVoigt, OnBracket, Parallel, Zener, on_bracket
 from wirerope_mj.mounts.vendor_parts import load_isolator
+from wirerope_mj.studies.inputs.failure import acts
+from wirerope_mj.studies.measures import measures
 
 BRACKET = 3e5  # of the laws' own size, so that it takes a third of the deflection
 PATH = [0.0, 0.01, -0.008, 0.006]
@@ -135,3 +139,21 @@ def test_a_bracket_holds_no_law_whose_force_depends_on_the_rate_in_another_way()
         wr.Isolator(name="a", axial=example("bouc-wen"), bracket=wr.Bracket(roll=1e6))
     with pytest.raises((ValueError, ModelError), match="`bracket` must have a stiffness"):
         wr.Bracket()
+
+
+def test_a_study_varies_what_stands_on_a_bracket_and_may_lose_it(tmp_path):
+    device = wr.Isolator(
+        name="a", axial=wr.BoucWen(**hysteresis(alpha=2e4, z_max=40.0), k=4e3), bracket=wr.Bracket(axial=3e4)
+    )
+    given = {"model": sdof_text(), "isolators": {"a": device}, "variants": 4}
+    study = table_study(**given, vary={"mount/m1/axial/alpha": wr.Uniform(0.5, 1.5, relative=True)})
+    rows = study.run(tmp_path / "study", workers=1).table.to_pylist()
+    alone = wr.load_system(
+        sdof_text(),
+        isolators={"a": replace(device, axial=replace(device.axial, alpha=2e4 * rows[2]["mount/m1/axial/alpha"]))},
+    )
+    response = wr.simulate(alone, PULSE, duration=0.05, timestep=1e-3)
+    found = measures(alone, response.peaks, response.initial_state)
+    assert {key: rows[2][key] for key in found} == pytest.approx(found, rel=0.0, abs=0.0, nan_ok=True)
+    lost = table_study(**{**given, "variants": 1}, vary={"mount/m1/failed": wr.Choice(True)}).system(0)
+    assert not acts(lost.mounts["m1"].isolator)
