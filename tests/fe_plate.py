@@ -55,8 +55,8 @@ class Plate:
         return np.sqrt(values), shapes, shapes.T @ self.force
 
 
-def plate(a, b, thickness, nx, ny, *, clamped, modulus=210e9, nu=0.3, density=7850.0):
-    """Return a steel plate of nx by ny elements on clamped or simply supported edges."""
+def whole_plate(a, b, thickness, nx, ny, *, modulus=210e9, nu=0.3, density=7850.0):
+    """Return mass and stiffness of a steel plate of nx by ny elements without edges, w and its slopes node by node."""
     rigidity = modulus * thickness**3 / (12.0 * (1.0 - nu**2))
     one = element(a / nx, b / ny, rigidity, nu, density * thickness)
     n = 3 * (nx + 1) * (ny + 1)
@@ -71,6 +71,17 @@ def plate(a, b, thickness, nx, ny, *, clamped, modulus=210e9, nu=0.3, density=78
             dofs = np.concatenate([3 * number + np.arange(3) for number in nodes])
             mass[np.ix_(dofs, dofs)] += one[0]
             stiffness[np.ix_(dofs, dofs)] += one[1]
+    return mass, stiffness
+
+
+def plate(a, b, thickness, nx, ny, *, clamped):
+    """Return a steel plate of nx by ny elements on clamped or simply supported edges."""
+    mass, stiffness = whole_plate(a, b, thickness, nx, ny)
+    n = len(mass)
+
+    def node(i, j):
+        return i + (nx + 1) * j
+
     held = set()
     for i in range(nx + 1):
         for j in range(ny + 1):

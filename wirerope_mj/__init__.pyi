@@ -113,6 +113,7 @@ from .mounts.identification import identify_specimens as identify_specimens
 from .mounts.identification import joint_spread as joint_spread
 from .mounts.identification.identify import Identification as Identification
 from .mounts.identification.identify import identify as identify
+from .mounts.isolator import Bracket as Bracket
 from .mounts.isolator import Geometry as Geometry
 from .mounts.isolator import Isolator as Isolator
 from .mounts.isolator import Limits as Limits

@@ -4,15 +4,19 @@ import math
 
 import numpy as np
 import pytest
+import scipy.linalg
 from house import hysteresis, sdof, sdof_text
 from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
+from wirerope_mj.content.modes import modes_content
+from wirerope_mj.dynamics.modes.energy import strain_energy
 from wirerope_mj.engine.flexible import Panel, panel_of_phrase
 from wirerope_mj.engine.simulation.engines import unsupported_system
 from wirerope_mj.engine.system import load_on_deck, on_deck
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.runs.scenario import Scenario
+from wirerope_mj.views.terminal import show
 
 pytestmark = pytest.mark.quick
 
@@ -175,3 +179,31 @@ def test_a_study_varies_the_frequency_of_a_deck(tmp_path):
         panel = Panel(frequency=row["joint/deck_panel/frequency"], mass=1700.0)
         alone = wr.simulate(on_deck(wr.load_system("cabinet"), panel), PULSE, duration=0.1, timestep=5e-5)
         assert row["acceleration/rack"] == pytest.approx(alone.peaks.bodies["rack"].acceleration.value, rel=1e-9)
+
+
+def test_the_strain_energy_of_two_masses_is_shared_as_their_shapes_say(linear, capsys):
+    system, (on, _, stiffness) = on_deck(linear, PANEL), matrices()
+    shares = strain_energy(system, wr.modes(system))
+    values, shapes = scipy.linalg.eigh(stiffness, on)
+    deck = PANEL.stiffness * shapes[0] ** 2 / values
+    np.testing.assert_allclose(shares, np.column_stack([1.0 - deck, deck, 0.0 * deck]), atol=1e-7)
+    assert strain_energy(linear, wr.modes(linear)) is None
+    show(modes_content(system, wr.modes(system)))
+    assert "Where the strain energy sits" in capsys.readouterr().out
+
+
+@pytest.mark.slow
+def test_a_branch_is_followed_through_the_resonance_of_a_panel():
+    """States of small scales settle within a step there: the variational equation once blew up, and points were leapt over."""
+    system = load_on_deck("shock_table", panel_of_phrase("12 Hz 100 kg 4 %"))
+    branch = wr.follow_branch(
+        system, start=7.5, stop=8.3, acceleration=0.2 * wr.STANDARD_GRAVITY, direction="z", payload="block"
+    )
+    assert branch.gaps == ()
+    assert branch.stable.all()
+    around = np.array([7.7, 8.0, 8.2])
+    stepped = wr.stepped_sine(
+        system, frequencies=around, acceleration=0.2 * wr.STANDARD_GRAVITY, direction="z", payload="block"
+    )
+    # settled to 1e-4, and straight between points of the branch that are a percent apart
+    assert np.interp(around, branch.frequency, branch.amplitude) == pytest.approx(stepped.amplitude, rel=2e-3)

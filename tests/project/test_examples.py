@@ -12,7 +12,7 @@ from wirerope_mj.foundation.resources import models_folder
 
 FOLDER = models_folder().parent / "examples"
 EXAMPLES = sorted(FOLDER.glob("*.py"))
-SLOW = {"23_jump_and_stability", "30_tolerance_study"}
+SLOW = {"23_jump_and_stability", "30_tolerance_study", "41_how_stiff_a_deck"}
 """Those that may take more than 5 s."""
 
 pytestmark = pytest.mark.skipif(not FOLDER.is_dir(), reason="examples stand in a checkout only")

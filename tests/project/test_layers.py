@@ -61,7 +61,8 @@ OWNERS = {
     "jinja2": {"views/report"},
     "weasyprint": {"views/report"},
     "docx": {"views/report"},
-    "pyuff": {"motions/records"},
+    "pyuff": {"motions/records", "engine/flexible"},
+    "pyyeti": {"engine/flexible"},
     "pymoo": {"studies/search"},
     "emcee": {"studies/calibration"},
 }  # fmt: skip

@@ -109,7 +109,7 @@ COMMANDS = {
     ),
     "flexible": (
         "flexible:flexible",
-        "Read the modes of a deck or of equipment from tables, check them, and write them as a part that models bend by.",
+        "Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.",
     ),
     "levels": (
         "new:levels",

@@ -13,46 +13,45 @@ def flexible(
     out: Path,
     points: Path | None = None,
     mass_kg: float | None = None,
+    damping: float = 2.0,
+    highest_hz: float | None = None,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Read the modes of a deck or of equipment from tables, check them, and write them as a part that models bend by.
+    """Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.
 
-    The tables are CSV: modes with mode, frequency_Hz, damping, participation_x, participation_y, participation_z; shapes with
-    point, mode, x, y, z, normalised to unit modal mass; points with point, x, y, z. A deck's modes are those with its edge
-    held, and its participations Phi^T M r; equipment has free-free modes without the six rigid ones, and no participation.
-    Residual vectors of the mounts' points and of a motion of the base are modes like others.
+    OP4 files (.op4) hold K and M of a Craig-Bampton reduction: 6 or 3 coordinates of each row of the table of points, then
+    modes of unit modal mass; points that a column "held" says yes of are fixed to the base. Universal files (.unv, dataset 55)
+    and Nastran's punch text (.pch) hold eigenvectors of unit modal mass at nodes, which a column "node" names where points
+    are called otherwise. CSV tables are modes with mode, frequency_Hz, damping, participation_x, participation_y,
+    participation_z, and shapes with point, mode, x, y, z; the former beside eigenvectors says the participations of a deck.
 
-    wirerope shock MODEL --deck PART puts a model on the part.
+    A deck's modes are those with its edge held, and its participations Phi^T M r; equipment has free-free modes without the
+    six rigid ones, and no participation. Residual vectors of the mounts' points and of a motion of the base are modes like
+    others. wirerope shock MODEL --deck PART puts a model on the part.
 
     Args:
-        files: table of modes, then table of shapes; or a folder with modes.csv, shapes.csv and points.csv.
+        files: OP4 files; eigenvectors and perhaps a table of modes; table of modes, then of shapes; or a folder of the tables.
         units: of length, mass and time in the finite-element model: mm,t,s or m,kg,s.
         out: folder of the part.
         points: table of points, in the axes of the body that bends; columns x_m, y_m, z_m are metres in any units.
-        mass_kg: of the whole part, of which the modes should bring along 90 %.
+        mass_kg: of the whole part, of which the modes should bring along 90 %; OP4 files say it.
+        damping: damping ratio of modes without one [%].
+        highest_hz: leave out modes above this frequency, which ask for small steps.
         force: replace a part that is there.
     """
     from wirerope_mj.content.flexible import flexible_content
-    from wirerope_mj.engine.flexible import save_flexible
-    from wirerope_mj.engine.flexible.files import MODES, POINTS, SHAPES, read_flexible, units_in
+    from wirerope_mj.engine.flexible import import_part, save_flexible
+    from wirerope_mj.engine.flexible.files import units_in
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.views.terminal import print_headline, show
 
-    scale = units_in(units)
     mass = None if mass_kg is None else positive("--mass-kg", mass_kg, unit="kg")
-    if len(files) == 1 and files[0].is_dir():
-        modes, shapes, where = files[0] / MODES, files[0] / SHAPES, points or files[0] / POINTS
-    elif len(files) == 2 and points is not None:
-        (modes, shapes), where = files, points
-    else:
-        raise ValueError(
-            "a part is read from a table of modes and a table of shapes, in this order, with `--points FILE`, or from a folder "
-            f"with {MODES}, {SHAPES} and {POINTS}; got {len(files)} names."
-        )
-    part = read_flexible(modes, shapes, where, scale)
+    part, own_mass = import_part(files, points, units_in(units), damping=0.01 * damping)
+    if highest_hz is not None:
+        part = part.below(positive("--highest-hz", highest_hz, unit="Hz"))
     save_flexible(part, out, force=force)
-    content = flexible_content(out.name, part, mass=mass)
+    content = flexible_content(out.name, part, mass=own_mass if mass is None else mass)
     show(content)
     print_headline(content.verdict)
     print(plain(f"  written to {out}/"))

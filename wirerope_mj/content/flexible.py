@@ -7,6 +7,7 @@ import numpy as np
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.engine.flexible import FlexiblePart
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Table
 
 CAPTURED = 0.9  # of the mass along an axis below which modes that are left out matter: usual in seismic rules
@@ -16,8 +17,8 @@ _LIGHTEST, _HEAVIEST = (
 )  # effective mass that decks and machines have [kg]; beyond it units are perhaps other ones
 
 
-def flexible_content(name: str, part: FlexiblePart, *, mass: float | None = None) -> Content:
-    """Describe a flexible part; with its mass [kg], how much of it the modes bring along."""
+def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | None = None) -> Content:
+    """Describe a flexible part; with its mass [kg], perhaps along x, y, z, how much of it the modes bring along."""
     headline = Statement(
         id="part",
         text=f"{several(len(part.frequencies), 'mode')} from {with_unit(float(part.frequencies.min()), 'Hz')} to "
@@ -31,7 +32,7 @@ def flexible_content(name: str, part: FlexiblePart, *, mass: float | None = None
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 
 
-def _table(part: FlexiblePart, mass: float | None) -> Table:
+def _table(part: FlexiblePart, mass: float | Array | None) -> Table:
     effective = part.participation**2
     rows: list[list[Cell]] = [
         [str(number), float(frequency), float(damping), *map(float, row)]
@@ -41,9 +42,8 @@ def _table(part: FlexiblePart, mass: float | None) -> Table:
     ]
     rows.append(["all", None, None, *map(float, effective.sum(axis=0))])
     if mass is not None:
-        rows.append(
-            [f"of {with_unit(mass, 'kg')}", None, None, *(f"{100.0 * c:.1f} %" for c in effective.sum(axis=0) / mass)]
-        )
+        size = with_unit(float(np.max(mass)), "kg")
+        rows.append([f"of {size}", None, None, *(f"{100.0 * c:.1f} %" for c in _shares(effective.sum(axis=0), mass))])
     columns = (
         Column("mode", align="left"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
         *(Column(f"mass\n{axis}", "kg", "z.2f") for axis in "xyz"),
@@ -54,7 +54,11 @@ def _table(part: FlexiblePart, mass: float | None) -> Table:
     )  # fmt: skip
 
 
-def _checks(part: FlexiblePart, mass: float | None) -> Iterator[Block]:
+def _shares(total: Array, mass: float | Array) -> Array:
+    return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
+
+
+def _checks(part: FlexiblePart, mass: float | Array | None) -> Iterator[Block]:
     """Yield a sentence on each thing that is perhaps not meant."""
     effective = part.participation**2
     total = effective.sum(axis=0)
@@ -67,7 +71,7 @@ def _checks(part: FlexiblePart, mass: float | None) -> Iterator[Block]:
             "units",
             f"The modes bring along {with_unit(float(total.max()), 'kg')}: are the units those that --units says?",
         )
-    for axis, share in zip("xyz", total / mass if mass else (), strict=False):
+    for axis, share in zip("xyz", _shares(total, mass) if mass is not None else (), strict=False):
         if share > 1.0 + 1e-6:
             yield _warning(
                 "mass", f"Along {axis} the modes bring along {100 * share:.1f} % of the mass, more than there is."

@@ -11,6 +11,8 @@ from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.laws import Law, Parallel, Stop
 
+_SOFTER = 0.05  # share of a mount's stiffness that a bracket takes before its figure is worth a word
+
 
 def ratings_table(devices: Sequence[Isolator]) -> Table:
     """Tabulate provenance, laws, sizes and ratings of isolators."""
@@ -51,8 +53,18 @@ def provenance_statement(device: Isolator) -> Statement:
     text += "".join(_stop_words(axis, law) for axis, law in device.axes.items() if law is not None)
     if device.stiffening is not None:
         text += f" Stiffened by its first cycles, {device.stiffening.description}."
+    text += "".join(f" {one}" for one in _bracket_words(device))
     assumed = tuple(f"Assumed: {item.rstrip('.')}." for item in stated.assumed)
     return Statement(id=f"source-{device.name}", text=text, items=assumed)
+
+
+def _bracket_words(device: Isolator) -> Iterator[str]:
+    """Yield by how much the bracket softens each axis."""
+    for axis, stiffness in device.bracket.stated.items() if device.bracket is not None else ():
+        law = device.axes[axis]
+        softer = law.initial_stiffness / (law.initial_stiffness + stiffness) if law is not None else 0.0
+        much = f"by {100.0 * softer:.0f} %" if softer > _SOFTER else f"by less than {100.0 * _SOFTER:.0f} %"
+        yield f"Along {axis} on a bracket of {1e-6 * stiffness:.4g} kN/mm, softer {much} at small amplitudes."
 
 
 def _stop_words(axis: str, law: Law) -> str:

@@ -41,6 +41,8 @@ def _summary(run: JudgedRun) -> str:
     driven = f"The base {scene.base} is driven" if scene.base else "Nothing is driven"
     weight = f"gravity is {run.gravity:g} m/s²" if run.gravity else "there is no gravity"
     start = f"Model {run.model_file} with {mounts_and_stops(scene.mounts)}."
+    bends = " and ".join(body.name for body in scene.bodies if body.bends)
+    start += f" What is called {bends} bends by its modes, and is drawn unbent." if bends else ""
     return f"{start} {driven}, {weight}. Coordinates are those of the model's world frame, z up."
 
 

@@ -11,6 +11,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.statics import HISTORIES, stability_blocks
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
+from wirerope_mj.dynamics.modes.energy import SHARES, strain_energy
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
@@ -60,6 +61,8 @@ def run_modes_blocks(run: JudgedRun) -> Iterator[Block]:
             yield Statement(id=f"modes-{history}", text=modes.reason, tone="unjudged")
     for number, modes in enumerate(found.values()):
         yield modes_table(modes, note=_NOTE if number + 1 == len(found) else "")
+        if (energy := energy_table(run.system, modes)) is not None:
+            yield energy
     if found:
         yield _quote(at_amplitudes=False)
         yield from _statements("below-tests", below_tests(run.system))
@@ -81,6 +84,25 @@ def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
         columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS),
         rows=rows,
         note=note,
+    )
+
+
+def energy_table(system: System, modes: Modes) -> Table | None:
+    """Tabulate where the strain energy of every mode sits; None where nothing but mounts is elastic."""
+    shares = strain_energy(system, modes)
+    if shares is None:
+        return None
+    rows: list[Row] = [
+        (str(number + 1), shape, _hertz(modes.frequencies[number]), *map(float, shares[number]))
+        for number, shape in enumerate(modes.descriptions)
+    ]
+    return Table(
+        id=f"strain-energy-{modes.history}",
+        title="Where the strain energy sits",
+        columns=(*_MODE, _FREQUENCY, *(Column(name, "%", "z.1f") for name in SHARES)),
+        rows=rows,
+        note="Mounts: with what weight and contacts do. Deck: what bends or is sprung between base and mounts. Most of it in "
+        "the deck: the mode is the deck's own, and moves with the deck's frequency, hardly with the mounts.",
     )
 
 
@@ -127,6 +149,8 @@ def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
 
 def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block]:
     yield modes_table(small)
+    if (energy := energy_table(system, small)) is not None:
+        yield energy
     yield _quote(at_amplitudes=at_amplitudes)
     yield from _statements("small-amplitude", about_small(system, small))
     yield from _statements("below-tests", below_tests(system))

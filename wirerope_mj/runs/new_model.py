@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 from wirerope_mj.engine.flexible import Deck
@@ -129,6 +130,10 @@ def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
     folder.mkdir()
     for name, file in layout.isolators.items():
         load_isolator(file).save(folder / f"{name}.toml")
+    for mount in layout.mounts:
+        if mount.bracket is not None:
+            device = load_isolator(layout.isolators[mount.isolator])
+            replace(device, bracket=mount.bracket).save(folder / f"{mount.device}.toml")
     for stop in layout.stops:
         if stop.law is not None:
             try:

@@ -1,14 +1,53 @@
 """Decks and equipment that bend: a panel of one mode, and parts by their modes, in a model of any."""
 
+from collections.abc import Sequence
 from pathlib import Path
 
+from wirerope_mj.engine.flexible.craig_bampton import MATRICES, part_of_matrices
+from wirerope_mj.engine.flexible.eigenvectors import PUNCH, UNIVERSAL, part_of_eigenvectors, read_eigenvectors
+from wirerope_mj.engine.flexible.files import MODES, POINTS, SHAPES, Units, read_flexible
 from wirerope_mj.engine.flexible.files import load_flexible as load_flexible
 from wirerope_mj.engine.flexible.files import save_flexible as save_flexible
 from wirerope_mj.engine.flexible.panel import Panel as Panel
 from wirerope_mj.engine.flexible.panel import panel_of_phrase as panel_of_phrase
 from wirerope_mj.engine.flexible.part import FlexiblePart as FlexiblePart
+from wirerope_mj.foundation.arrays import Array
 
 Deck = Panel | FlexiblePart
+
+
+def import_part(
+    files: Sequence[Path], points: Path | None, units: Units, *, damping: float
+) -> tuple[FlexiblePart, Array | None]:
+    """Read a part from a finite-element program's files, and the mass of all its modes along x, y, z [kg] if they say it.
+
+    Args:
+        files: OP4 files of Craig-Bampton matrices; or a universal or punch file of eigenvectors, perhaps with a table of modes;
+            or tables of modes and shapes; or a folder of tables.
+        points: table of points; that of the folder unless it is given.
+        units: of the finite-element model.
+        damping: ratio where the files state none.
+
+    Raises:
+        ValueError: the files are not one of these.
+        RecordError: one of them is damaged or does not fit the others.
+    """
+    endings = [file.suffix.lower() for file in files]
+    if len(files) == 1 and files[0].is_dir():
+        return read_flexible(files[0] / MODES, files[0] / SHAPES, points or files[0] / POINTS, units), None
+    if points is not None and files and all(ending in MATRICES for ending in endings):
+        return part_of_matrices(files, points, units, damping=damping)
+    if points is not None and 1 <= len(files) <= 2 and endings[0] in (*UNIVERSAL, *PUNCH):
+        modes = files[1] if len(files) == 2 else None
+        found = read_eigenvectors(files[0])
+        return part_of_eigenvectors(found, files[0], points, units, damping=damping, modes=modes), None
+    if points is not None and len(files) == 2:
+        return read_flexible(files[0], files[1], points, units), None
+    raise ValueError(
+        "a part is read with `--points FILE` from OP4 files, a universal or punch file and perhaps a table of modes, or a "
+        f"table of modes and a table of shapes, in this order; or from a folder with {MODES}, {SHAPES} and {POINTS}; got "
+        f"{len(files)} names."
+    )
 
 
 def deck_of(text: str) -> Deck:

@@ -18,7 +18,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import LENGTH_UNITS
 
 MODES, SHAPES, POINTS = "modes.csv", "shapes.csv", "points.csv"
-_MODES = ("mode", "frequency_Hz", "damping", "participation_x", "participation_y", "participation_z")
+MODE_COLUMNS = ("mode", "frequency_Hz", "damping", "participation_x", "participation_y", "participation_z")
 _SHAPES = ("point", "mode", "x", "y", "z")
 _POINTS = ("point", "x_m", "y_m", "z_m")
 KIND = "folder of a flexible part"
@@ -36,7 +36,7 @@ def save_flexible(part: FlexiblePart, folder: str | Path, *, force: bool = False
     ]
     points = [[name, *map(float, place)] for name, place in part.points.items()]
     with atomic_folder(Path(folder), force=force, kind=KIND, marks=(MODES, SHAPES, POINTS)) as temporary:
-        for file, header, rows in ((MODES, _MODES, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):
+        for file, header, rows in ((MODES, MODE_COLUMNS, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):
             with (temporary / file).open("w", newline="", encoding="utf-8") as stream:
                 csv.writer(stream, lineterminator="\n").writerows([header, *rows])
 
@@ -92,30 +92,24 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
     Raises:
         RecordError: as `load_flexible`.
     """
-    of_modes = _rows(modes, (_MODES, _MODES[:3]))
-    of_points = _rows(points, (_POINTS, ("point", "x", "y", "z")))
-    of_shapes = _rows(shapes, (_SHAPES,))
+    of_modes = read_rows(modes, (MODE_COLUMNS, MODE_COLUMNS[:3]))
+    places = {name: place for name, (_, _, place) in read_points(points, units).items()}
+    of_shapes = read_rows(shapes, (_SHAPES,))
     numbers = [row["mode"] for _, row in of_modes]
     _require_once([(where, f"mode {row['mode']}") for where, row in of_modes])
-    _require_once([(where, f"point {row['point']}") for where, row in of_points])
     _require_once([(where, f"point {row['point']}, mode {row['mode']},") for where, row in of_shapes])
-    places = {}
-    for where, row in of_points:
-        metres = "x_m" in row
-        columns = _POINTS[1:] if metres else ("x", "y", "z")
-        places[row["point"]] = _numbers(where, row, columns) * (1.0 if metres else units.length)
     found = {}
     for where, row in of_shapes:
         if row["point"] not in places:
             raise RecordError(f"{where}: point {row['point']!r} is not in {points.name}; say there where it is.")
         if row["mode"] not in numbers:
             raise RecordError(f"{where}: mode {row['mode']!r} is not in {modes.name}; say there its frequency.")
-        found[row["point"], row["mode"]] = _numbers(where, row, _SHAPES[2:]) / math.sqrt(units.mass)
+        found[row["point"], row["mode"]] = numbers_of(where, row, _SHAPES[2:]) / math.sqrt(units.mass)
     for point in places:
         if missing := [mode for mode in numbers if (point, mode) not in found]:
             raise RecordError(f"{shapes}: point {point!r} has no row for mode {missing[0]!r}.")
-    figures = np.array([_numbers(where, row, _MODES[1:3]) for where, row in of_modes])
-    participation = [_numbers(where, row, _MODES[3:]) for where, row in of_modes if _MODES[3] in row]
+    figures = np.array([numbers_of(where, row, MODE_COLUMNS[1:3]) for where, row in of_modes])
+    participation = [numbers_of(where, row, MODE_COLUMNS[3:]) for where, row in of_modes if MODE_COLUMNS[3] in row]
     try:
         return FlexiblePart(
             frequencies=figures[:, 0], damping=figures[:, 1], points=places,
@@ -126,13 +120,26 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
         raise RecordError(f"{modes}: {error}") from None
 
 
-def _rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str, dict[str, str]]]:
+def read_points(path: Path, units: Units) -> dict[str, tuple[str, dict[str, str], Array]]:
+    """Read a table of points: location, cells and place [m] of each, by name; perhaps with a column node or held."""
+    plain = (_POINTS, ("point", "x", "y", "z"))
+    found: dict[str, tuple[str, dict[str, str], Array]] = {}
+    rows = read_rows(path, (*plain, *((*one, "held") for one in plain), *((one[0], "node", *one[1:]) for one in plain)))
+    _require_once([(where, f"point {row['point']}") for where, row in rows])
+    for where, row in rows:
+        metres = "x_m" in row
+        place = numbers_of(where, row, _POINTS[1:] if metres else ("x", "y", "z"))
+        found[row["point"]] = where, row, place * (1.0 if metres else units.length)
+    return found
+
+
+def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str, dict[str, str]]]:
     """Read the rows of a table below its header, each with its location; the header must be one of some."""
     if path.suffix.lower() != ".csv":
         raise RecordError(
             f"{path}: tables of a flexible part are CSV files. Have the finite-element program write its eigenvectors of unit "
-            f"modal mass as {', '.join(_SHAPES)}, and the modes as {', '.join(_MODES)}, participation being Phi^T M r of a "
-            "unit motion of the base."
+            f"modal mass as {', '.join(_SHAPES)}, and the modes as {', '.join(MODE_COLUMNS)}, participation being Phi^T M r of "
+            "a unit motion of the base. Universal files (.unv), OP4 and punch text (.pch) are read, too."
         )
     try:
         text = regular(path).read_text(encoding="utf-8-sig")
@@ -174,5 +181,6 @@ def _require_once(keys: Sequence[tuple[str, str]]) -> None:
         seen.add(key)
 
 
-def _numbers(where: str, row: Mapping[str, str], columns: Sequence[str]) -> Array:
+def numbers_of(where: str, row: Mapping[str, str], columns: Sequence[str]) -> Array:
+    """Read the numbers in some cells of a row."""
     return np.array([number_in(where, column, row[column]) for column in columns])

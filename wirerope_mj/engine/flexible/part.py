@@ -1,7 +1,8 @@
 """A part that bends, by its modes: shapes at named points, frequencies, damping, participation; and the MJCF of it."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+from typing import Self
 from xml.etree import ElementTree as ET
 
 import numpy as np
@@ -68,6 +69,18 @@ class FlexiblePart:
     def description(self) -> str:
         """What it is, in a few words."""
         return f"flexible part of {len(self.frequencies)} modes from {self.frequencies.min():.4g} Hz"
+
+    def below(self, frequency: float) -> Self:
+        """Return the part without its modes above a frequency [Hz]; ValueError if none is left."""
+        kept = self.frequencies <= frequency
+        if not kept.any():
+            raise ValueError(
+                f"the modes begin at {self.frequencies.min():.4g} Hz, and none is below {frequency:.4g} Hz."
+            )
+        return replace(
+            self, frequencies=self.frequencies[kept], damping=self.damping[kept], participation=self.participation[kept],
+            shapes={name: shape[kept] for name, shape in self.shapes.items()},
+        )  # fmt: skip
 
     def nearest(self, place: Array) -> str:
         """Return the name of the point at a place in the part's axes [m]; ValueError if there is none within 1 mm."""

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.mounts.isolator import Bracket
 from wirerope_mj.mounts.vendor_parts import VendorPart
 
 # by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
@@ -85,7 +86,7 @@ class StopLaw:
 
 @dataclass(frozen=True, eq=False)
 class Placed:
-    """A mount or a stop: name, position of its mid-height (3,) [m], axes, and the isolator's name."""
+    """A mount or a stop: name, position of its mid-height (3,) [m], axes, the isolator's name and what it is bolted to."""
 
     name: str
     position: Array
@@ -94,6 +95,13 @@ class Placed:
     isolator: str
     location: str  # file and row that say so, for messages
     law: StopLaw | None = None  # of a stop with figures of its own; else the isolator's file says it
+    bracket: Bracket | None = None
+
+    @property
+    def device(self) -> str:
+        """Name of the isolator together with its bracket."""
+        stated = self.bracket.stated if self.bracket is not None else {}
+        return "_".join([self.isolator, *(f"on_{axis}_{1e-3 * k:.6g}" for axis, k in stated.items())])
 
 
 @dataclass(frozen=True, eq=False)

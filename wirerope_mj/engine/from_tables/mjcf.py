@@ -135,13 +135,13 @@ def _add_sites(body: ET.Element, owner: str, layout: Layout) -> None:
 
 def _add_mounts(root: ET.Element, layout: Layout) -> None:
     custom = ET.SubElement(root, "custom")
-    for isolator in dict.fromkeys(placed.isolator for placed in (*layout.mounts, *layout.stops)):
+    for isolator in dict.fromkeys(placed.device for placed in (*layout.mounts, *layout.stops)):
         ET.SubElement(custom, "text", name=f"isolator/{isolator}", data=f"isolators/{isolator}.toml")
     custom.append(ET.Comment(" A mount: its payload site, its base site, its isolator. Stops are mounts too. "))
     for placed in (*layout.mounts, *layout.stops):
         mount = ET.SubElement(custom, "tuple", name=f"mount/{placed.name}")
         for kind, name in (
-            ("site", f"{layout.name}/{placed.name}"), ("site", f"deck/{placed.name}"), ("text", f"isolator/{placed.isolator}")
+            ("site", f"{layout.name}/{placed.name}"), ("site", f"deck/{placed.name}"), ("text", f"isolator/{placed.device}")
         ):  # fmt: skip
             ET.SubElement(mount, "element", objtype=kind, objname=name)
 

@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -23,6 +24,7 @@ from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_cad_text,
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.mounts.isolator import AXES, Bracket
 from wirerope_mj.mounts.vendor_parts import VendorPart, find_isolator, load_isolator
 
 _POSITION = {"name": TEXT, "x": "length", "y": "length", "z": "length"}
@@ -42,7 +44,8 @@ def read_layout(
 
     Args:
         name: of the model and its payload.
-        mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth.
+        mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth; perhaps bracket_axial,
+            bracket_shear, bracket_roll, the stiffness of what a mount is bolted to.
         masses: table with name, mass, x, y, z of the centre of mass and the inertia about it, or the size_x, size_y, size_z
             of a box that is filled evenly; of a subassembly that rings on its own its frequency, and perhaps damping and
             along, x, y or z; or a CAD program's text, .txt.
@@ -156,12 +159,21 @@ def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
 
 def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Placed, ...]:
     needed = {**_POSITION, "isolator": TEXT}
-    rows = read_sheet(path, kind="table of mounts", needed=needed, further={**_DIRECTION, **_ANGLES})
+    brackets = {f"bracket_{axis}": axis for axis in AXES}
+    further = {**_DIRECTION, **_ANGLES, **dict.fromkeys(brackets, "stiffness")}
+    rows = read_sheet(path, kind="table of mounts", needed=needed, further=further)
     mounts: list[Placed] = []
     for row in rows:
         name = _site_name(row)
         isolator = _isolator(row, path, isolators)
-        mounts.append(Placed(name, _position(row), _axes(row), isolator, row.location))
+        stiff = {axis: row.number(column) for column, axis in brackets.items() if row.has(column)}
+        try:
+            bracket = Bracket(**stiff) if stiff else None
+            if bracket is not None:
+                replace(load_isolator(isolators[isolator]), bracket=bracket)
+        except (ModelError, ValueError) as error:
+            raise RecordError(f'{row.location}: column "bracket_{next(iter(stiff))}": {error}') from None
+        mounts.append(Placed(name, _position(row), _axes(row), isolator, row.location, bracket=bracket))
     return tuple(mounts)
 
 

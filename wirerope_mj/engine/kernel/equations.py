@@ -15,7 +15,7 @@ from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.friction import ELEMENTS
-from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, SMOOTHED, STOP, TABULATED
+from wirerope_mj.mounts.laws.kernels import HEAD, MASING, ON_BRACKET, PARALLEL, SMOOTHED, STOP, TABULATED
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
@@ -275,6 +275,9 @@ def _counts(tables: Tables, axes: list[list[int]]) -> tuple[int, ...]:
             found.append(int(par[where[law]]))
         if law == SMOOTHED:
             law_counts(int(par[p + 1]), p + 2)
+        if law == ON_BRACKET:
+            found.append(int(par[p + 1]))
+            law_counts(PARALLEL, p + HEAD)
         for part in range(int(par[p]) if law == PARALLEL else 0):
             kind, first, state = (int(one) for one in par[p + 1 + 3 * part : p + 4 + 3 * part])
             found.extend([kind, first, state])

@@ -73,6 +73,17 @@ def bent(lay, k, num, values, first, column):
 
 
 @njit
+def bent_with_rate(lay, k, num, y):
+    """Return Phi q and Phi q' of a point, in its axes; both at once, because the shapes are many numbers."""
+    x = v = times(0.0, (y[0], y[0], y[0]))
+    for mode in range(lay[k]):
+        row = k + 1 + at.SHAPE_COLUMNS * mode
+        shape = vector(num, lay[row + 2])
+        x, v = plus(x, times(y[lay[row + 1]], shape)), plus(v, times(y[lay[at.NQ] + lay[row]], shape))
+    return x, v
+
+
+@njit
 def push_modes(lay, k, fix, num, work, force):
     """Add Phi^T f of a force on a flexible part, in the axes of the site's point, to the links of its modes."""
     for mode in range(lay[k]):
@@ -98,15 +109,17 @@ def deflect(lay, fix, num, y, work):
             arm = vector(num, p)  # on a link that never turns it is in the world's axes, as base points and axes are
             there = vector(num, p + 3)
             above, below = lay[m + at.BENT], lay[m + at.BENT_BASE]
+            own = given = times(0.0, arm)
             if above:
-                arm = plus(arm, bent(lay, above, num, y, 0, 1))
+                x, own = bent_with_rate(lay, above, num, y)
+                arm = plus(arm, x)
             if below:
-                there = plus(there, bent(lay, below, num, y, 0, 1))
+                x, given = bent_with_rate(lay, below, num, y)
+                there = plus(there, x)
             if turns:
                 arm = turned(work, k + at.KIN_R, arm)
                 rate = plus(rate, cross(w, arm))
             if above:
-                own = bent(lay, above, num, y, lay[at.NQ], 0)
                 rate = plus(rate, turned(work, k + at.KIN_R, own) if turns else own)
             keep(work, record + 9, arm)
             reach = plus(apart, arm)
@@ -116,7 +129,7 @@ def deflect(lay, fix, num, y, work):
                 d = turned_back(work, b + at.KIN_R, minus(reach, turned(work, b + at.KIN_R, there)))
                 rate = turned_back(work, b + at.KIN_R, minus(rate, cross(vector(work, b + at.KIN_W), reach)))
             if below:
-                rate = minus(rate, bent(lay, below, num, y, lay[at.NQ], 0))
+                rate = minus(rate, given)
             if not lay[m + at.ALIGNED]:
                 ex, ey, ez = vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)
                 d, rate = (dot(ex, d), dot(ey, d), dot(ez, d)), (dot(ex, rate), dot(ey, rate), dot(ez, rate))

@@ -36,6 +36,7 @@ class SceneBody:
     position: Array  # centre of mass in the modelled geometry [m], world frame, (3,)
     orientation: Array  # in the modelled geometry, quaternion w first, (4,)
     geoms: tuple[Geom, ...]  # its shapes
+    bends: bool = False  # whether it is a flexible part, drawn unbent
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -54,6 +54,7 @@ def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
     base = model.body(system.base).id if system.base else -1
     bodies = []
     modal = {mode.body for mode in system.assembly.subjects.modes}
+    bends = {mode.owner for mode in system.assembly.subjects.modes}
     for body in sorted(set(range(model.nbody)) - modal):
         moves = bool(model.body_weldid[body] != 0)
         fixed = not moves and body != 0
@@ -65,6 +66,7 @@ def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
                 position=data.xipos[body].copy(),
                 orientation=data.xquat[body].copy(),
                 geoms=_geoms(model, body),
+                bends=body in bends,
             )
         )
     return tuple(bodies)

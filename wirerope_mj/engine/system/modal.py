@@ -28,6 +28,7 @@ class DeclaredMode:
     """A mode of a flexible part: q'' + 2 zeta omega q' + omega^2 q = Phi^T f - Gamma a_base."""
 
     part: str
+    owner: int  # body that bends
     body: int  # on the slide that has its coordinate
     dof: int
     # Gamma along the world's axes [sqrt(kg)], (3,); zero of a part that is not on the base
@@ -77,6 +78,7 @@ def _modes_of(model: mujoco.MjModel, t: int) -> list[DeclaredMode]:
     return [
         DeclaredMode(
             part=name.replace(FLEXIBLE, "", 1),
+            owner=owner,
             body=body,
             dof=_slide(model, body, name),
             participation=along,

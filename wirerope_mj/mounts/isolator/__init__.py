@@ -1,6 +1,7 @@
 """The isolator: three restoring-force laws, what they are rated for, and where they come from."""
 
 from wirerope_mj.mounts.isolator.device import Isolator as Isolator
+from wirerope_mj.mounts.isolator.parts import Bracket as Bracket
 from wirerope_mj.mounts.isolator.parts import Geometry as Geometry
 from wirerope_mj.mounts.isolator.parts import Limits as Limits
 from wirerope_mj.mounts.isolator.parts import Provenance as Provenance

@@ -12,6 +12,7 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.isolator.parts import (
+    Bracket,
     Geometry,
     Limits,
     Provenance,
@@ -23,7 +24,7 @@ from wirerope_mj.mounts.isolator.parts import (
 from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
-from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop, Tabulated
+from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop, Tabulated, on_bracket
 from wirerope_mj.mounts.laws.stop import largest_gap
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axes that a coupling couples, by its name
@@ -45,6 +46,7 @@ class Isolator(Brief):
         loop: the elastic energy of the coupling "loop".
         rotation: stiffness against turning; None = the mount turns freely.
         stiffening: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it.
+        bracket: what it is bolted to, in series with its axes; None = rigid. `conditioned` is the isolator on it.
         limits: rated static load and travel.
         geometry: unloaded envelope, for drawing.
         provenance: where the parameters come from.
@@ -61,6 +63,7 @@ class Isolator(Brief):
     loop: LoopCoupling | None = None
     rotation: Rotation | None = None
     stiffening: Stiffening | None = None
+    bracket: Bracket | None = None
     limits: Limits = Limits()
     geometry: Geometry | None = None
     provenance: Provenance = Provenance()
@@ -82,7 +85,7 @@ class Isolator(Brief):
         for name, kind in (("limits", Limits), ("provenance", Provenance), ("validity", Validity)):
             if not isinstance(getattr(self, name), kind):
                 raise ValueError(f"`{name}` must be a {kind.__name__}, got {getattr(self, name)!r}.")
-        for name, part in (("rotation", Rotation), ("stiffening", Stiffening)):
+        for name, part in (("rotation", Rotation), ("stiffening", Stiffening), ("bracket", Bracket)):
             if not isinstance(getattr(self, name), part | None):
                 raise ValueError(f"`{name}` must be a {part.__name__} or None, got {getattr(self, name)!r}.")
         for axis, law in self.axes.items():
@@ -166,13 +169,27 @@ class Isolator(Brief):
 
     @cached_property
     def conditioned(self) -> "Isolator":
-        """The isolator as it acts: all forces times the factor of its stiffening; itself where that is 1.
+        """The isolator as it acts: all forces times the factor of its stiffening, on its bracket; itself where nothing changes.
 
-        It has neither stiffening nor spread, which speak of the laws as written.
+        It has neither stiffening, bracket nor spread, which speak of the laws as written.
         """
+        if self.bracket is not None:
+            return replace(self, bracket=None).conditioned._on(self.bracket)
         if self.stiffening is None or (factor := self.stiffening.factor) == 1.0:
             return self
         return replace(self, stiffening=None).scaled(factor)
+
+    def _on(self, bracket: Bracket) -> "Isolator":
+        laws: dict[str, Law] = {}
+        for axis, stiffness in bracket.stated.items():
+            law = self.axes[axis]
+            if law is None or AXES.index(axis) in self.coupled_axes:
+                why = (
+                    "has no law" if law is None else f"is coupled ({self.coupling}); leave the coupling out of its file"
+                )
+                raise ValueError(f"`bracket` holds {axis}, along which {self.name} {why}.")
+            laws[axis] = on_bracket(law, stiffness)
+        return replace(self, spread=None, **laws)  # type: ignore[arg-type]
 
     def scaled(self, factor: float) -> "Isolator":
         """Return the isolator with all forces and torques times a factor > 0; limits stay, spread goes: it is of these laws."""
@@ -203,7 +220,17 @@ class Isolator(Brief):
         if self.free:
             content["free"] = list(self.free)
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in ("loop", "rotation", "stiffening", "limits", "geometry", "provenance", "spread", "validity"):
+        for name in (
+            "loop",
+            "rotation",
+            "stiffening",
+            "bracket",
+            "limits",
+            "geometry",
+            "provenance",
+            "spread",
+            "validity",
+        ):
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:

@@ -68,6 +68,20 @@ class _Part:
 
 
 @dataclass(frozen=True, kw_only=True)
+class Bracket(_Part):
+    """Stiffness of what an isolator is bolted to, in series with it, by axis [N/m]; it has no mass. None = rigid."""
+
+    roll: float | None = None
+    shear: float | None = None
+    axial: float | None = None
+
+    def __post_init__(self) -> None:
+        _require_positive(self, "roll", "shear", "axial")
+        if not self.stated:
+            raise ValueError("`bracket` must have a stiffness along roll, shear or axial.")
+
+
+@dataclass(frozen=True, kw_only=True)
 class Stiffening(_Part):
     """A factor on all forces of an isolator, 1 + after_50 ln(cycles) / ln(50), for the cycles that it has gone through.
 

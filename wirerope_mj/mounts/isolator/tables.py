@@ -14,7 +14,16 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
-from wirerope_mj.mounts.isolator.parts import Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel
+from wirerope_mj.mounts.isolator.parts import (
+    Bracket,
+    Geometry,
+    Limits,
+    Provenance,
+    Rotation,
+    Spread,
+    Stiffening,
+    Travel,
+)
 from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
 from wirerope_mj.mounts.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 
@@ -112,6 +121,7 @@ _PARTS = {
     "loop": LoopCoupling,
     "rotation": Rotation,
     "stiffening": Stiffening,
+    "bracket": Bracket,
     "limits": Limits,
     "geometry": Geometry,
     "provenance": Provenance,

@@ -18,12 +18,13 @@ import math
 import numpy as np
 
 from wirerope_mj.foundation.jit import inlined, njit
-from wirerope_mj.foundation.lanes import count
+from wirerope_mj.foundation.lanes import count, some, where
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
 from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
 from wirerope_mj.mounts.laws.friction import MASING, hold_slip, masing, masing_increment
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN, asymmetric_bouc_wen, symmetric_bouc_wen
+from wirerope_mj.mounts.laws.on_bracket import HEAD, ON_BRACKET
 from wirerope_mj.mounts.laws.parallel import PARALLEL
 from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN, scragged_bouc_wen
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS, tinker_cutchins
@@ -92,6 +93,8 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return tabulated(p, i, x, v, z, j, zdot, k)
     if law == SCRAGGED_BOUC_WEN:
         return scragged_bouc_wen(p, i, x, v, z, j, zdot, k)
+    if law == ON_BRACKET:
+        return on_bracket(p, i, x, v, z, j, zdot, k)
     return np.nan
 
 
@@ -123,6 +126,52 @@ def smoothed(p, i, x, v, z, j, zdot, k):
     force = smoothable(law, p, i + 2, x, -1.0, z, j, zdot, k)
     down, half = -zdot[k], 0.5 * math.tanh(v / p[i])
     zdot[k] = v * (up * (0.5 + half) + down * (0.5 - half))
+    return force
+
+
+@njit
+def behind_bracket(p, i, x, v, z, j, zdot, k):
+    """Return the sum of the forces of the laws on a bracket [N]; `z` and `zdot` may be one array."""
+    force = 0.0
+    for part in range(count(p, i + HEAD)):
+        row = i + HEAD + 1 + 3 * part
+        state, first = count(p, row + 2), i + HEAD + count(p, row + 1)
+        force += smoothable(count(p, row), p, first, x, v, z, j + state, zdot, k + state)
+    return force
+
+
+# Step of the difference that yields a bracketed law's tangent [m]: it costs 1e-16 of the force and 1e-8 of a curvature's part.
+_NUDGE = 1e-8
+_ROUNDED = 1e-15  # of deflections: the residual that rounding leaves
+_SECANTS = 30  # five are usual
+
+
+@njit
+def on_bracket(p, i, x, v, z, j, zdot, k):
+    """Return the force of a law in series with a spring [N], see `OnBracket`; p = K, number of states, laws in parallel.
+
+    The law's deflection d + f(d) / K = x by secants, each lane until it is found.
+    """
+    stiffness, s = p[i], where(v < 0.0, -1.0, 1.0)
+    before = x
+    force = behind_bracket(p, i, x, s, z, j, zdot, k)
+    last = force / stiffness
+    d = x - last
+    for _ in range(_SECANTS):
+        force = behind_bracket(p, i, d, s, z, j, zdot, k)
+        left = d - x + force / stiffness
+        open_ = (abs(left) > _ROUNDED * (abs(x) + abs(d))) & (d != before)
+        if not some(open_):
+            break
+        slope = where(open_, (left - last) / where(open_, d - before, 1.0), 1.0)
+        before, last, d = where(open_, d, before), where(open_, left, last), where(open_, d - left / slope, d)
+    for state in range(count(p, i + 1)):
+        zdot[k + state] = z[j + state] + _NUDGE * zdot[k + state]
+    tangent = s * (behind_bracket(p, i, d + s * _NUDGE, s, zdot, k, zdot, k) - force) / _NUDGE
+    behind_bracket(p, i, d, s, z, j, zdot, k)
+    ratio = abs(v) * stiffness / (stiffness + tangent)
+    for state in range(count(p, i + 1)):
+        zdot[k + state] = ratio * zdot[k + state]
     return force
 
 

@@ -229,7 +229,7 @@ def _plain(draft: Draft) -> bool:
     """Return whether only parameters of single laws vary, of isolators that act as written."""
     mounts = draft.system.mounts
     return not draft.isolators and all(
-        mounts[mount].written.stiffening is None
+        mounts[mount].written.conditioned is mounts[mount].written
         and all(part in AXES and not isinstance(mounts[mount].isolator.axes[part], Parallel) for part, _ in parameters)
         for mount, parameters in draft.parameters.items()
     )

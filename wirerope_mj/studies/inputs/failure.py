@@ -16,8 +16,8 @@ def acts(isolator: Isolator) -> bool:
 
 def without_force(isolator: Isolator) -> Isolator:
     """Return the isolator after its failure: laws with as many states and hardly any force."""
-    laws = {axis: _faint(law) for axis, law in isolator.axes.items() if law is not None}
-    return replace(isolator, coupling=None, loop=None, rotation=None, stiffening=None, **laws)  # type: ignore[arg-type]
+    laws = {axis: _faint(law) for axis, law in isolator.conditioned.axes.items() if law is not None}
+    return replace(isolator, coupling=None, loop=None, rotation=None, stiffening=None, bracket=None, **laws)  # type: ignore[arg-type]
 
 
 def _faint(law: Law) -> Law:

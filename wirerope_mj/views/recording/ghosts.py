@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.views.recording.bending import log_bending, see_through
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
 from wirerope_mj.views.recording.enlarge import round_down
@@ -44,7 +45,10 @@ def log_ghosts(rec: Any, drawn: Drawn, factor: float) -> None:
         extent, rows = scene_extent(run.response.scene)[1], scene_rows(run.response, run.frames)
         base = next((body for body in run.response.scene.bodies if body.name == run.response.scene.base), None)
         if base is not None and base.name != "world" and repr(base.geoms) not in bases:
-            draw_geoms(below, run.frames[base.name].path, base.geoms, extent)
+            path = run.frames[base.name].path
+            draw_geoms(below, path, see_through(base), extent)
+            if drawn.alone:
+                log_bending(below, path, run.response, rows, factor)
             bases.append(repr(base.geoms))  # the same base would flicker through itself
         for body, frame in _riding(run):
             start, pose = _start(run, body, frame), (frame.position, frame.orientation)

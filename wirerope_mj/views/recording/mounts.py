@@ -12,6 +12,7 @@ from wirerope_mj.engine.response.scene import Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, colour_of
+from wirerope_mj.views.recording.bending import bending_below
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.views.recording.now import heat, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
@@ -93,18 +94,18 @@ def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], r
         static=True,
     )
     maps = np.empty((rows.size, len(devices), 3, 3), dtype=np.float32)  # columns first, as rerun stores them
-    feet = np.empty((len(devices), 3))
+    feet = np.empty((rows.size, len(devices), 3))
     for number, device in enumerate(devices):
         mount, axes = device.mount, device.mount.axes
-        feet[number] = mount.base_point - 0.5 * device.height * axes[:, AXIAL]
+        foot = mount.base_point - 0.5 * device.height * axes[:, AXIAL]
+        feet[:, number] = foot + bending_below(response, mount, rows)
         reach = response.mounts[mount.name].deflection[rows] + np.array([0.0, 0.0, device.height])
         reach[:, AXIAL] = np.maximum(reach[:, AXIAL], _FLAT * device.height)
         maps[:, number, 0], maps[:, number, 1] = axes[:, 0], axes[:, 1]
         maps[:, number, 2] = reach @ axes.T
     kind = pa.list_(pa.field("item", pa.float32(), nullable=False), 9)
     columns = pa.FixedSizeListArray.from_arrays(pa.array(maps.ravel()), type=kind)
-    # The feet do not move, but the viewer drops instances whose translations are static and whose maps are not.
-    poses = rr.InstancePoses3D.columns(translations=np.tile(feet, (rows.size, 1)), mat3x3=columns)
+    poses = rr.InstancePoses3D.columns(translations=feet.reshape(-1, 3), mat3x3=columns)
     rec.send_columns(path, at(response.time[rows]), poses.partition(np.full(rows.size, len(devices))))
 
 

@@ -8,6 +8,7 @@ from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.views.recording.bending import log_bending, see_through
 from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts, log_stops
 from wirerope_mj.views.recording.paths import Rows, at, child, entity
@@ -40,10 +41,12 @@ def log_scene(
         if body.name != "world":
             own = _base_rows(response) if body.name == response.scene.base else rows
             log_pose(rec, frame.path, response.time, frame.position, frame.orientation, own)
-        draw_geoms(rec, frame.path, body.geoms, extent)
+        draw_geoms(rec, frame.path, see_through(body), extent)
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
         log_stops(rec, response, frames, extent=extent)
+        if response.scene.base in frames:
+            log_bending(rec, frames[response.scene.base].path, response, rows, 1.0)
     if response.scene.base in frames:
         corner = _corners(response, extent)[1] * [1.0, 1.0, 0.0]
         _log_axes(rec, child(frames[response.scene.base].path, "axes"), corner, 0.07 * extent)

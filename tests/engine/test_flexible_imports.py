@@ -1,0 +1,288 @@
+"""Parts from finite-element programs: one plate through OP4, universal and punch files, and what damaged ones say."""
+
+import numpy as np
+import pytest
+import pyuff
+import scipy.linalg
+from fe_plate import plate, whole_plate
+from pyyeti.nastran import op4
+
+import wirerope_mj as wr
+from wirerope_mj.cli import main
+from wirerope_mj.engine.flexible import import_part
+from wirerope_mj.engine.flexible.files import units_in
+from wirerope_mj.foundation.errors import RecordError
+
+A, B, H, NX, NY = 1.8, 1.5, 0.006, 6, 5
+FEET = {"m1": (2, 1), "m2": (4, 1), "m3": (2, 4), "m4": (4, 4)}
+COUNT, MM, TONNE, ZETA = 8, 1e3, 1e-3, 0.03  # modes; millimetres of a metre, tonnes of a kilogram
+UNITS = units_in("mm,t,s")
+
+
+def at(i, j):
+    return np.array([A * (i / NX - 0.5), B * (j / NY - 0.5), 0.0])
+
+
+@pytest.fixture(scope="module")
+def truth():
+    """Return the part of the plate's lowest modes on its clamped edge, in SI, straight from its matrices."""
+    fe = plate(A, B, H, NX, NY, clamped=True)
+    omega, shapes, gamma = fe.modes(COUNT)
+    up = np.array([0.0, 0.0, 1.0])
+    return wr.FlexiblePart(
+        frequencies=omega / (2 * np.pi), damping=ZETA, participation=np.outer(gamma, up),
+        points={name: at(*node) for name, node in FEET.items()},
+        shapes={name: np.outer(shapes[fe.deflection[node]], up) for name, node in FEET.items()},
+    )  # fmt: skip
+
+
+def craig_bampton():
+    """Return K and M in mm, t, s: a rigid edge and the feet with six coordinates each, then all fixed-interface modes."""
+    mass, stiffness = whole_plate(A, B, H, NX, NY)
+    nodes = [(i, j) for j in range(NY + 1) for i in range(NX + 1)]
+    edge = [n for n, (i, j) in enumerate(nodes) if i in (0, NX) or j in (0, NY)]
+    feet = [nodes.index(node) for node in FEET.values()]
+    rest = [n for n in range(len(nodes)) if n not in (*edge, *feet)]
+    boundary = np.zeros((3 * len(nodes), 30))  # w, dw/dx, dw/dy of every node by x, y, z, and turns of edge and feet
+    for n in edge:
+        x, y, _ = at(*nodes[n])
+        boundary[3 * n : 3 * n + 3, 2:5] = [[1.0, y, -x], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
+    for number, n in enumerate(feet, 1):
+        first = 6 * number
+        boundary[3 * n : 3 * n + 3, first + 2 : first + 5] = [[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]
+    inner = [3 * n + c for n in rest for c in range(3)]
+    own = np.ix_(inner, inner)
+    boundary[inner] = -np.linalg.solve(stiffness[own], stiffness[inner] @ boundary)
+    modes = np.zeros((3 * len(nodes), len(inner)))
+    modes[inner] = scipy.linalg.eigh(stiffness[own], mass[own])[1]
+    length = np.array([MM, MM, MM, 1.0, 1.0, 1.0] * 5)  # of a coordinate in the file's units
+    basis = np.hstack([boundary / length, modes / (np.sqrt(TONNE) * MM)])
+    return basis.T @ stiffness @ basis * TONNE * MM**2, basis.T @ mass @ basis * TONNE * MM**2
+
+
+def with_files(folder, truth):
+    """Write the plate as OP4, universal file and punch text with the tables beside them, in mm, t, s."""
+    folder.mkdir(exist_ok=True)
+    op4.write(str(folder / "cb.op4"), dict(zip(("kaa", "maa"), craig_bampton(), strict=True)))
+    rows = "".join(f"{name},{x * MM:.9g},{y * MM:.9g},{z * MM:.9g}," + "\n" for name, (x, y, z) in truth.points.items())
+    (folder / "boundary.csv").write_text("point,x,y,z,held\nedge,0,0,0,yes\n" + rows)
+    nodes = {name: 100 + n for n, name in enumerate(FEET)}
+    rows = "".join(
+        f"{name},{nodes[name]},{x * MM:.9g},{y * MM:.9g},{z * MM:.9g}\n" for name, (x, y, z) in truth.points.items()
+    )
+    (folder / "points.csv").write_text("point,node,x,y,z\n" + rows)
+    rows = "".join(
+        f"{n},{f:.12g},{ZETA},0,0,{gamma * np.sqrt(TONNE):.12g}\n"
+        for n, (f, gamma) in enumerate(zip(truth.frequencies, truth.participation[:, 2], strict=True), 1)
+    )
+    header = "mode,frequency_Hz,damping,participation_x,participation_y,participation_z\n"
+    (folder / "modes.csv").write_text(header + rows)
+    shapes = np.array([truth.shapes[name] for name in FEET]) / np.sqrt(TONNE)  # (n, m, 3)
+    write_uff(folder / "plate.unv", nodes, truth, shapes)
+    (folder / "plate.pch").write_text(punched(nodes, truth.frequencies, shapes))
+    return folder
+
+
+def write_uff(path, nodes, truth, shapes, *, modal_mass=1.0, **changes):
+    file, places = pyuff.UFF(str(path)), np.array(list(truth.points.values())) * MM
+    numbers = list(nodes.values())
+    file.write_sets(
+        pyuff.prepare_2411(
+            node_nums=numbers, def_cs=[1] * 4, disp_cs=[1] * 4, color=[1] * 4, x=places[:, 0], y=places[:, 1],
+            z=places[:, 2],
+        ), "overwrite",
+    )  # fmt: skip
+    for mode, frequency in enumerate(truth.frequencies):
+        x, y, z = (np.sqrt(modal_mass) * shapes[:, mode]).T
+        given = {
+            "model_type": 1, "analysis_type": 2, "data_ch": 2, "spec_data_type": 8, "data_type": 2, "n_data_per_node": 3,
+            "r1": x, "r2": y, "r3": z, "node_nums": numbers, "load_case": 1, "mode_n": mode + 1, "freq": frequency,
+            "modal_m": modal_mass, "modal_damp_vis": ZETA, "modal_damp_his": 0.0,
+        }  # fmt: skip
+        file.write_sets(pyuff.prepare_55(**given | changes), "add")
+
+
+def punched(nodes, frequencies, shapes):
+    """Return eigenvectors as Nastran punches them: cards of 80 columns, the last eight their numbers."""
+    cards = [
+        "$TITLE   = PLATE",
+        "$SUBTITLE=",
+        "$LABEL   =",
+        "$EIGENVECTOR",
+        "$REAL OUTPUT",
+        "$SUBCASE ID =           1",
+    ]
+    for mode, frequency in enumerate(frequencies):
+        cards.append(f"$EIGENVALUE = {(2 * np.pi * frequency) ** 2:14.7E}  MODE = {mode + 1:5d}")
+        for n, node in enumerate(nodes.values()):
+            cards.append(f"{node:10d}       G" + "".join(f"{value:18.6E}" for value in shapes[n, mode]))
+            cards.append("-CONT-            " + f"{0.0:18.6E}" * 3)
+    return "".join(f"{card:<72}{number:8d}\n" for number, card in enumerate(cards, 1))
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory, truth):
+    return with_files(tmp_path_factory.mktemp("plate"), truth)
+
+
+def same(part, truth, digits):
+    """Hold a part against another up to the signs of its modes, each against the largest of its kind."""
+    signs = np.sign(np.sum(part.participation * truth.participation, axis=1))
+    still = np.abs(truth.participation[:, 2]) < 1e-6
+    shapes = np.array([part.shapes[name] for name in FEET])
+    expected = np.array([truth.shapes[name] for name in FEET])
+    signs[still] = np.sign(np.sum(shapes * expected, axis=(0, 2)))[still]
+    np.testing.assert_allclose(part.frequencies, truth.frequencies, rtol=digits)
+    np.testing.assert_allclose(part.damping, truth.damping, rtol=1e-12)
+    np.testing.assert_allclose(shapes * signs[:, np.newaxis], expected, atol=digits * np.abs(expected).max())
+    largest = np.abs(truth.participation).max()
+    np.testing.assert_allclose(part.participation * signs[:, np.newaxis], truth.participation, atol=digits * largest)
+    for name, place in truth.points.items():
+        np.testing.assert_allclose(part.points[name], place, atol=1e-12)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("files", "points", "digits"),
+    [
+        (["cb.op4"], "boundary.csv", 1e-6),
+        (["plate.pch", "modes.csv"], "points.csv", 1e-6),  # seven digits
+        (["plate.unv", "modes.csv"], "points.csv", 6e-6),  # pyuff writes six
+    ],
+)
+def test_one_plate_is_the_same_part_from_every_file(files, points, digits, folder, truth):
+    part, mass = import_part([folder / name for name in files], folder / points, UNITS, damping=ZETA)
+    if mass is not None:
+        fe = plate(A, B, H, NX, NY, clamped=True)
+        np.testing.assert_allclose(
+            mass, [0.0, 0.0, fe.force @ np.linalg.solve(fe.mass, fe.force)], rtol=1e-7, atol=1e-9
+        )
+        part = part.below(1.0001 * truth.frequencies[-1])
+    same(part, truth, digits)
+
+
+def matrices(change):
+    """Return what writes the plate's matrices with a change."""
+
+    def write(folder, truth):
+        k, m = craig_bampton()
+        op4.write(str(folder / "cb.op4"), change(k, m))
+
+    return write
+
+
+def moved(matrix, row, column, value):
+    changed = matrix.copy()
+    changed[row, column] = value
+    return changed
+
+
+def text(name, change):
+    """Return what rewrites a text file of the plate."""
+
+    def write(folder, truth):
+        path = folder / name
+        path.write_text(change(path.read_text()))
+
+    return write
+
+
+def halved(text):
+    return text[: len(text) // 2].rsplit("\n", 1)[0] + "\n    -1\n"
+
+
+def universal(**changes):
+    def write(folder, truth):
+        shapes = np.array([truth.shapes[name] for name in FEET]) / np.sqrt(TONNE)
+        write_uff(folder / "plate.unv", {name: 100 + n for n, name in enumerate(FEET)}, truth, shapes, **changes)
+
+    return write
+
+
+def largest_is_one(folder, truth):
+    shapes = np.array([truth.shapes[name] for name in FEET])
+    shapes /= np.abs(shapes).max(axis=(0, 2))[:, np.newaxis]
+    (folder / "plate.pch").write_text(punched(dict(zip(FEET, range(100, 104), strict=True)), truth.frequencies, shapes))
+
+
+OP4, UNV, PCH = (
+    (["cb.op4"], "boundary.csv"),
+    (["plate.unv", "modes.csv"], "points.csv"),
+    (["plate.pch", "modes.csv"], "points.csv"),
+)
+DAMAGED = {
+    "op4 missing": (OP4, lambda folder, truth: (folder / "cb.op4").unlink(), "cannot be read"),
+    "op4 of noise": (OP4, lambda folder, truth: (folder / "cb.op4").write_bytes(bytes(range(256)) * 9), "no OP4 file"),
+    "op4 cut": (OP4, lambda folder, truth: cut(folder / "cb.op4"), "no OP4 file, or it is damaged"),
+    "no mass": (OP4, matrices(lambda k, m: {"kaa": k}), "expected one mass matrix"),
+    "two stiffnesses": (OP4, matrices(lambda k, m: {"kaa": k, "kxx": k, "maa": m}), "got 2; the matrices are kaa, kxx, maa"),
+    "one triangle": (OP4, matrices(lambda k, m: {"kaa": np.tril(k), "maa": m}), "KAA is not symmetric"),
+    "another size": (OP4, matrices(lambda k, m: {"kaa": k, "maa": m[:-1, :-1]}), "both are of one reduction"),
+    "not square": (OP4, matrices(lambda k, m: {"kaa": k[:-1], "maa": m}), "must be real and square"),
+    "zero": (OP4, matrices(lambda k, m: {"kaa": 0.0 * k, "maa": m}), "no finite numbers but 0"),
+    "complex stiffness": (OP4, matrices(lambda k, m: {"kaa": k * (1.0 + 0.03j), "maa": m}), "must be real"),
+    "modes first": (OP4, matrices(lambda k, m: {"kaa": k[::-1, ::-1], "maa": m[::-1, ::-1]}), "these coordinates are no modes"),
+    "a point too few": (OP4, text("boundary.csv", lambda t: t.rsplit("m4", 1)[0]), "are not those of 4 boundary points"),
+    "modes not normalised": (OP4, matrices(lambda k, m: {"kaa": k, "maa": scaled_behind(m, 4.0)}), "not mass-normalised"),
+    "points in metres": (OP4, text("boundary.csv", lambda t: t.replace("300,", "0.3,")), "K resists a rigid motion"),
+    "grounded": (OP4, matrices(lambda k, m: {"kaa": moved(k, 2, 2, 2.0 * k[2, 2]), "maa": m}), "along z: the part is grounded"),
+    "negative mass": (OP4, matrices(lambda k, m: {"kaa": k, "maa": moved(m, 8, 8, -m[8, 8])}), "M is not positive"),
+    "held by a word": (OP4, text("boundary.csv", lambda t: t.replace("yes", "fixed")), "says yes or nothing"),
+    "universal of noise": (UNV, lambda folder, truth: (folder / "plate.unv").write_bytes(b"\x00" * 99), "no normal modes"),
+    "universal cut": (UNV, text("plate.unv", halved), "damaged|other nodes"),
+    "complex modes": (UNV, universal(analysis_type=3, eig=1.0 + 60j, modal_a=1j, modal_b=1j), "its modes are complex"),
+    "accelerations": (UNV, universal(spec_data_type=12), "is no displacement"),
+    "a mode twice": (UNV, universal(mode_n=1), "mode 1 stands there twice"),
+    "rigid-body modes": (UNV, universal(freq=1e-3), "rigid-body motions are the body's own"),
+    "nodes elsewhere": (UNV, text("points.csv", lambda t: t.replace("m1,100", "m1,101")), "is elsewhere than its node"),
+    "a node that is not there": (UNV, text("points.csv", lambda t: t.replace(",103,", ",999,")), "no shapes of node '999'"),
+    "another analysis": (UNV, text("modes.csv", lambda t: t.replace("\n1,", "\n1,9")), "expected the 8 modes of plate.unv"),
+    "punch without modes": (PCH, text("plate.pch", lambda t: t.replace("$EIGENVALUE", "$TIME")), "holds no \\$EIGENVALUE"),
+    "punch of complex modes": (PCH, text("plate.pch", lambda t: t.replace("$REAL ", "$REAL-IMAGINARY ")), "modes are complex"),
+    "punch by points": (PCH, text("plate.pch", lambda t: "$POINT ID =  1\n" + t), "SORT2"),
+    "punch cut": (PCH, text("plate.pch", lambda t: "\n".join(t.splitlines()[:-4])), "mode 8 is at other grid points"),
+    "punch of stars": (PCH, text("plate.pch", lambda t: t.replace("E-0", "*-0", 1)), "expected are a grid point and three"),
+    "scaled to one": (PCH, largest_is_one, "not mass-normalised"),
+}  # fmt: skip
+
+
+def cut(path):
+    path.write_bytes(path.read_bytes()[:5000])
+
+
+def scaled_behind(m, factor):
+    changed = m.copy()
+    changed[30:] *= np.sqrt(factor)
+    changed[:, 30:] *= np.sqrt(factor)
+    return changed
+
+
+@pytest.mark.parametrize("kind", DAMAGED)
+def test_a_damaged_or_other_file_is_named_in_one_message(kind, tmp_path, truth, capsys):
+    (files, points), change, message = DAMAGED[kind]
+    where = with_files(tmp_path / "plate", truth)
+    change(where, truth)
+    given = [where / name for name in files]
+    with pytest.raises(RecordError, match=message):
+        import_part(given, where / points, UNITS, damping=ZETA)
+    command = ["flexible", *map(str, given), "--points", str(where / points), "--units", "mm,t,s"]
+    assert main([*command, "--out", str(tmp_path / "part")]) == 2
+    error = capsys.readouterr().err
+    assert error.startswith("wirerope: ")
+    assert error.count("\n") == 1
+    assert not (tmp_path / "part").exists()
+
+
+def test_the_command_says_how_much_of_the_mass_the_modes_bring_along(folder, tmp_path, capsys):
+    command = ["flexible", str(folder / "cb.op4"), "--points", str(folder / "boundary.csv"), "--units", "mm,t,s"]
+    assert main([*command, "--out", str(tmp_path / "all")]) == 0
+    whole = " ".join(capsys.readouterr().out.split())
+    assert "60 modes" in whole
+    assert "less than 90 %" not in whole
+    assert main([*command, "--out", str(tmp_path / "few"), "--highest-hz", "60"]) == 0
+    assert "less than 90 %" in " ".join(capsys.readouterr().out.split())
+    assert main([*command, "--out", str(tmp_path / "none"), "--highest-hz", "1"]) == 2
+    assert "none is below 1 Hz" in capsys.readouterr().err
+    kilograms = [*command[:-1], "mm,g,s", "--out", str(tmp_path / "light")]
+    assert main(kilograms) == 0
+    assert "are the units those that --units says?" in " ".join(capsys.readouterr().out.split())

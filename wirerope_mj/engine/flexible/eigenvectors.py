@@ -1,0 +1,206 @@
+"""Eigenvectors of a finite-element program at its nodes, from universal files (dataset 55) and Nastran's punch text."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from wirerope_mj.engine.flexible.files import MODE_COLUMNS, Units, numbers_of, read_points, read_rows
+from wirerope_mj.engine.flexible.part import NEAR, FlexiblePart
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import RecordError, why_unread
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.regular_files import regular
+
+UNIVERSAL, PUNCH = (".unv", ".uff", ".uf"), (".pch", ".pun", ".punch")
+RIGID = 0.05  # frequency below which a mode of a deck or a machine is a rigid-body motion and its rounding [Hz]
+
+_NORMAL, _COMPLEX, _DISPLACEMENT = 2, (3, 7), 8  # analyses and kind of data of dataset 55
+_COORDINATES = (15, 2411)  # datasets of nodes
+_SAME = 1e-3  # of a frequency, by which two files of one analysis may differ
+_UNIT = 1e-5  # of 1, by which the largest component of a mode that is scaled to it may differ
+
+
+@dataclass(frozen=True, kw_only=True, eq=False)
+class Eigenvectors:
+    """Real modes as a file has them, in its own units: shapes by node (m, 3), modal mass and damping 0 where none is stated."""
+
+    frequencies: Array
+    modal_mass: Array
+    damping: Array
+    shapes: Mapping[int, Array]
+    places: Mapping[int, Array]  # of nodes, where the file has them
+
+
+def read_eigenvectors(path: Path) -> Eigenvectors:
+    """Read the modes of a universal file or a punch file.
+
+    Raises:
+        RecordError: the file is damaged, or holds none, complex ones, or other quantities than displacements.
+    """
+    found = _universal(path) if path.suffix.lower() in UNIVERSAL else _punched(path)
+    low = np.flatnonzero(found.frequencies < RIGID) + 1
+    if low.size:
+        raise RecordError(
+            f"{path}: mode {', '.join(map(str, low[:6]))} is below {RIGID:g} Hz: rigid-body motions are the body's own. Have "
+            "the program write elastic modes alone (EIGRL with V1 = 0.1), of a deck with its edge held."
+        )
+    largest = np.max([np.abs(shape).max(axis=1) for shape in found.shapes.values()], axis=0)
+    if not found.modal_mass.any() and largest.size > 1 and (np.abs(largest - 1.0) < _UNIT).all():
+        raise RecordError(
+            f"{path}: the largest component of every mode is 1: these modes are not mass-normalised. Have the program write "
+            "them with unit modal mass (NORM = MASS)."
+        )
+    return found
+
+
+def part_of_eigenvectors(
+    found: Eigenvectors, path: Path, points: Path, units: Units, *, damping: float, modes: Path | None
+) -> FlexiblePart:
+    """Build a part from eigenvectors at the nodes that a table of points names.
+
+    Args:
+        found: read from `path`.
+        path: of the eigenvectors, for messages.
+        points: table with point, x, y, z, and the node of each where it is not called as its point.
+        units: of all files.
+        damping: ratio where neither file states one.
+        modes: table of modes with damping and participation of a deck; None of equipment.
+
+    Raises:
+        RecordError: a node is missing or elsewhere, or the table of modes is another analysis'.
+    """
+    scale = np.sqrt(np.where(found.modal_mass > 0.0, found.modal_mass, 1.0) * units.mass)
+    places, shapes = {}, {}
+    for name, (where, row, place) in read_points(points, units).items():
+        text = row.get("node") or name
+        if not text.isdigit() or int(text) not in found.shapes:
+            nodes = sorted(found.shapes)
+            raise RecordError(
+                f"{where}: {path.name} has no shapes of node {short(text)!r} for point {name!r}; it has {len(nodes)} nodes "
+                f'from {nodes[0]} to {nodes[-1]}. Name them in a column "node".'
+            )
+        node = int(text)
+        if node in found.places and np.linalg.norm(found.places[node] * units.length - place) > NEAR:
+            there = ", ".join(f"{c * units.length:.4g}" for c in found.places[node])
+            raise RecordError(
+                f"{where}: point {name!r} is elsewhere than its node {node}, which {path.name} has at ({there}) m. Check the "
+                "units and the axes of both."
+            )
+        places[name], shapes[name] = place, found.shapes[node] / scale[:, np.newaxis]
+    ratios, participation = np.where(found.damping > 0.0, found.damping, damping), np.zeros((0, 3))
+    if modes is not None:
+        rows = read_rows(modes, (MODE_COLUMNS,))
+        table = np.array([numbers_of(where, row, MODE_COLUMNS[1:]) for where, row in rows])
+        if len(table) != len(scale) or not np.allclose(table[:, 0], found.frequencies, rtol=_SAME):
+            raise RecordError(
+                f"{modes}: expected the {len(scale)} modes of {path.name} from {found.frequencies[0]:.6g} to "
+                f"{found.frequencies[-1]:.6g} Hz, got {len(table)} from {table[0, 0]:.6g} to {table[-1, 0]:.6g} Hz."
+            )
+        ratios, participation = table[:, 1], table[:, 2:] * math.sqrt(units.mass)
+    try:
+        return FlexiblePart(
+            frequencies=found.frequencies, damping=ratios, participation=participation, shapes=shapes, points=places
+        )
+    except ValueError as error:
+        raise RecordError(f"{modes or path}: {error}") from None
+
+
+def _universal(path: Path) -> Eigenvectors:
+    """Read datasets 55 of normal modes, and 15 or 2411 of nodes."""
+    import pyuff  # here, because few parts are universal files
+
+    try:
+        file = pyuff.UFF(str(regular(path)))
+        kinds = [int(kind) for kind in file.get_set_types()]
+        sets = [file.read_sets(n) for n, kind in enumerate(kinds) if kind in (55, *_COORDINATES)]
+    except OSError as error:
+        raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None
+    except Exception:  # the reader knows no other class, and does not say what it met
+        raise RecordError(
+            f"{path}: this universal file cannot be read, it has a damaged dataset. Write it again."
+        ) from None
+    data = [one for one in sets if one["type"] == 55]
+    if any(int(one["analysis_type"]) in _COMPLEX or np.iscomplexobj(one["r1"]) for one in data):
+        raise RecordError(
+            f"{path}: its modes are complex; expected are the real normal modes of the undamped structure. Write those, and "
+            "say the damping with --damping."
+        )
+    data = [one for one in data if int(one["analysis_type"]) == _NORMAL]
+    if not data:
+        raise RecordError(
+            f"{path}: this universal file holds no normal modes (dataset 55, analysis 2); its datasets are "
+            f"{', '.join(map(str, kinds)) or 'none'}."
+        )
+    numbers = [int(one["mode_n"]) for one in data]
+    nodes = [int(node) for node in data[0]["node_nums"]]
+    for number, one in zip(numbers, data, strict=True):
+        if int(one["spec_data_type"]) != _DISPLACEMENT:
+            raise RecordError(
+                f"{path}: mode {number} is no displacement (data type 8) but type {one['spec_data_type']}."
+            )
+        if numbers.count(number) > 1:
+            raise RecordError(f"{path}: mode {number} stands there twice.")
+        if list(map(int, one["node_nums"])) != nodes:
+            raise RecordError(
+                f"{path}: mode {number} is at other nodes than mode {numbers[0]}; write all at the same ones."
+            )
+    values = np.array([[one["r1"], one["r2"], one["r3"]] for one in data])  # (m, 3, n)
+    places = {
+        int(node): np.array([one[axis][n] for axis in "xyz"])
+        for one in sets if one["type"] in _COORDINATES for n, node in enumerate(one["node_nums"])
+    }  # fmt: skip
+    found = [np.array([float(one[key] or 0.0) for one in data]) for key in ("freq", "modal_m", "modal_damp_vis")]
+    if not (np.isfinite(values).all() and np.isfinite(found).all()):
+        raise RecordError(f"{path}: its modes hold numbers that are not finite. Write the file again.")
+    return Eigenvectors(
+        frequencies=found[0], modal_mass=found[1], damping=found[2], places=places,
+        shapes={node: values[:, :, n] for n, node in enumerate(nodes)},
+    )  # fmt: skip
+
+
+def _punched(path: Path) -> Eigenvectors:
+    """Read eigenvectors as Nastran punches them: $EIGENVALUE = .. MODE = .., then each grid point with T1, T2, T3."""
+    try:
+        lines = regular(path).read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as error:
+        raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None
+    eigenvalues: list[float] = []
+    shapes: list[dict[int, list[float]]] = []
+    for number, line in enumerate(lines, 1):
+        where, text = f"{path}, line {number}", line[:72]
+        if text.startswith(("$REAL-IMAGINARY", "$MAGNITUDE")):
+            raise RecordError(f"{where}: these modes are complex; punch the real ones of SOL 103.")
+        if text.startswith("$POINT ID"):
+            raise RecordError(f"{where}: this output is sorted by points (SORT2); punch it by modes, SORT1.")
+        try:
+            if text.startswith("$EIGENVALUE"):
+                eigenvalues.append(float(text.partition("=")[2].split()[0]))
+                shapes.append({})
+            elif shapes and text[17:18] == "G":
+                node, row = int(text[:10]), [float(text[column : column + 18]) for column in (18, 36, 54)]
+                if node in shapes[-1]:
+                    raise RecordError(f"{where}: grid point {node} stands twice in one mode.")
+                shapes[-1][node] = row
+        except (ValueError, IndexError):
+            raise RecordError(
+                f"{where}: expected are a grid point and three numbers of 18 characters, got {short(text.strip())!r}."
+            ) from None
+    if not shapes:
+        raise RecordError(f"{path}: it holds no $EIGENVALUE; punch the modes of SOL 103, DISPLACEMENT(PUNCH) = ALL.")
+    nodes = set(shapes[0])
+    other = next((n for n, shape in enumerate(shapes, 1) if set(shape) != nodes or not shape), 0)
+    if other:
+        raise RecordError(
+            f"{path}: mode {other} is at other grid points than the first, or at none: is the file whole?"
+        )
+    squares = np.array(eigenvalues)
+    if not np.isfinite(squares).all() or not np.isfinite([*map(list, map(dict.values, shapes))]).all():
+        raise RecordError(f"{path}: its modes hold numbers that are not finite. Punch them again.")
+    return Eigenvectors(
+        frequencies=np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), modal_mass=np.zeros(len(squares)),
+        damping=np.zeros(len(squares)), places={},
+        shapes={node: np.array([shape[node] for shape in shapes]) for node in sorted(nodes)},
+    )  # fmt: skip
