@@ -1,5 +1,6 @@
 """A calibration: values with their covariance and draws, what the tests do not tell, and how far the model follows them."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,6 +30,10 @@ OPEN = 0.2
 
 DISCREPANT = 0.1
 """Discrepancy over the response from which on the model does not follow a channel."""
+
+
+MINOR = 0.5
+"""Extreme of a series over its largest from which on it is one of its peaks."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -124,6 +129,25 @@ class Calibrated(Summarised):
     def discrepancies(self) -> Array:
         """Standard deviation of the model's own error over the local size of the response, of each series, (n_series,)."""
         return np.array([noise.discrepancy for noise in self.fit.noises])
+
+    @cached_property
+    def peak_error(self) -> tuple[float, int]:
+        """Root mean square of calculated over measured extremes less one, noise taken off, and how many extremes these are.
+
+        Extremes of less than `MINOR` of the largest of their series say little of peaks and are left out. Of logarithms it is
+        the difference at the largest value.
+        """
+        squares: list[float] = []
+        models = self.problem.split(self.fit.model)
+        for one, own, noise in zip(self.problem.series, models, self.fit.noises, strict=True):
+            largest = float(np.abs(one.values).max())
+            ends = [(float(own.max()), float(one.values.max())), (float(own.min()), float(one.values.min()))]
+            if one.unit:
+                over = [(a / b - 1.0, noise.white / b) for a, b in ends if abs(b) > MINOR * largest]
+            else:
+                over = [(ends[0][0] - ends[0][1], noise.white)]
+            squares += [error**2 - white**2 for error, white in over]
+        return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
 
     @property
     def message(self) -> str:
