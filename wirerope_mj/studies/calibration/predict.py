@@ -1,5 +1,6 @@
 """Peaks under another motion of the base, as a calibration predicts them, with bands."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -118,6 +119,7 @@ def predict(
     )
     beyond = max(beyond, 1.0)
     size, peaks = calibration.peak_error
+    size = math.hypot(size, ACCURACY)  # of the peaks of runs and of those of tests alike
     samples = np.repeat(samples, ERRORS, axis=0)
     error = np.maximum(1.0 + size * beyond * generator.standard_t(peaks, len(samples)), 0.0)
     samples[:, [name not in UNSCALED for name in measures]] *= error[:, np.newaxis]

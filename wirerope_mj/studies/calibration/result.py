@@ -33,7 +33,7 @@ DISCREPANT = 0.1
 
 
 MINOR = 0.5
-"""Extreme of a series over its largest from which on it is one of its peaks."""
+"""Extreme over the largest of its series from which on it counts as a peak: a smaller one says little of the largest."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -132,21 +132,17 @@ class Calibrated(Summarised):
 
     @cached_property
     def peak_error(self) -> tuple[float, int]:
-        """Root mean square of calculated over measured extremes less one, noise taken off, and how many extremes these are.
+        """Root mean square error of the model's extremes over the largest of their series, noise taken off, and their number.
 
-        Extremes of less than `MINOR` of the largest of their series say little of peaks and are left out. Of logarithms it is
-        the difference at the largest value.
+        Extremes below `MINOR` of the largest are left out. Of logarithms it is the difference at the largest value.
         """
         squares: list[float] = []
         models = self.problem.split(self.fit.model)
         for one, own, noise in zip(self.problem.series, models, self.fit.noises, strict=True):
-            largest = float(np.abs(one.values).max())
             ends = [(float(own.max()), float(one.values.max())), (float(own.min()), float(one.values.min()))]
-            if one.unit:
-                over = [(a / b - 1.0, noise.white / b) for a, b in ends if abs(b) > MINOR * largest]
-            else:
-                over = [(ends[0][0] - ends[0][1], noise.white)]
-            squares += [error**2 - white**2 for error, white in over]
+            largest = max(abs(measured) for _, measured in ends) if one.unit else 1.0
+            kept = [end for end in ends if abs(end[1]) > MINOR * largest] if one.unit else ends[:1]
+            squares += [((calculated - measured) ** 2 - noise.white**2) / largest**2 for calculated, measured in kept]
         return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
 
     @property
