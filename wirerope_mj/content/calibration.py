@@ -201,10 +201,12 @@ def _charts(result: Calibration) -> Iterator[Chart]:
             ),
             ylabel=ylabel, xlabel=what, unit=unit, log=log,
         )  # fmt: skip
+        steps = np.diff(one.at)
+        gaps = one.across == "time" and bool((steps > 1.5 * np.median(steps)).any())
         yield Chart(
             rows=((panel,),), height=170.0, id=f"history-{k}",
             caption=f"{one.name}: measured and calculated with the medians; the band holds what the values and the model's own "
-            "error leave open.",
+            f"error leave open.{' Saturated samples are left out, and both curves straight there.' if gaps else ''}",
             alt=f"{one.name}, measured and calculated",
         )  # fmt: skip
 
