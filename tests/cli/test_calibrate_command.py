@@ -77,6 +77,8 @@ def test_a_file_becomes_a_calibrated_model(drop, capsys):
         (["--test", "short.csv", *MAP, *VARY], "at least 16 samples"),
         (["--frequency-response", "few.csv", *VARY], "must be FILE=PHRASE"),
         (["--frequency-response", "few.csv=body/block z", *VARY], "needs 5 rising frequencies"),
+        (["--loops", "few.csv=body/block z", *VARY], "`--loops` must be FILE=PHRASE"),
+        (["--loops", "few.csv=mount/m9 axial", *VARY], "few.csv"),
         (["--frequency-response", "none.csv=body/block z", *VARY], "'level' is missing"),
         (["--frequency-response", "few.csv=mount/m1 axial", *VARY], "is of a body"),
     ],
@@ -87,3 +89,26 @@ def test_bad_input_is_one_message(drop, capsys, arguments, message):
     assert message in said
     assert "Traceback" not in said
     assert not (drop / "out").exists()
+
+
+@pytest.mark.slow
+def test_loops_of_a_rig_tell_beside_a_record_what_it_does_not(drop):
+    # accelerations alone fix stiffness over mass; a rig's loops fix stiffness, and so both
+    rig = wr.cyclic_test(wr.load_system("shock_table").mounts["m1"].written.axial.scaled(1.15), [2e-3, 8e-3])
+    for number, loop in enumerate(rig):
+        np.savetxt(
+            f"rig{number}.csv", np.column_stack([loop.deflection * 1e3, loop.force]), delimiter=",",
+            header="deflection [mm],force [N]", comments="",
+        )  # fmt: skip
+    mass = ["--vary", "body/block/mass = Normal(1, 0.05, relative)"]
+    loops = [word for k in range(len(rig)) for word in ("--loops", f"rig{k}.csv=mount/m1 axial")]
+    assert main(["calibrate", "shock_table", "--test", "drop.csv", *MAP, *VARY, *mass, *loops, "--out", "out"]) == 0
+    said = json.loads((drop / "out" / "calibration.json").read_text(encoding="utf-8"))
+    rows = {row[0]: row for row in said["values"]["rows"]}
+    assert rows["mount/*/stiffness"][1] == pytest.approx(1.15, rel=0.01)
+    assert rows["body/block/mass"][1] == pytest.approx(1.0, rel=0.01)
+    # the model runs as it is, its mass in it
+    system = wr.load_system(drop / "out" / "model" / "shock_table.xml")
+    before = wr.load_system("shock_table").model.body("block").mass[0]
+    assert system.model.body("block").mass[0] == pytest.approx(before * rows["body/block/mass"][1], rel=1e-4)
+    assert not (drop / "out" / "model" / "changes.toml").exists()

@@ -18,6 +18,7 @@ from wirerope_mj.dynamics.periodic.laws import smoothed
 from wirerope_mj.dynamics.periodic.storage import fingerprint
 from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import Changes
+from wirerope_mj.engine.system.model_files import write_whole
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import models_folder
@@ -388,3 +389,22 @@ def test_a_variant_of_the_floor_is_the_floor_as_far_as_it_is_not_varied():
     assert_same_model(same.model, floor.model)
     assert isinstance(same.model, mujoco.MjModel)
     assert same.model is not floor.model
+
+
+@pytest.mark.parametrize("name", ["shock_table", "floating_floor"])
+def test_a_variant_written_whole_loads_by_itself(name, tmp_path):
+    system = wr.load_system(name)
+    (body, *_), mounts = system.payloads, [key for key, one in system.mounts.items() if not one.isolator.is_stop][:2]
+    variant = wr.varied(
+        system, masses={body: 1.0345678}, centres={body: (0.01, 0.02, -0.01)}, turns={mounts[0]: (0.0, 0.0, 0.1)},
+        isolators={key: system.mounts[key].written.scaled(1.1 + 0.1 * k) for k, key in enumerate(mounts)},
+        positions={mounts[0]: (0.01, 0.02, 0.0)} if name == "floating_floor" else {},
+    )  # fmt: skip
+    loaded = wr.load_system(write_whole(variant, tmp_path))
+    assert not loaded.changes
+    for key, mount in variant.mounts.items():
+        assert loaded.mounts[key].written == mount.written
+    for field in ("body_mass", "body_inertia", "body_ipos", "site_pos", "site_quat"):
+        expected = getattr(variant.model, field)
+        # an MJCF has six digits
+        assert getattr(loaded.model, field) == pytest.approx(expected, abs=2e-6 * np.abs(expected).max())

@@ -202,3 +202,16 @@ def test_tables_without_one_time_are_refused(tmp_path):
 def test_sheets_have_one_reader(tmp_path):
     path = write(tmp_path / "t.xlsx", {"time [s]": TIME[:3], "A1 [g]": WAVE[:3]})
     assert xlsx_rows(path)[0] == (1, ["time [s]", "A1 [g]"])
+
+
+@pytest.mark.parametrize("late", [0.0, 0.01])
+def test_a_response_that_rings_to_its_end_rests_where_it_stood_before(tmp_path, late):
+    # it is near its level for 6 % of its time only, and swings too few times to be a vibration, whose mean would do
+    time = np.linspace(0.0, 0.6, 6001)
+    after = np.maximum(time - 0.04 - late, 0.0)
+    values = 0.1 + np.where(after > 0.0, 0.88 * np.exp(-4.0 * after) * np.sin(41.0 * after), 0.0)
+    values += 0.01 * np.random.default_rng(1).standard_normal(time.size)
+    np.savetxt(tmp_path / "t.csv", np.column_stack([time, values]), delimiter=",", header="time [s],A [g]", comments="")
+    channel = wr.load_measured(tmp_path / "t.csv", channels={"A": "body/rack z"}, baseline="rest")["A"]
+    left = channel.values[: int(1e4 * (0.04 + late))].mean() / wr.STANDARD_GRAVITY
+    assert abs(left) < 4.0 * 0.01 / np.sqrt(400)  # four standard errors of the mean of what stands before

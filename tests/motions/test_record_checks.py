@@ -8,6 +8,7 @@ import pytest
 
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, load_record
+from wirerope_mj.motions.records.checks import flat_tops
 
 G = 9.80665
 RATE = 5000.0
@@ -95,6 +96,18 @@ def test_a_saturated_sensor_is_said(doubts, level, bits):
     assert len(found) == 1
     assert "samples in a row stand at exactly" in found[0]
     assert "may have been saturated, and the true peak be higher" in found[0]  # it cannot be known
+
+
+@pytest.mark.parametrize("level", [0.005, 0.02])
+def test_a_limit_that_noise_leaves_again_and_again_is_said(level):
+    # a response whose noise takes it off the limit every few samples; with its whole peak it is left in peace
+    time, generator = np.arange(6000) / 1e4, np.random.default_rng(3)
+    values = np.exp(-5.0 * time) * np.sin(2 * np.pi * 12.0 * time) + level * generator.standard_normal(time.size)
+    limit = 0.95 * float(values.max())
+    assert not list(flat_tops(values))
+    assert [extreme for extreme, _ in flat_tops(np.minimum(values, limit))] == [limit]
+    coarse = np.round(np.minimum(values, limit) * 1000.0) / 1000.0
+    assert [extreme for extreme, _ in flat_tops(coarse)] == [coarse.max()]
 
 
 def test_a_trapezoid_that_was_not_measured_is_doubted_too(doubts):

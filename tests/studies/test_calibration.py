@@ -53,6 +53,21 @@ def test_a_truth_20_percent_stiffer_is_found_within_1_percent(found):
 
 
 @pytest.mark.slow
+def test_noise_that_the_smoothing_correlates_is_no_error_of_the_model(found):
+    (series,), (noise,) = found.problem.series, found.fit.noises
+    (test,) = found.forward.tests
+    sensor, step = 0.01 * np.abs(test.channels[0].values).max(), np.diff(test.channels[0].time)[0]
+    # white noise under a Gaussian of standard deviation w: its variance times step / (2 sqrt(pi) w)
+    expected = sensor * np.sqrt(step / (2.0 * np.sqrt(np.pi) * series.smoothed))
+    # 240 samples, half correlated with their neighbours: the deviation is known to 6 %; 3 % more are the peak's own noise
+    assert noise.white == pytest.approx(expected, rel=0.2)
+    assert noise.discrepancy < 0.005
+    error, peaks = found.peak_error
+    assert peaks == 2
+    assert error < 0.01
+
+
+@pytest.mark.slow
 @pytest.mark.parametrize("residuals", ["srs", "spectrum"])
 def test_spectra_find_it_too_though_the_clock_is_off(residuals):
     test = shaken(stiffer(1.2))

@@ -14,6 +14,7 @@ from wirerope_mj.mounts.identification import joint_spread
 from wirerope_mj.mounts.identification.specimens import own_parameters
 from wirerope_mj.mounts.laws import LAWS, Masing
 from wirerope_mj.runs.study_file import load_study_file
+from wirerope_mj.studies.inputs.quantities import quantities
 from wirerope_mj.studies.inputs.specimens import deviation_bounds, known_specimens, rank, specimen_messages
 
 TWINS = catalogue_folder() / "twins" / "five_twins_wr16_400.toml"
@@ -138,6 +139,17 @@ def test_every_mount_of_the_floor_is_a_specimen_of_its_own(twins):
     (text,) = specimen_messages(study.quantities)
     assert "15 parameters scatter along 4 directions, so they come from 5 specimens" in text
     assert "0.6 to 2.9 times" in text
+
+
+def test_a_calibrated_spread_is_called_so_and_no_scatter_of_specimens(twins, tmp_path):
+    calibrated = dataclasses.replace(twins, spread=dataclasses.replace(twins.spread, calibrated=True))
+    calibrated.save(tmp_path / "calibrated.toml")
+    read = wr.load_isolator(tmp_path / "calibrated.toml")
+    assert read.spread == calibrated.spread
+    system = wr.load_system("floating_floor", isolators={"wr16_400": read})
+    (text,) = specimen_messages(quantities({"mount/m01/spread": wr.Specimens()}, system, []))
+    assert "what its calibration leaves open" in text
+    assert "come from" not in text
 
 
 def test_the_floor_takes_the_users_own_specimens(twins, tmp_path):

@@ -16,9 +16,6 @@ if TYPE_CHECKING:
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
-_RING = 5.0
-"""Periods of the slowest mode that a prediction goes on after the motion."""
-
 Several = Annotated[list[str] | None, Parameter(negative=())]
 
 
@@ -30,6 +27,7 @@ def calibrate(
     vary: Several = None,
     out: Path,
     frequency_response: Several = None,
+    loops: Several = None,
     predict: Several = None,
     limit: Several = None,
     baseline: Literal["none", "rest", "mean"] = "none",
@@ -51,13 +49,16 @@ def calibrate(
 
     Args:
         model: path of a model, the name of one that ships with the package, or the folder of a run.
-        test: file of a test: CSV, MATLAB, XLSX, Parquet or a universal file; several may be given.
+        test: file of a test: CSV, MATLAB, XLSX, Parquet or a universal file, one or several. By default the tests that the
+            run was compared with, as they stand in its folder.
         map: what each column of the tests is, COLUMN=PHRASE, such as "A1=body/rack z g", or a TOML file. Tests whose base was
             not measured move as the run does.
         vary: what is to be found, with its prior: "mount/*/stiffness = Uniform(0.7, 1.4)".
         out: folder of the calibration.
         frequency_response: FILE=PHRASE, such as "sweeps.csv=body/rack z": a CSV file with the columns frequency [Hz], level [g]
             and transmissibility, of one level or several.
+        loops: FILE=PHRASE, such as "rig.csv=mount/m1 axial": cyclic tests of a mount's isolator, as `wirerope identify` reads
+            them.
         predict: another motion that is predicted with bands, its kind first: "half-sine 15 g 11 ms z".
         limit: on a measure of the predictions, "acceleration/rack = 15 g": with which probability is it exceeded?
         baseline: what is taken off the channels: none, their level at rest, or their mean.
@@ -72,10 +73,12 @@ def calibrate(
     from rich.markup import escape
 
     from wirerope_mj.content.calibration import calibration_content
-    from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.foundation.arguments import integer
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
     from wirerope_mj.runs.folder import check_target
+    from wirerope_mj.runs.measured import tests_of
+    from wirerope_mj.runs.said_motion import duration_of
+    from wirerope_mj.runs.sources import is_run
     from wirerope_mj.studies.calibration import MeasuredTest
     from wirerope_mj.studies.calibration import calibrate as calibrated
     from wirerope_mj.studies.calibration.frequency_file import read_frequency_tests
@@ -84,7 +87,8 @@ def calibrate(
     from wirerope_mj.studies.results.stated_limits import limit_of_text
     from wirerope_mj.views.terminal import console, print_headline, show
 
-    if not (test or frequency_response):
+    kept = tests_of(Path(model)) if is_run(model) and not (test or frequency_response or loops) else ()
+    if not (test or frequency_response or loops or kept):
         raise ValueError(
             "name the tests: wirerope calibrate MODEL --test TEST.csv --map COLUMN=PHRASE .. --vary .. --out FOLDER"
         )
@@ -98,7 +102,7 @@ def calibrate(
         raise ValueError(
             "`--limit` is on a prediction; say of which motion, for instance --predict 'half-sine 15 g 11 ms z'."
         )
-    measured = _measured(test, map or (), baseline=baseline, start=start) if test else []
+    measured = _measured(test, map or (), baseline=baseline, start=start) if test else list(kept)
     moved = any(channel.subject == "base" for one in measured for channel in one.channels)
     if measured and not moved and motion is None:
         raise ValueError(
@@ -112,6 +116,7 @@ def calibrate(
                 f"`--frequency-response` must be FILE=PHRASE, such as 'sweeps.csv=body/rack z', got {text!r}."
             )
         tests += read_frequency_tests(Path(file), phrase)
+    tests += [_loop_test(text) for text in loops or ()]
     result = calibrated(
         system, tests, vary=vary, residuals=residuals, draws=integer("--draws", draws, least=100), seed=seed
     )
@@ -121,10 +126,11 @@ def calibrate(
         sources=[
             *(f"{one.path.name}: {', '.join(channel.key for channel in one.channels)}" for one in measured),
             *(f"frequency response {text}" for text in frequency_response or ()),
+            *(f"loops {text}" for text in loops or ()),
         ],
         warnings=[text for one in measured for text in one.warnings],
         predictions=[
-            (predicted(result, one, duration=one.end + _RING * slowest_period(system), initial=initial), limits)
+            (predicted(result, one, duration=duration_of(one, None, system), initial=initial), limits)
             for one in motions
         ],
     )
@@ -159,6 +165,21 @@ def _measured(files: Sequence[Path], texts: Sequence[str], **settings: Any) -> "
         raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
     arguments: dict[str, Any] = settings | read_map(texts)
     return [load_measured(file, **arguments) for file in files]
+
+
+def _loop_test(text: str) -> "Test":
+    """Return the test of FILE=PHRASE, loops of the isolator of a mount."""
+    from wirerope_mj.motions.records.channel_map import parse_channel
+    from wirerope_mj.mounts.isolator import AXES
+    from wirerope_mj.mounts.test_rig import read_cyclic_test
+    from wirerope_mj.studies.calibration import LoopTest
+
+    file, sign, phrase = text.rpartition("=")
+    said = parse_channel(file, phrase) if sign else None
+    if said is None or not said.subject.startswith("mount/"):
+        raise ValueError(f"`--loops` must be FILE=PHRASE, such as 'rig.csv=mount/m1 axial', got {text!r}.")
+    axis = AXES["xyz".index(said.axis)]
+    return LoopTest(name=Path(file).stem, mount=said.subject[6:], axis=axis, loops=read_cyclic_test(Path(file)))
 
 
 def _spoken(phrase: str) -> "BaseMotion":

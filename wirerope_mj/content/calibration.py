@@ -201,10 +201,12 @@ def _charts(result: Calibration) -> Iterator[Chart]:
             ),
             ylabel=ylabel, xlabel=what, unit=unit, log=log,
         )  # fmt: skip
+        steps = np.diff(one.at)
+        gaps = one.across == "time" and bool((steps > 1.5 * np.median(steps)).any())
         yield Chart(
             rows=((panel,),), height=170.0, id=f"history-{k}",
             caption=f"{one.name}: measured and calculated with the medians; the band holds what the values and the model's own "
-            "error leave open.",
+            f"error leave open.{' Saturated samples are left out, and both curves straight there.' if gaps else ''}",
             alt=f"{one.name}, measured and calculated",
         )  # fmt: skip
 
@@ -222,7 +224,8 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
         for name in limit.measures:
             chance = prediction.exceedance(name, limit.limit)
             worst = max(worst, chance)
-            said = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.2g} %"
+            said = "less than 0.1 %" if chance < _BEST else f"{100.0 * chance:.{3 if chance > 0.99 else 2}g} %"
+            said = "more than 99.9 %" if chance > 1.0 - _BEST else said
             items.append(f"{name}: {limit.text.partition('=')[2].strip()} is exceeded with a probability of {said}")
     if items:
         tone = "exceeded" if worst > 0.5 else "near" if worst > 1.0 - LEVEL else "within"
@@ -241,12 +244,12 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
         )
     yield Table(
         id="prediction",
-        title=f"Predicted for {prediction.motion}, {len(prediction.samples)} draws",
+        title=f"Predicted for {prediction.motion}",
         columns=(
             Column("measure", align="left"), Column("median", align="left"), Column("from", align="left"),
             Column("to", align="left"),
         ),
         rows=rows,
-        note=f"From and to hold {100.0 * LEVEL:.0f} %; a model error of {100.0 * prediction.discrepancy:.2g} % is in them.",
+        note=f"From and to hold {100.0 * LEVEL:.0f} %; errors of peaks of {100.0 * prediction.peak_error:.2g} % are in them.",
         shown=12,
     )  # fmt: skip

@@ -4,7 +4,7 @@ import json
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content
-from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.engine.system.model_files import write_whole
 from wirerope_mj.foundation.parquet_files import write_rows
 from wirerope_mj.runs.folder import atomic_run
 from wirerope_mj.runs.page import REPORT
@@ -24,15 +24,14 @@ def write_calibration(result: Calibration, content: Content, folder: Path, *, fo
     """Write a calibration as `folder`, atomically, and return the names of what lies there.
 
     It holds `report.html`, `calibration.json`, the draws, and `model/`: the model with the calibrated isolators, each with its
-    spread. What an isolator file cannot say, other masses or isolators that differ where the model has one, stands in
-    `model/changes.toml`.
+    spread, and with the masses, centres and positions that were found.
 
     Raises:
         RecordError: the folder exists and must not be replaced.
     """
     with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
         isolators = calibrated_isolators(result, [test.name for test in result.forward.tests])
-        write_model(calibrated_system(result, isolators), temporary / "model")
+        write_whole(calibrated_system(result, isolators), temporary / "model")
         said = {"format": 1, **plain_content(content, *_SECTIONS)}
         (temporary / SUMMARY).write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
         write_rows(temporary / DRAWS, list(result.names), result.samples, {"units": list(result.units)})

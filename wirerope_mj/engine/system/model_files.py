@@ -8,6 +8,7 @@ from pathlib import Path, PurePosixPath
 from typing import Any
 from xml.sax.saxutils import quoteattr
 
+import mujoco
 import tomli_w
 
 from wirerope_mj.engine.system import Changes, System
@@ -50,6 +51,44 @@ def write_model(system: System, folder: Path) -> Path:
     if system.changes:
         content: dict[str, Any] = {"changes": [changes.to_dict() for changes in system.changes]}
         (folder / CHANGES).write_text(tomli_w.dumps(content), encoding="utf-8")
+    return target
+
+
+def write_whole(system: System, folder: Path) -> Path:
+    """Write a variant's model with its changes in the MJCF itself, whose numbers then have six digits: it loads by itself.
+
+    Raises:
+        ModelError: as `write_model`.
+    """
+    target = write_model(system, folder)
+    if not system.changes:
+        return target
+    (folder / CHANGES).unlink()
+    spec, model = mujoco.MjSpec.from_file(str(target)), system.model
+    for name in {name for one in system.changes for name in (*one.masses, *one.centres)}:
+        body, own = spec.body(name), model.body(name)
+        body.explicitinertial, body.mass = True, float(own.mass[0])
+        body.ipos, body.iquat, body.inertia = own.ipos, own.iquat, own.inertia
+    for name in {name for one in system.changes for name in (*one.positions, *one.turns)}:
+        for site in (system.mounts[name].payload_site, system.mounts[name].base_site):
+            spec.site(site).alt.type = mujoco.mjtOrientation.mjORIENTATION_QUAT
+            spec.site(site).pos, spec.site(site).quat = model.site(site).pos, model.site(site).quat
+    for name in {name for one in system.changes for name in one.tunings}:
+        joint, own = spec.joint(name), model.joint(name)
+        joint.stiffness, joint.damping = own.stiffness, own.damping
+    texts: dict[str, Isolator] = {}
+    for name in {name: None for one in system.changes for name in one.isolators}:
+        isolator = system.mounts[name].written
+        key = next(
+            (key for key, one in texts.items() if one == isolator), f"{system.mounts[name].isolator_name}-{name}"
+        )
+        if key not in texts:
+            texts[key] = isolator
+            isolator.save(folder / "isolators" / f"{key}.toml")
+            spec.add_text(name=f"isolator/{key}", data=f"isolators/{key}.toml")
+        next(one for one in spec.tuples if one.name.replace("mount/", "", 1) == name).objname[2] = f"isolator/{key}"
+    spec.compile()
+    target.write_text(spec.to_xml(), encoding="utf-8")
     return target
 
 

@@ -22,6 +22,10 @@ _PULSE_END, _VIBRATION_END = 0.1, 0.5
 # a flat top has three equal samples or more; one top's length before and after it a smooth one fell by nine steps
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
 
+# runs in which noise stands at a limit, and how many more samples stand there than within a fraction of the range, or two
+# steps of the converter, below: of noise that nothing cuts off fewer stand at its largest value than just below
+_RUNS, _CROWDED, _JUST = 4, 3.0, 0.002
+
 # fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
 # what a sensor measured take more than a sample
 _JUMP = 0.99
@@ -197,17 +201,26 @@ def _cut_off(axis: str, a: Array, rest: float) -> Iterator[str]:
 
 
 def flat_tops(a: Array) -> Iterator[tuple[float, int]]:
-    """Yield the extremes of a signal (n,) with flat tops whose flanks no smooth top has, and how many samples stand there."""
+    """Yield the extremes of a signal (n,) at which it was cut off, and how many samples stand there in a row.
+
+    Either the flanks beside are steeper than those of a smooth top, or noise lifts samples off it again and again, yet hardly
+    any stand just below.
+    """
     low, high, middle = float(a.min()), float(a.max()), float(np.median(a))
     for extreme in (high, low):
         if abs(extreme - middle) <= 0.1 * (high - low):
             continue  # a record that never leaves its rest on this side
-        first, length = _longest(a == extreme)
+        there = a == extreme
+        first, length = _longest(there)
         if length < _TOP or length > a.size // 2 or _is_rectangle(a, first, length, middle):
             continue
         flanks = [i for i in (first - length, first + 2 * length - 1) if 0 <= i < a.size]
         fall = min((abs(float(a[i]) - extreme) for i in flanks), default=0.0)
-        if fall > max(_FALL * (high - low), _STEPS * _converter_step(a)):
+        near = max(_JUST * (high - low), 2.5 * _converter_step(a))
+        below = np.count_nonzero(np.abs(a - extreme) <= near) - np.count_nonzero(there)
+        runs = np.count_nonzero(np.diff(there)) // 2
+        noisy = runs >= _RUNS and np.count_nonzero(there) > _CROWDED * below
+        if noisy or fall > max(_FALL * (high - low), _STEPS * _converter_step(a)):
             yield extreme, length
 
 

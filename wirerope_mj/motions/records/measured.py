@@ -16,7 +16,7 @@ from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions.records.channel_map import SI, UNITS, Axis, ChannelPhrase, Quantity, parse_channel
 from wirerope_mj.motions.records.checks import clipped_text, flat_tops
-from wirerope_mj.motions.records.reading import offset_of, quiet_level
+from wirerope_mj.motions.records.reading import level_at_rest, offset_of
 from wirerope_mj.motions.records.record import Record, load_record
 from wirerope_mj.motions.records.resolution import resolution_warnings
 from wirerope_mj.motions.records.sampling import even
@@ -166,7 +166,7 @@ def load_measured(
         start: instant of the run at which the first sample was taken [s], whatever the file's own clock says.
         clock: seconds of the run in a second of the file's clock.
         baseline: `"none"`: as measured. `"rest"`: the level of the quiet part that a channel begins or ends with is taken
-            off, as `load_record` does; `"mean"`: the mean.
+            off, or what stands before it first moves; `"mean"`: the mean.
         gaps: `"refuse"`: missing samples are an error. `"fill"`: they are filled with straight lines.
 
     Raises:
@@ -196,9 +196,13 @@ def load_measured(
         known, unit = _quantity_of(file, column, phrase, unit)
         values = samples * (phrase.sign * UNITS[known][unit])
         tops = list(flat_tops(values)) if np.ptp(values) else []
-        messages += _warnings(f'in column "{column}"', values, tops, 1.0 / float(time[1] - time[0]), known, baseline)
+        rest = level_at_rest(values)
+        messages += _warnings(
+            f'in column "{column}"', values, tops, 1.0 / float(time[1] - time[0]), known, baseline, rest
+        )
         saturated = np.isin(values, [extreme for extreme, _ in tops])
-        values -= {"none": 0.0, "rest": offset_of(values), "mean": float(values.mean())}[baseline]
+        level = offset_of(values) if rest is None else rest
+        values -= {"none": 0.0, "rest": level, "mean": float(values.mean())}[baseline]
         for array in (values, saturated):
             array.flags.writeable = False
         found.append(
@@ -239,7 +243,13 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
 
 
 def _warnings(
-    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str
+    where: str,
+    values: Array,
+    tops: list[tuple[float, int]],
+    rate: float,
+    known: Quantity,
+    baseline: str,
+    rest: float | None,
 ) -> Iterator[str]:
     """Yield what looks wrong about a channel as it was measured [SI]."""
     unit, spread = SI[known], float(np.ptp(values))
@@ -247,7 +257,8 @@ def _warnings(
         yield f"{where} all samples are {values[0]:.4g} {unit}: the channel is dead, or was not connected."
         return
     yield from (clipped_text(where, *top, unit) for top in tops)
-    rest = quiet_level(values)
+    if rest is None and baseline == "rest":
+        yield f"{where} it is at rest nowhere; {offset_of(values):.4g} {unit} was taken off as its level."
     if rest is not None and abs(rest) > _OFFSET * spread and baseline == "none":
         yield (
             f"{where} it rests at {rest:.4g} {unit} and not at zero. If that is an offset, "

@@ -89,6 +89,23 @@ def offset_of(a: Array) -> float:
     return 0.0 if is_pulse(a, mean) else mean
 
 
+def level_at_rest(a: Array) -> float | None:
+    """Return the level of a response (n,) at rest: of its quiet part, else of what stands before it first moves; None without.
+
+    A response may ring on until its record ends, so that it is near its level nowhere but before the event.
+    """
+    few, level = max(_FEW, a.size // 50), quiet_level(a)
+    if level is not None:
+        return level
+    middle = float(np.median(a[:few]))
+    quiet = _NOISE * float(np.median(np.abs(a[:few] - middle)))
+    onset = int(np.argmax(np.abs(a - middle) > max(2.0 * quiet, _BAND * float(np.ptp(a)))))
+    if onset < few or quiet > _NEAR * float(np.ptp(a)):
+        return None
+    before = a[:onset]
+    return float(before[np.abs(before - middle) <= quiet].mean())
+
+
 def is_pulse(a: Array, rest: float) -> bool:
     """Return whether a signal (n,) is of a pulse and not of a vibration: it has few half waves about its rest."""
     peak = peak_from(a, rest)

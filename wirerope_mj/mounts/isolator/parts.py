@@ -265,10 +265,14 @@ class Provenance(_Part):
 
 @dataclass(frozen=True, kw_only=True)
 class Spread(_Part):
-    """Scatter of the parameters: names such as "axial.alpha" and their covariance in SI units, (n, n)."""
+    """Scatter of the parameters: names such as "axial.alpha" and their covariance in SI units, (n, n).
+
+    It is that of specimens of one make, unless it was `calibrated`: then it is what tests of a system leave open.
+    """
 
     parameters: tuple[str, ...]
     covariance: tuple[tuple[float, ...], ...]
+    calibrated: bool = False
 
     def __post_init__(self) -> None:
         if not isinstance(self.parameters, list | tuple) or not all(isinstance(name, str) for name in self.parameters):
@@ -286,4 +290,5 @@ class Spread(_Part):
 
     def to_dict(self) -> dict[str, Any]:
         """Return the spread as it stands in an isolator file."""
-        return {"parameters": list(self.parameters), "covariance": [list(row) for row in self.covariance]}
+        stated = {"parameters": list(self.parameters), "covariance": [list(row) for row in self.covariance]}
+        return stated | ({"calibrated": True} if self.calibrated else {})

@@ -23,6 +23,9 @@ STEP = 0.02
 ROUNDS = 4
 """Times that the noise is estimated and the search goes on."""
 
+ROUGH, FINE = 1e-3, 1e-6
+"""Tolerances of searches with the noise guessed, and estimated."""
+
 REFUSED = 1e3
 """Whitened residual where the model cannot be computed."""
 
@@ -108,7 +111,7 @@ def fit(problem: Problem, *, seed: int = 1) -> Fit:
     noises: Sequence[Noise] = [first_noise(one) for one in problem.series]
     found = None
     for start in _starts(problem, noises, seed):
-        ended = _searched(problem, noises, start)
+        ended = _searched(problem, noises, start, ROUGH)
         if found is None or ended.cost < found.cost:
             found = ended
     assert found is not None
@@ -118,7 +121,7 @@ def fit(problem: Problem, *, seed: int = 1) -> Fit:
         linear = problem.measured - model + jacobian @ found.x
         noises = estimate_noise(problem.series, noises, np.split(jacobian, problem.ends[:-1]), problem.split(linear))
         before = found.x
-        found = _searched(problem, noises, before)
+        found = _searched(problem, noises, before, FINE)
         if np.abs(found.x - before).max() < 1e-3:
             break
     model, roots = problem.model(found.x[np.newaxis])[0], problem.roots(noises)
@@ -149,7 +152,9 @@ def _starts(problem: Problem, noises: Sequence[Noise], seed: int) -> Array:
     return np.asarray(normals[good][np.argsort(costs)[:STARTS]])
 
 
-def _searched(problem: Problem, noises: Sequence[Noise], start: Array) -> scipy.optimize.OptimizeResult:
+def _searched(
+    problem: Problem, noises: Sequence[Noise], start: Array, tolerance: float
+) -> scipy.optimize.OptimizeResult:
     """Return the end of a search by least squares over the whitened residual and the prior."""
     roots = problem.roots(noises)
 
@@ -163,5 +168,6 @@ def _searched(problem: Problem, noises: Sequence[Noise], start: Array) -> scipy.
         return np.vstack([problem.whitened(problem.jacobian(u), roots), np.eye(u.size)])
 
     return scipy.optimize.least_squares(
-        residual, start, jac=jacobian, method="trf", x_scale="jac", ftol=1e-6, xtol=1e-5, gtol=1e-6, max_nfev=30
-    )
+        residual, start, jac=jacobian, method="trf", x_scale="jac", ftol=tolerance, xtol=10.0 * tolerance, gtol=tolerance,
+        max_nfev=30,
+    )  # fmt: skip

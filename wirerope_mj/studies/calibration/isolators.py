@@ -96,4 +96,4 @@ def _spread(middle: Isolator, draws: Sequence[Isolator]) -> Spread | None:
         return None
     covariance = np.atleast_2d(np.cov(values[:, moved].T))
     kept = tuple(name for name, one in zip(names, moved, strict=True) if one)
-    return Spread(parameters=kept, covariance=tuple(map(tuple, covariance.tolist())))
+    return Spread(parameters=kept, covariance=tuple(map(tuple, covariance.tolist())), calibrated=True)

@@ -120,8 +120,9 @@ class Comparable:
         frequency = _dominant(at, smooth)
         size = _local_size(at, smooth - np.median(values), 0.5 / frequency)
         series = Series(
-            name=name, at=at, values=smooth, size=size, frequency=frequency, unit=SI[channel.quantity], across="time"
-        )
+            name=name, at=at, values=smooth, size=size, frequency=frequency, unit=SI[channel.quantity], across="time",
+            smoothed=SMOOTH * step,
+        )  # fmt: skip
         return cls(channel=channel, name=name, series=series, width=SMOOTH * step)
 
     def of_response(self, time: Array, values: Array, delay: float) -> Array:

@@ -1,8 +1,8 @@
 """Noise and model discrepancy of measured series, estimated from what a fit leaves.
 
-A residual is white noise and, where the model does not follow, a smooth error of its own: a Gaussian process that grows with
-the response there, oscillates with it, and forgets itself over a correlation length (Kennedy and O'Hagan 2001; Brynjarsdottir
-and O'Hagan 2014). So a wrong model gets wide bands, and a right one narrow ones.
+A residual is noise, white before its samples were smoothed, and, where the model does not follow, a smooth error of its own: a
+Gaussian process that grows with the response there, oscillates with it, and forgets itself over a correlation length (Kennedy
+and O'Hagan 2001; Brynjarsdottir and O'Hagan 2014). So a wrong model gets wide bands, and a right one narrow ones.
 """
 
 from collections.abc import Sequence
@@ -40,6 +40,7 @@ class Series:
         frequency: about which the discrepancy oscillates [1 / unit of `at`]; 0 for none.
         unit: of the values; "" for logarithms and what has none.
         across: what `at` is.
+        smoothed: standard deviation of the smoothing of its samples [unit of `at`], which correlates their noise; 0 for none.
     """
 
     name: str
@@ -49,6 +50,7 @@ class Series:
     frequency: float = 0.0
     unit: str = ""
     across: Literal["time", "logarithm of frequency", "loop", "other"] = "other"
+    smoothed: float = 0.0
 
     @cached_property
     def rms(self) -> float:
@@ -60,6 +62,13 @@ class Series:
         """Distances between samples, and how the discrepancy swings over them, (n, n) each."""
         lag = np.abs(self.at[:, np.newaxis] - self.at)
         return lag, np.cos(2.0 * np.pi * self.frequency * lag)
+
+    @cached_property
+    def noise(self) -> Array:
+        """Correlation of the noise of smoothed samples, (n, n): a Gaussian, sqrt(2) times as wide as the smoothing."""
+        if not self.smoothed:
+            return np.eye(self.at.size)
+        return np.exp(-0.25 * (self.lags[0] / self.smoothed) ** 2)
 
     @cached_property
     def largest(self) -> float:
@@ -79,7 +88,7 @@ class Noise:
     """Noise of a series.
 
     Attributes:
-        white: standard deviation [unit of the series].
+        white: standard deviation of the samples' noise [unit of the series].
         discrepancy: standard deviation of the model's own error where the response is largest, over its size there [-].
         length: over which that error forgets itself [unit of `at`].
         power: of the local size with which it grows: 1 in proportion, 0 the same everywhere.
@@ -99,7 +108,7 @@ class Noise:
         lag, swing = series.lags
         deviation = self.deviation(series)
         covariance = np.exp(-lag / self.length) * swing * deviation * deviation[:, np.newaxis]
-        covariance.flat[:: lag.shape[0] + 1] += self.white**2
+        covariance += self.white**2 * series.noise
         return np.asarray(scipy.linalg.cholesky(covariance, lower=True, overwrite_a=True, check_finite=False))
 
 

@@ -1,5 +1,6 @@
 """Peaks under another motion of the base, as a calibration predicts them, with bands."""
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -20,6 +21,9 @@ from wirerope_mj.studies.measures import measure_names
 DRAWS = 64
 """Draws of the posterior that are run: a band's ends are then known to a sixth of its half width."""
 
+ERRORS = 16
+"""Errors of the model with which each draw is multiplied: they cost nothing."""
+
 SAMPLE_RATE = 1000.0
 """Samples at which steps end [Hz]."""
 
@@ -29,19 +33,19 @@ UNSCALED = ("mounts", "struck", "static_load")
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Prediction(Summarised):
-    """Measures of a study, one row a draw of the posterior.
+    """Measures of a study, `ERRORS` rows a draw of the posterior.
 
     Attributes:
         names: of the measures, as `Study` has them.
         samples: with the model's own error, (n, n_measures), SI.
-        discrepancy: the model's own error over the response [-].
+        peak_error: the model's own error of a peak, over it [-].
         beyond: largest deflection over that in the tests, at least 1.
         motion: of the base, in words.
     """
 
     names: tuple[str, ...]
     samples: Array
-    discrepancy: float
+    peak_error: float
     beyond: float
     motion: str
 
@@ -51,7 +55,7 @@ class Prediction(Summarised):
             if np.isfinite(self.samples[:, self.names.index(name)]).all():
                 low, high = self.band(name)
                 lines[name] = f"{low:.4g} to {high:.4g}"
-        return f"Prediction for {self.motion}: {len(self.samples)} draws, {100.0 * LEVEL:.0f} % bands", lines
+        return f"Prediction for {self.motion}: {len(self.samples) // ERRORS} draws, {100.0 * LEVEL:.0f} % bands", lines
 
     def values(self, name: str) -> Array:
         """Return the draws of one measure [SI], (n,)."""
@@ -80,8 +84,10 @@ def predict(
 ) -> Prediction:
     """Return the measures of draws of the posterior under a motion of the base.
 
-    Every draw is multiplied by 1 + e with e normal, of the size of the model's own error in the tests: a model that did not
-    follow them is not believed elsewhere. Where the mounts deflect farther than in the tests, that error grows in proportion.
+    Every draw is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom
+    as the tests have peaks, of the size of the errors of these peaks. Where the mounts deflect farther than in the tests, it
+    grows in proportion. The model's own error stands in these draws once: their values are those of the posterior, without the
+    part that `Calibration.samples` add for it.
 
     Raises:
         ConvergenceError: no draw could be simulated.
@@ -96,7 +102,8 @@ def predict(
         system=forward.system, motions=(motion,), columns=forward.columns, duration=duration, timestep=step,
         sample_rate=SAMPLE_RATE, initial=initial, corners=motion.corners,
     )  # fmt: skip
-    chosen = calibration.samples[generator.choice(len(calibration.samples), count, replace=False)]
+    posterior = calibration.posterior.values
+    chosen = posterior[generator.choice(len(posterior), count, replace=False)]
     samples = _measures(work, chosen)
     measures = tuple(measure_names(forward.system))
     tested = [
@@ -111,11 +118,13 @@ def predict(
         else 1.0
     )
     beyond = max(beyond, 1.0)
-    discrepancy = float(calibration.discrepancies.max()) * beyond
-    error = 1.0 + discrepancy * generator.standard_normal(len(samples))
+    size, peaks = calibration.peak_error
+    size = math.hypot(size, ACCURACY)  # of the peaks of runs and of those of tests alike
+    samples = np.repeat(samples, ERRORS, axis=0)
+    error = np.maximum(1.0 + size * beyond * generator.standard_t(peaks, len(samples)), 0.0)
     samples[:, [name not in UNSCALED for name in measures]] *= error[:, np.newaxis]
     return Prediction(
-        names=measures, samples=samples, discrepancy=discrepancy, beyond=beyond, motion=motion.description
+        names=measures, samples=samples, peak_error=size * beyond, beyond=beyond, motion=motion.description
     )
 
 

@@ -1,5 +1,6 @@
 """A calibration: values with their covariance and draws, what the tests do not tell, and how far the model follows them."""
 
+import math
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -29,6 +30,10 @@ OPEN = 0.2
 
 DISCREPANT = 0.1
 """Discrepancy over the response from which on the model does not follow a channel."""
+
+
+MINOR = 0.5
+"""Extreme over the largest of its series from which on it counts as a peak: a smaller one says little of the largest."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -124,6 +129,21 @@ class Calibrated(Summarised):
     def discrepancies(self) -> Array:
         """Standard deviation of the model's own error over the local size of the response, of each series, (n_series,)."""
         return np.array([noise.discrepancy for noise in self.fit.noises])
+
+    @cached_property
+    def peak_error(self) -> tuple[float, int]:
+        """Root mean square error of the model's extremes over the largest of their series, noise taken off, and their number.
+
+        Extremes below `MINOR` of the largest are left out. Of logarithms it is the difference at the largest value.
+        """
+        squares: list[float] = []
+        models = self.problem.split(self.fit.model)
+        for one, own, noise in zip(self.problem.series, models, self.fit.noises, strict=True):
+            ends = [(float(own.max()), float(one.values.max())), (float(own.min()), float(one.values.min()))]
+            largest = max(abs(measured) for _, measured in ends) if one.unit else 1.0
+            kept = [end for end in ends if abs(end[1]) > MINOR * largest] if one.unit else ends[:1]
+            squares += [((calculated - measured) ** 2 - noise.white**2) / largest**2 for calculated, measured in kept]
+        return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
 
     @property
     def message(self) -> str:

@@ -24,9 +24,9 @@ def rank(spread: Spread) -> int:
 
 
 def known_specimens(spread: Spread) -> int | None:
-    """Return of how many specimens the covariance is; None if it is of full rank, so of any number above that."""
+    """Return of how many specimens the covariance is; None if of full rank, so of any number above that, or calibrated."""
     directions = rank(spread)
-    return directions + 1 if directions < len(spread.parameters) else None
+    return directions + 1 if directions < len(spread.parameters) and not spread.calibrated else None
 
 
 def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float, float]:
@@ -52,6 +52,10 @@ def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
 
 
 def _message(name: str, spread: Spread) -> str:
+    if spread.calibrated:
+        return (
+            f"Specimens of {name}: drawn from what its calibration leaves open; specimens of one make scatter besides."
+        )
     specimens = known_specimens(spread)
     if specimens is None or specimens < 2:
         return ""
