@@ -13,6 +13,7 @@ from wirerope_mj.mounts.laws.loop_plane import LoopBoucWen as LoopBoucWen
 from wirerope_mj.mounts.laws.loop_plane import LoopCoupling as LoopCoupling
 from wirerope_mj.mounts.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.mounts.laws.ni import SymmetricBoucWen as SymmetricBoucWen
+from wirerope_mj.mounts.laws.own import OwnLaw as OwnLaw
 from wirerope_mj.mounts.laws.parallel import Parallel as Parallel
 from wirerope_mj.mounts.laws.plane import BiaxialBoucWen as BiaxialBoucWen
 from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen as ScraggedBoucWen
