@@ -21,7 +21,7 @@ text = """<mujoco><option timestep="2e-4" integrator="RK4"/><default><geom conty
 own = '<actuator><general joint="p" dyntype="user" actdim="1" gainprm="0"/></actuator></mujoco>'
 model = mujoco.MjModel.from_xml_string(text + own)
 data, log, rows = mujoco.MjData(model), rr.RecordingStream("bouc_wen"), []
-memory = log.memory_recording()  # or log.save("run.rrd"), which "rerun run.rrd" shows
+memory = log.memory_recording()  # log.save("run.rrd") instead writes the file that "rerun run.rrd" shows
 
 
 def control(model, data):
@@ -45,7 +45,7 @@ for _ in range(7500):
     mujoco.mj_step(model, data)
 mujoco.set_mjcb_control(None)
 mujoco.set_mjcb_act_dyn(None)
-x, z = np.array(rows).T
+(x, z), recording = np.array(rows).T, memory.drain_as_bytes()
 # %%
 # The same with this library: a mount in the model's text, and the motion from its parts.
 mount = """<custom><text name="isolator/a" data="a"/><tuple name="mount/m1"><element objtype="site" objname="t"/>
