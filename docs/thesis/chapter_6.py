@@ -108,8 +108,9 @@ def _draw_sweeps() -> Picture:
         orders.axvline(thesis, color=GUIDE, lw=0.9, ls="--")
     inscribe(sweeps, "shipped shaker", "frequency [Hz]", "transmissibility [-]")
     inscribe(orders, "0.5 g; dashed: the thesis' 12.2 and 18.2 Hz", "frequency [Hz]", "amplitude [m/s²]")
-    explain(sweeps)
-    explain(orders)
+    orders.set_xlim(10.0, 22.0)
+    explain(sweeps, place="upper right")
+    explain(orders, place="upper right")
     return picture
 
 

@@ -74,5 +74,5 @@ def _draw() -> Picture:
         inscribe(history, f"{frequency:g} Hz", "time [ms]", "acceleration [m/s²]")
         inscribe(portrait, "phase portrait", "deflection [mm]", "its rate [m/s]")
         portrait.lines[1].remove()
-    explain(panels[0])
+    explain(panels[0], place="upper right")
     return picture

@@ -173,7 +173,7 @@ def _draw_pair() -> Picture:
     inscribe(loops, "loops of ±0.6 mm", "deflection [mm]", "force [N]")
     inscribe(peaks, f"3.5 kg at {SHAKEN[1]:g} g", "frequency [Hz]", "largest acceleration [m/s²]")
     explain(loops)
-    explain(peaks)
+    explain(peaks, place="lower left")
     return picture
 
 
@@ -188,6 +188,7 @@ def _draw_small() -> Picture:
             width = 3.0 if name == "the spring" else 1.4
             panel.plot(motions.frequency, motions.transmissibility, color=colour, lw=width, label=name)
         panel.set_xlim(*RANGE[level])
+        panel.set_ylim(0.0, 17.0 if level == LEVELS[0] else None)
         inscribe(panel, f"{level:g} g", "frequency [Hz]", "transmissibility [-]")
     explain(panels[0])
     return picture
