@@ -20,7 +20,7 @@ from wirerope_mj.foundation.summary import json_values
 HARMONICS = 9
 # Orders whose own harmonic is looked for near that fraction of the highest peak: the whole amplitude may have no peak there.
 ORDERS, NEAR = (2, 3), 0.15
-SEEN = 0.01  # amplitude of that harmonic over the fundamental from which on it is listed; a step may pass its narrow top
+SEEN = 0.01  # that harmonic over the fundamental from which on it is listed; a step may pass its narrow top
 # Relative distance from a fold within which a sweep jumps and is not compared.
 AWAY = 0.05
 # Speed of a shaft [1/min], and order, at the most: ten times what turns and shakes.
