@@ -24,7 +24,9 @@ release = metadata.version("wirerope-mj")
 extensions = [
     "myst_parser", "sphinx.ext.autodoc", "sphinx.ext.napoleon", "sphinx-mathjax-offline", "sphinx_gallery.gen_gallery",
 ]  # fmt: skip
-exclude_patterns = ["_build", "_shared", "specimens", "notebooks", "gallery/figures", "**sg_execution_times.rst"]
+exclude_patterns = [
+    "_build", "_shared", "specimens", "notebooks", "gallery/figures", "thesis/templates", "**sg_execution_times.rst",
+]  # fmt: skip
 myst_heading_anchors = 4
 myst_enable_extensions = ["colon_fence", "dollarmath"]
 

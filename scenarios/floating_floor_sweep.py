@@ -14,6 +14,7 @@ def scenario(
     stop_hz: float = 30.0,
     rate: float = 2.0,
     duration: float | None = None,
+    callback: str = "native",
 ) -> wr.Scenario:
     """Return the sweep of the floating floor.
 
@@ -24,6 +25,7 @@ def scenario(
         stop_hz: last frequency [Hz]; below the first the sweep goes down.
         rate: sweep rate [octaves/min].
         duration: simulated time [s]; the whole sweep if it is not given.
+        callback: what makes the mount forces: native or python.
     """
     acceleration = level_g * wr.STANDARD_GRAVITY
     sweep = wr.Sweep(start=start_hz, stop=stop_hz, rate=rate, acceleration=acceleration, direction=direction)
@@ -35,5 +37,6 @@ def scenario(
         simulate={
             "duration": sweep.duration if duration is None else duration,
             "sample_rate": 8.0 * max(start_hz, stop_hz),
+            "callback": callback,
         },
     )

@@ -13,6 +13,7 @@ def scenario(
     stop_hz: float = 80.0,
     rate: float = 2.0,
     duration: float | None = None,
+    callback: str = "native",
 ) -> wr.Scenario:
     """Return the sweep of one mass; the rig moves along z only.
 
@@ -22,6 +23,7 @@ def scenario(
         stop_hz: last frequency [Hz]; below the first the sweep goes down.
         rate: sweep rate [octaves/min].
         duration: simulated time [s]; the whole sweep if it is not given.
+        callback: what makes the mount force: native or python.
     """
     if not 0.0 < level_g <= 1.0:
         raise ValueError(f"`level_g` must be above 0 and at most 1, for which the isolator was made, got {level_g}.")
@@ -35,5 +37,6 @@ def scenario(
         simulate={
             "duration": sweep.duration if duration is None else duration,
             "sample_rate": 8.0 * max(start_hz, stop_hz),
+            "callback": callback,
         },
     )

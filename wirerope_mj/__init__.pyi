@@ -131,6 +131,7 @@ from .mounts.laws import EquivalentViscous as EquivalentViscous
 from .mounts.laws import KelvinVoigt as KelvinVoigt
 from .mounts.laws import Loop as Loop
 from .mounts.laws import Masing as Masing
+from .mounts.laws import OwnLaw as OwnLaw
 from .mounts.laws import Ozdemir as Ozdemir
 from .mounts.laws import Parallel as Parallel
 from .mounts.laws import ScraggedBoucWen as ScraggedBoucWen

@@ -41,6 +41,14 @@ def test_identification_runs_from_a_record_to_an_isolator(tmp_path, monkeypatch,
     assert "not fitted" not in capsys.readouterr().out
 
 
+def test_own_law_runs_from_its_page(capsys):
+    names = {}
+    exec(compile(blocks("docs/own_law.md"), "own_law.md", "exec"), names)
+    law, peak = names["law"], names["response"].peaks.mounts["m1"].deflection
+    assert law.trace([0.0, peak.value]).force[-1] > law.alpha * 1e-3  # it is the law that carried the shock
+    assert "laws that a program brings along" in capsys.readouterr().out
+
+
 def test_readme_identifies_a_law(monkeypatch, capsys):
     monkeypatch.chdir(ROOT)
     exec(compile(blocks("README.md", "From cyclic tests to an isolator"), "README.md", "exec"), {})

@@ -47,7 +47,8 @@ def test_every_scenario_is_short_and_asks_its_question_first(name):
     scenario = load_scenario(name)
     assert scenario.question.endswith("?")
     assert len(scenario.path.read_text(encoding="utf-8").splitlines()) <= 60
-    assert {"duration", "level_g"} <= set(scenario.defaults)
+    assert {"duration", "level_g", "callback"} <= set(scenario.defaults)
+    assert scenario.make(callback="python").simulate["callback"] == "python"
 
 
 def test_the_main_job_strikes_along_three_axes_with_9_g():

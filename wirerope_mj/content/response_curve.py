@@ -26,7 +26,7 @@ from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
-_MARKED = 0.1  # Ratio to the fundamental from which another harmonic gives a peak its name
+_MARKED = 0.05  # Ratio to the fundamental from which another harmonic gives a peak its name
 _BESIDE, _ABOVE = 1.01, 1.12  # room about the curves, as factors
 _NUMBERS = (
     Column("frequency", "Hz", ".5g"), Column("amplitude", "m/s²", ".4g"), Column("transmissibility", form=".4g"),

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve, curve_of
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Level
-from wirerope_mj.dynamics.periodic import Branch, harmonic_content, resonances
+from wirerope_mj.dynamics.periodic import Branch, HarmonicContent, harmonic_content, resonances
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
@@ -18,6 +18,9 @@ from wirerope_mj.foundation.summary import json_values
 
 # Highest harmonic that is looked for in a motion.
 HARMONICS = 9
+# Orders whose own harmonic is looked for near that fraction of the highest peak: the whole amplitude may have no peak there.
+ORDERS, NEAR = (2, 3), 0.15
+SEEN = 0.01  # that harmonic over the fundamental from which on it is listed; a step may pass its narrow top
 # Relative distance from a fold within which a sweep jumps and is not compared.
 AWAY = 0.05
 # Speed of a shaft [1/min], and order, at the most: ten times what turns and shakes.
@@ -47,14 +50,34 @@ def peaks_of(branch: Branch) -> list[ResonancePeak]:
         at_edge = top in (0, branch.frequency.size - 1)
         peaks.append((top, float(branch.frequency[top]), float(branch.amplitude[top]), at_edge))
     first = max(peaks, key=lambda peak: peak[2])
+    if not first[3]:
+        peaks += _superharmonics(branch, first[1], [frequency for _, frequency, *_ in peaks])
     others = sorted((peak for peak in peaks if peak is not first), key=lambda peak: peak[1])
     return [_peak(branch, *peak) for peak in (first, *others)]
 
 
-def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:
-    content = harmonic_content(
+def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iterator[tuple[int, float, float, bool]]:
+    """Yield the points below the highest peak `top` [Hz] at which harmonic 2 or 3 of the motion itself is largest."""
+    for order in ORDERS:
+        near = np.flatnonzero(np.abs(branch.frequency * order / top - 1.0) < NEAR)
+        near = near[(near > 0) & (near < branch.frequency.size - 1)]
+        if any(abs(frequency * order / top - 1.0) < NEAR for frequency in listed) or near.size < 3:
+            continue
+        contents = [_content(branch, int(point)) for point in near]
+        most = int(np.argmax([content.of(order) for content in contents]))
+        if 0 < most < near.size - 1 and contents[most].of(order) > SEEN * contents[most].of(1):
+            point = int(near[most])
+            yield point, float(branch.frequency[point]), float(branch.amplitude[point]), False
+
+
+def _content(branch: Branch, point: int) -> HarmonicContent:
+    return harmonic_content(
         branch.orbit(point), payload=branch.payload, direction=branch.response_direction, highest=HARMONICS
     )
+
+
+def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:
+    content = _content(branch, point)
     others = [i for i, order in enumerate(content.order) if order not in (0, 1)]
     largest = others[int(np.argmax(content.amplitude[others]))]
     return ResonancePeak(

@@ -15,7 +15,7 @@ from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import Tables
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.friction import ELEMENTS
-from wirerope_mj.mounts.laws.kernels import HEAD, MASING, ON_BRACKET, PARALLEL, SMOOTHED, STOP, TABULATED
+from wirerope_mj.mounts.laws.kernels import HEAD, MASING, ON_BRACKET, OWN, PARALLEL, SMOOTHED, STOP, TABULATED
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
@@ -342,6 +342,12 @@ def not_held(system: System) -> str:
         "plugins": model.nplugin, "flexible bodies": model.nflex, "mocap bodies": model.nmocap,
         "gravity compensation": model.ngravcomp, "springs that yield": model.nplastic,
         "activations of its own": model.na - assembly.tables.user.n_states,
+        "laws that a program brings along": sum(
+            part.kernel == OWN
+            for mount in system.mounts.values()
+            for law in mount.isolator.axes.values()
+            for part in (law.components if law else ())
+        ),
     }  # fmt: skip
     kinds, free = model.jnt_type, mujoco.mjtJoint.mjJNT_FREE
     held = {

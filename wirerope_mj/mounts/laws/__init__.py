@@ -15,6 +15,7 @@ from wirerope_mj.mounts.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.mounts.laws.ni import SymmetricBoucWen as SymmetricBoucWen
 from wirerope_mj.mounts.laws.on_bracket import OnBracket as OnBracket
 from wirerope_mj.mounts.laws.on_bracket import on_bracket as on_bracket
+from wirerope_mj.mounts.laws.own import OwnLaw as OwnLaw
 from wirerope_mj.mounts.laws.parallel import Parallel as Parallel
 from wirerope_mj.mounts.laws.plane import BiaxialBoucWen as BiaxialBoucWen
 from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen as ScraggedBoucWen

@@ -17,6 +17,7 @@ import math
 
 import numpy as np
 
+from wirerope_mj.foundation.c_functions import called
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import count, some, where
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
@@ -38,6 +39,8 @@ from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, kelvin_voi
 
 # Kernels whose force depends on the deflection rate, those of the laws with `rate_independent` False; a stop's may, too.
 RATE_DEPENDENT = (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED)
+# The function of a law that a program brings along, by its address: see `OwnLaw`.
+OWN = 17
 # Kernels whose parameters begin with alpha, beta, gamma, n and whose only state follows Bouc-Wen's equation.
 BOUC_WEN_LAWS = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN)
 
@@ -95,6 +98,8 @@ def evaluate_rarer(law, p, i, x, v, z, j, zdot, k):
         return scragged_bouc_wen(p, i, x, v, z, j, zdot, k)
     if law == ON_BRACKET:
         return on_bracket(p, i, x, v, z, j, zdot, k)
+    if law == OWN:
+        return called(p, i, x, v, z, j, zdot, k)
     return np.nan
 
 
