@@ -112,8 +112,8 @@ COMMANDS = {
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     ),
     "select": (
-        "select:select",
-        "Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.",
+        "select:select_app",
+        "Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.",
     ),
     "modes": (
         "modes:modes",

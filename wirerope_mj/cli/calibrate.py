@@ -74,6 +74,7 @@ def calibrate(
     from wirerope_mj.content.calibration import calibration_content
     from wirerope_mj.engine.simulation.stability import slowest_period
     from wirerope_mj.foundation.arguments import integer
+    from wirerope_mj.motions.spoken import motion_from_words
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
     from wirerope_mj.runs.folder import check_target
     from wirerope_mj.studies.calibration import MeasuredTest
@@ -92,7 +93,7 @@ def calibrate(
         raise ValueError(f"`--vary` must say what is to be found, with its prior, such as {EXAMPLE!r}, got none.")
     check_target(out, force=force, kind=KIND, marks=MARKS)
     system, motion = _system_and_motion(model)
-    motions = [_spoken(phrase) for phrase in predict or ()]
+    motions = [motion_from_words(phrase) for phrase in predict or ()]
     limits = [limit_of_text(text, measure_names(system)) for text in limit or ()]
     if limits and not motions:
         raise ValueError(
@@ -159,15 +160,3 @@ def _measured(files: Sequence[Path], texts: Sequence[str], **settings: Any) -> "
         raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
     arguments: dict[str, Any] = settings | read_map(texts)
     return [load_measured(file, **arguments) for file in files]
-
-
-def _spoken(phrase: str) -> "BaseMotion":
-    """Return the motion of a kind and its phrase."""
-    from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
-
-    kind, _, rest = phrase.strip().partition(" ")
-    if kind not in SPOKEN_MOTIONS:
-        raise ValueError(
-            f"`--predict` begins with the kind of the motion, {', '.join(SPOKEN_MOTIONS)}; got {phrase!r}."
-        )
-    return motion_from_phrase(kind, rest)
