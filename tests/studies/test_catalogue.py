@@ -9,6 +9,7 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.engine.from_tables import mjcf_of
 from wirerope_mj.engine.from_tables.box import box_layout
+from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.statics.find import settle_together
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.units import STANDARD_GRAVITY as G
@@ -76,27 +77,44 @@ def draw(seed):
     )  # fmt: skip
 
 
+def whole_runs(system, cases, parts):
+    """Return the largest utilisation of every part that has a run in every load case: ten periods long, no step chosen."""
+    systems = {}
+    for name, isolator in parts.items():
+        if isinstance(isolator, wr.Isolator) and all(isolator.axes.values()):
+            grown = isolator.geometry.height - system.mounts["below_1"].written.geometry.height
+            shifts = {key: -0.5 * grown * mount.axes[:, 2] for key, mount in system.mounts.items()}
+            systems[name] = varied(system, isolators=dict.fromkeys(system.mounts, isolator), positions=shifts)
+    settle_together(list(systems.values()), "virgin")
+    used = dict.fromkeys(systems, 0.0)
+    names = sorted(systems, key=lambda name: slowest_period(systems[name]))
+    for motion in cases.values():
+        for some in (names[first : first + 8] for first in range(0, len(names), 8)):
+            duration = motion.end + 10.0 * slowest_period(systems[some[-1]])
+            results = wr.simulate_batch([systems[name] for name in some], motion, duration=duration, timestep=1e-4)
+            for name, one in zip(some, results, strict=True):
+                if hasattr(one, "error"):
+                    used[name] = math.inf
+                    continue
+                own = measures(systems[name], one.peaks, one.initial_state)
+                used[name] = max(used[name], *(own[key] for key in CRITERIA if not math.isnan(own[key])))
+    return used
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("seed", [1])
-def test_no_part_that_keeps_the_limits_in_runs_of_its_own_is_left_out(seed):
-    """Every part simulated alone with a step chosen for 1e-4, the parts that are far beyond their static load left out."""
+@pytest.mark.parametrize("seed", [4])  # ten of them take ten minutes; none of seeds 0 to 9 left a part out
+def test_no_part_that_keeps_the_limits_in_a_whole_run_is_left_out(seed):
     systems, cases = draw(seed)
-    (system,) = systems.values()
-    found = select_parts(systems, catalogue("*"), cases)
-    best = min((one.governing[0] for one in found.meeting), default=math.inf)
+    (system,), parts = systems.values(), catalogue("*")
+    found = select_parts(systems, parts, cases)
+    whole = whole_runs(system, cases, parts)
     for one in found.tried:
-        if one.system is None or not one.used("static_load")[0] < 1.0:
-            continue
-        used = []
-        for motion in cases.values():
-            run = wr.simulate(one.system, motion, duration=motion.end + 2.0)
-            own = measures(one.system, run.peaks, wr.equilibrium(one.system).state)
-            used += [own[name] for name in CRITERIA if not math.isnan(own[name])]
-        assert (max(used) <= 1.0) == one.meets or abs(max(used) - 1.0) < 2e-3, one.name
-        assert max(used) > best - 2e-3, one.name
-        if one.meets:
-            assert one.governing[0] == pytest.approx(max(used), abs=2e-3), one.name
-    assert len(system.mounts) == found.tried[0].mounts
+        if one.name in whole and not abs(whole[one.name] - 1.0) < 5e-3:
+            assert one.meets == (whole[one.name] <= 1.0), one.name
+    best = min(whole.values())
+    if best < 0.995:
+        # what a step of 0.1 ms leaves of the error in the stiffest parts
+        assert found.meeting[0].governing[0] == pytest.approx(best, abs=5e-3)
 
 
 @pytest.mark.quick

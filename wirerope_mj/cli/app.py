@@ -97,7 +97,7 @@ COMMANDS = {
     ),
     "export": (
         "exports:export",
-        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.",
+        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.",
     ),
     "durability": (
         "durability:durability",
