@@ -45,7 +45,7 @@ COMMANDS = {
     "show": ("show:show", "Open a run, a job, or the worst variants of a study, in the rerun viewer."),
     "replay": (
         "replay:replay",
-        "Simulate a run or a job again from its folder alone: whether the numbers agree, and which files were altered.",
+        "Simulate a run, a job or a study again from its folder alone: whether its numbers agree, which files were altered.",
     ),
     "loops": (
         "loops:loops",
@@ -69,7 +69,7 @@ COMMANDS = {
     ),
     "report": (
         "report:report",
-        "Make the report of a run or a job: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
+        "Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
     ),
     "study-report": (
         "study:study_report",
