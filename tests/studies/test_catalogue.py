@@ -171,3 +171,16 @@ def test_a_limit_of_the_acceleration_decides_what_parts_are_ranked_by():
     soft = select_parts(unlimited, devices, cases)
     assert soft.by == "acceleration"
     assert [one.acceleration for one in soft.meeting] == sorted(one.acceleration for one in soft.meeting)
+
+
+@pytest.mark.quick
+def test_the_file_of_a_job_says_model_load_cases_and_limits(tmp_path):
+    path = tmp_path / "job.toml"
+    path.write_text(
+        'model = "cabinet"\n[[case]]\nname = "a"\nhalf-sine = "5 g 11 ms z"\n[limits]\n"acceleration/rack" = "7 g"\n',
+        encoding="utf-8",
+    )
+    systems, cases = equipment(str(path), {"b": CASES["half-sine 12 g 11 ms y"]}, fragility=9.0 * G)
+    assert list(cases) == ["a", "b"]
+    (limit,) = [one for one in systems[""].limits if one.kind == "acceleration" and one.name == "rack"]
+    assert limit.values == pytest.approx((7.0 * G,))  # that of the job goes before the fragility of every body
