@@ -73,7 +73,7 @@ def test_a_file_becomes_a_calibrated_model(drop, capsys):
         (["--test", "drop.csv", *MAP, "--vary", "mount/*/colour = Uniform(0, 1)"], "there is no quantity"),
         (["--test", "drop.csv", "--map", "A0=base z g", "A1=body/rack z g", *VARY], "another model's"),
         (["--test", "drop.csv", *MAP, *VARY, "--limit", "acceleration/block = 9 g"], "is on a prediction"),
-        (["--test", "drop.csv", *MAP, *VARY, "--predict", "bang 9 g"], "begins with the kind of the motion"),
+        (["--test", "drop.csv", *MAP, *VARY, "--predict", "bang 9 g"], "names no kind of motion: half-sine"),
         (["--test", "short.csv", *MAP, *VARY], "at least 16 samples"),
         (["--frequency-response", "few.csv", *VARY], "must be FILE=PHRASE"),
         (["--frequency-response", "few.csv=body/block z", *VARY], "needs 5 rising frequencies"),

@@ -1,16 +1,17 @@
-"""`wirerope select`: the worksheet on the screen, candidates, reasons, simulation; one message for bad input."""
+"""`wirerope select`: parts simulated and ranked, and the vendors' worksheet; one message for bad input."""
 
 import re
 
 import pytest
 
+import wirerope_mj as wr
 from wirerope_mj.assessment.selection import shock_from_text
 from wirerope_mj.cli import main
 from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep
 
 pytestmark = pytest.mark.quick
 
-LOAD = ("select", "--mass", "200", "--mounts", "4")
+LOAD = ("select", "worksheet", "--mass", "200", "--mounts", "4")
 
 
 def shown(capsys, *arguments):
@@ -73,13 +74,6 @@ def test_a_pulse_that_is_far_too_long_for_the_rule_is_not_judged_by_it(capsys):
     assert "No part of the tables meets it" not in out
 
 
-def test_simulation_stands_beside_the_worksheet(capsys):
-    code, out = shown(capsys, "--velocity", "1", "--travel", "60", "--fragility", "12", "--simulate", "--best", "1")
-    assert code == 0
-    assert "simul." in out
-    assert "the isolator file of a part, else one fitted from its row" in out
-
-
 def test_parts_with_fewer_loops_are_offered(capsys):
     _, out = shown(capsys, "--velocity", "1", "--travel", "60", "--loops", "4", "6", "--all")
     assert "(6 of 8 loops)" in out
@@ -110,9 +104,10 @@ def test_the_sawtooth_of_the_rack_has_the_vendors_velocity_change():
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [
-        (("--shock", "hard"), '`--shock` must be like "15 g 11 ms half-sine"'),
-        (("--shock", "15 g 11 ms rectangle"), "`--shock` must be like"),
-        (("--shock", "15 g -11 ms half-sine"), "'-11' must be a finite number > 0"),
+        (("--shock", "hard"), "names no kind of motion: half-sine, sawtooth"),
+        (("--shock", "15 g 11 ms half-sign"), "Did you mean half-sine?"),
+        (("--shock", "15 g -11 ms half-sine"), "`duration` must be > 0, got -0.011"),
+        (("--shock", "sine 0.5 g 12 Hz 10 s"), "a worksheet's shock is one pulse or a velocity"),
         ((), "give one shock"),
         (("--velocity", "1", "--drop", "1"), "give one shock"),
         (("--velocity", "1", "--travel", "-5"), "`--travel` must be > 0, got -5.0."),
@@ -121,15 +116,61 @@ def test_the_sawtooth_of_the_rack_has_the_vendors_velocity_change():
         (("--mounts", "0"), "`--mounts` must be an integer >= 1, got 0."),
         (("--velocity", "1", "--loops", "4", "6.5"), "`--loops` must be an integer, got 6.5."),
         (("--velocity", "1", "--disturbance-rpm", "2400", "--disturbance-hz", "40"), "not both"),
-        (("--velocity", "1", "--simulate", "--best", "0"), "`--best` must be an integer >= 1"),
         (("--velocity", "1", "--loading", "sideways"), "sideways"),
     ],
 )
 def test_bad_input_is_one_message(capsys, arguments, message):
     given = {"--mass": "200", "--mounts": "4"}
     load = [word for option, value in given.items() if option not in arguments for word in (option, value)]
-    assert main(["select", *load, *arguments]) == 2
+    assert main(["select", "worksheet", *load, *arguments]) == 2
     captured = capsys.readouterr()
     assert message in captured.err
     assert captured.err.count("\n") == 1
     assert "Traceback" not in captured.err
+
+
+BOX = ("--mass", "300", "--size", "600", "500", "1200")
+SHOCK = ("--shock", "half-sine 15 g 11 ms", "--shock", "2 m/s x")
+
+
+def test_parts_are_simulated_and_the_chosen_one_becomes_a_model_with_the_limits(tmp_path, capsys):
+    out, prices = tmp_path / "chosen", tmp_path / "prices.csv"
+    prices.write_text("name, price, mass [kg]\nWR16-600, 100, 1.5\nWR20-600, 70, 2.5\n", encoding="utf-8")
+    code = main([
+        "select", *BOX, *SHOCK, "--mounts", "4", "--mounts", "4+2", "--parts", "WR??-600", "--fragility", "40", "--travel",
+        "150", "--prices", str(prices), "--by", "price", "--all", "--out", str(out),
+    ])  # fmt: skip
+    shown = re.sub(r"[ \n]+", " ", capsys.readouterr().out)
+    assert code == 0
+    assert "1: half-sine 15 g 11 ms 2: 2 m/s x" in shown
+    assert " choices simulated under 2 load cases keep every limit; first by price: 4 WR20-600" in shown
+    assert " 280.00 10.00 " in shown  # four of them; six cost 420
+    system = wr.load_system(out / "chosen.xml")
+    assert {limit.kind for limit in system.limits} == {"acceleration", "clearance"}
+    assert {mount.isolator.name for mount in system.mounts.values()} == {"Enidine WR20-600"}
+    assert len(system.mounts) == 4
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ((*BOX, *SHOCK), "`--mounts` must say how many there are"),
+        ((*BOX, *SHOCK, "--mounts", "3"), "1 or an even number"),
+        ((*BOX, "--mounts", "4"), "`--shock` must say at least one load case"),
+        ((*BOX, "--mounts", "4", "--shock", "unbalance engine 1 kg.mm 5 Hz x"), "has no end"),
+        ((*BOX, "--mounts", "4", *SHOCK, "--by", "price"), "`--by price` needs `--prices`"),
+        ((*BOX, "--mounts", "4", *SHOCK, "--parts", "XX*"), "no part of the vendors' tables is called 'XX*'"),
+        (("--mass", "300", "--mounts", "4+2", *SHOCK), "stand behind the equipment: give its `size`"),
+        (("cabinet", *BOX, *SHOCK), "give the equipment as a model or a job, or as a box"),
+        (("cabinet", *SHOCK, "--mounts", "4"), "a model has its mounts"),
+        (SHOCK, "give the equipment as a model or a job"),
+        (("cabinet", *SHOCK, "--limit", "acceleration/rock = 5 g"), "no body of the payload and no point 'rock'"),
+        (("cabinet", *SHOCK, "--fragility", "-5"), "`--fragility` must be > 0"),
+        (("cabinet", "--shock", "half sign 15 g 11 ms"), "Did you mean half-sine?"),
+    ],
+)
+def test_a_request_that_cannot_be_simulated_is_one_message(capsys, arguments, message):
+    assert main(["select", *arguments]) == 2
+    captured = capsys.readouterr()
+    assert message in captured.err
+    assert captured.err.count("\n") == 1

@@ -9,7 +9,7 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.motions.restore import level_templates, motion_of_levels
-from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
+from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase, motion_from_words
 
 G = wr.STANDARD_GRAVITY
 
@@ -23,6 +23,7 @@ SAID = {
     ("half-sine", "-3e1 g 6 ms x"): wr.HalfSine(peak=-30 * G, duration=0.006, direction="x"),
     ("sawtooth", "20 g 11 ms y"): wr.Sawtooth(peak=20 * G, duration=0.011, direction="y"),
     ("trapezoid", "10 g 18 ms rise 2 ms z"): wr.Trapezoid(peak=10 * G, duration=0.018, rise=0.002, direction="z"),
+    ("trapezoid", "10 g 18 ms z"): wr.Trapezoid(peak=10 * G, duration=0.018, rise=0.0018, direction="z"),
     ("velocity-step", "2 m/s z at 10 ms"): wr.VelocityStep(velocity=2.0, direction="z", start=0.01),
     ("double-pulse", "50 mm 3 m/s 100 g z"): wr.DesignSpectrum(
         displacement=0.05, velocity=3.0, acceleration=100 * G
@@ -204,7 +205,6 @@ def test_random_vibration_has_the_density_of_its_file(tmp_path):
         ("half-sine", "15 g 11 ms z at 1 s at 2 s", '"at" stands there twice'),
         ("half-sine", "? g 11 ms z", '"? g" is still open'),
         ("half-sine", "15 g -11 ms z", "`duration` must be"),
-        ("trapezoid", "10 g 18 ms z", '"rise" and its value must stand there'),
         ("half-sine", "15 g 11 ms z at 5 to 50 ms", '"at" takes one value, and "5 to 50" is a range'),
         ("half-sine", "15 g 11 ms z at 5 to", 'no number follows "5 to"'),
         ("half-sine", "15 g 11 ms 5 to z", 'no number follows "5 to"'),
@@ -313,3 +313,26 @@ def test_a_limit_is_said_in_its_unit():
 def test_what_is_no_limit_is_refused_with_examples(text):
     with pytest.raises(ValueError, match="is written like"):
         limit_from_text(text)
+
+
+@pytest.mark.parametrize(
+    ("words", "kind", "phrase"),
+    [
+        ("double half-sine 90 g 3 m/s 42 mm", "double-pulse", "90 g 3 m/s 42 mm z"),
+        ("15g, 11ms, half sine", "half-sine", "15 g 11 ms z"),
+        ("Halfsine 15 g 11 ms -y at 50 ms", "half-sine", "15 g 11 ms -y at 50 ms"),
+        ("20 g 11 ms terminal-peak saw tooth", "sawtooth", "20 g 11 ms z"),
+        ("xy 20 g 11 ms sawtooth", "sawtooth", "20 g 11 ms xy"),
+        ("2.5 m/s", "velocity-step", "2.5 m/s z"),
+        ("2 m/s -x", "velocity-step", "2 m/s -x"),
+        ("force engine 500 N 12 Hz 10 s z", "force", "engine 500 N 12 Hz 10 s z"),
+    ],
+)
+def test_words_name_the_kind_anywhere_and_a_direction_or_none(words, kind, phrase):
+    assert motion_from_words(words) == motion_from_phrase(kind, phrase)
+
+
+@pytest.mark.parametrize(("words", "near"), [("half sign 15 g 11 ms", "half-sine"), ("swep 1 g 5 to 50 Hz", "sweep")])
+def test_words_that_name_no_kind_are_answered_with_the_nearest(words, near):
+    with pytest.raises(ValueError, match=f"names no kind of motion: .* Did you mean {near}\\?"):
+        motion_from_words(words)

@@ -15,6 +15,7 @@ import wirerope_mj as wr
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.runs import job as job_module
+from wirerope_mj.runs.folder import alterations
 from wirerope_mj.runs.sources import run_verdicts
 
 CASES = """
@@ -105,7 +106,10 @@ def test_nothing_runs_twice(again):
     ("change", "expected"),
     [
         (('"5 g 11 ms -z"', '"6 g 11 ms -z"'), {"Down, mild": "changed: motion"}),
-        (('"8 g"', '"9 g"'), {"Down, mild": "changed: limits", "Up and hard": "changed: limits"}),
+        (
+            ('"8 g"', '"9 g"'),
+            dict.fromkeys(("Down, mild", "Up and hard"), "changed: limits, judged again without simulating"),
+        ),
         (("= 0.3", "= 0.31"), {"Down, mild": "changed: numerics", "Up and hard": "changed: numerics"}),
         (('"clause 1"', '"clause 2"'), {}),
         (('"Up and hard"', '"Up"'), {"Up": "new"}),
@@ -114,6 +118,30 @@ def test_nothing_runs_twice(again):
 def test_only_what_a_change_touches_runs_again(again, monkeypatch, change, expected):
     monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
     assert again(CASES.replace(*change)) == expected
+
+
+def test_a_changed_limit_is_judged_as_a_new_run_would_be_without_simulating(again, tmp_path, monkeypatch):
+    monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
+    runs = tmp_path / "job" / "out" / "cases"
+    samples = {run.name: wr.load_response(run).bodies["block"].acceleration for run in runs.iterdir()}
+
+    def never(*_, **__):
+        raise AssertionError("it was simulated")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(job_module, "write_run", never)
+        again(CASES.replace('"8 g"', '"2 g"'))
+    judged = {run.name: (run / "summary.json").read_text(encoding="utf-8") for run in runs.iterdir()}
+    assert all("FAIL" in text for text in judged.values())
+    for run in runs.iterdir():
+        np.testing.assert_array_equal(wr.load_response(run).bodies["block"].acceleration, samples[run.name])
+    assert all(alterations(run).intact for run in runs.iterdir())
+    again(CASES.replace('"8 g"', '"2 g"'), force=True)
+    for run in runs.iterdir():
+        new, old = (json.loads(text) for text in ((run / "summary.json").read_text(encoding="utf-8"), judged[run.name]))
+        for one in (new, old):
+            one["numerics"].pop("seconds")
+        assert new == old
 
 
 def test_a_case_whose_files_were_altered_runs_again(again, tmp_path):

@@ -45,7 +45,7 @@ COMMANDS = {
     "show": ("show:show", "Open a run, a job, or the worst variants of a study, in the rerun viewer."),
     "replay": (
         "replay:replay",
-        "Simulate a run or a job again from its folder alone: whether the numbers agree, and which files were altered.",
+        "Simulate a run, a job or a study again from its folder alone: whether its numbers agree, which files were altered.",
     ),
     "loops": (
         "loops:loops",
@@ -69,7 +69,7 @@ COMMANDS = {
     ),
     "report": (
         "report:report",
-        "Make the report of a run or a job: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
+        "Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
     ),
     "study-report": (
         "study:study_report",
@@ -97,7 +97,7 @@ COMMANDS = {
     ),
     "export": (
         "exports:export",
-        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.",
+        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.",
     ),
     "durability": (
         "durability:durability",
@@ -116,8 +116,8 @@ COMMANDS = {
         "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     ),
     "select": (
-        "select:select",
-        "Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.",
+        "select:select_app",
+        "Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.",
     ),
     "modes": (
         "modes:modes",

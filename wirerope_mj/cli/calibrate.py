@@ -73,11 +73,12 @@ def calibrate(
     from rich.markup import escape
 
     from wirerope_mj.content.calibration import calibration_content
+    from wirerope_mj.engine.simulation.duration import duration_of
     from wirerope_mj.foundation.arguments import integer
+    from wirerope_mj.motions.spoken import motion_from_words
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
     from wirerope_mj.runs.folder import check_target
     from wirerope_mj.runs.measured import tests_of
-    from wirerope_mj.runs.said_motion import duration_of
     from wirerope_mj.runs.sources import is_run
     from wirerope_mj.studies.calibration import MeasuredTest
     from wirerope_mj.studies.calibration import calibrate as calibrated
@@ -96,7 +97,7 @@ def calibrate(
         raise ValueError(f"`--vary` must say what is to be found, with its prior, such as {EXAMPLE!r}, got none.")
     check_target(out, force=force, kind=KIND, marks=MARKS)
     system, motion = _system_and_motion(model)
-    motions = [_spoken(phrase) for phrase in predict or ()]
+    motions = [motion_from_words(phrase) for phrase in predict or ()]
     limits = [limit_of_text(text, measure_names(system)) for text in limit or ()]
     if limits and not motions:
         raise ValueError(
@@ -180,15 +181,3 @@ def _loop_test(text: str) -> "Test":
         raise ValueError(f"`--loops` must be FILE=PHRASE, such as 'rig.csv=mount/m1 axial', got {text!r}.")
     axis = AXES["xyz".index(said.axis)]
     return LoopTest(name=Path(file).stem, mount=said.subject[6:], axis=axis, loops=read_cyclic_test(Path(file)))
-
-
-def _spoken(phrase: str) -> "BaseMotion":
-    """Return the motion of a kind and its phrase."""
-    from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
-
-    kind, _, rest = phrase.strip().partition(" ")
-    if kind not in SPOKEN_MOTIONS:
-        raise ValueError(
-            f"`--predict` begins with the kind of the motion, {', '.join(SPOKEN_MOTIONS)}; got {phrase!r}."
-        )
-    return motion_from_phrase(kind, rest)

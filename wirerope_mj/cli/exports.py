@@ -30,18 +30,25 @@ def export(
     folder: Path,
     out: Path,
     *,
+    channels: Annotated[list[str] | None, Parameter(negative=())] = None,
+    at: str | None = None,
     spectrum: str | None = None,
     q: float = 10.0,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5 or MATLAB.
+    """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.
 
-    The ending of OUT says which: .csv, .h5 or .hdf5, .mat. Numbers are SI with all their digits; names and units of the columns
-    stand in the header, with every dataset, or in the variables `variables`, `names` and `units`.
+    The ending of OUT says which: .csv, .h5 or .hdf5, .mat; .xlsx, a workbook with every table of the report in a sheet of its
+    own, and the samples that --channels names; .png, the scene at an instant. Numbers are SI with all their digits, in the
+    tables of a workbook in the units of the report; names and units of the columns stand in the header, with every dataset, or
+    in the variables `variables`, `names` and `units`.
 
     Args:
-        folder: folder of a run or a study.
+        folder: folder of a run or a study; for .xlsx of a job, too.
         out: file to write.
+        channels: which columns, a pattern with * and ?, such as "mounts/*/force/*" or "bodies/rack/acceleration/z"; again for
+            further ones; all by default, of .xlsx none.
+        at: instant of the picture, such as "120 ms"; that of the most critical verdict by default.
         spectrum: name of a body, a point or "base": its shock response spectra along x, y and z in place of the samples. They
             reach a tenth of the run's sample rate; up to where the samples hold them within 1 % is printed.
         q: amplification of the spectra's oscillators at resonance.
@@ -49,15 +56,28 @@ def export(
     """
     from wirerope_mj.engine.response import load_response
     from wirerope_mj.foundation.errors import RecordError
-    from wirerope_mj.foundation.exports import write_export
+    from wirerope_mj.foundation.exports import picked, write_export
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.motions.spectra import shock_response_spectrum
     from wirerope_mj.motions.spectra.srs import exported_spectra, held
+    from wirerope_mj.runs.report import write_still, write_workbook_of
     from wirerope_mj.studies.inputs_file import STUDY
     from wirerope_mj.studies.study import load_study
 
+    kind = out.suffix.lower()
+    if kind == ".png" or at is not None:
+        if kind != ".png" or channels or spectrum is not None:
+            raise ValueError(
+                "`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`."
+            )
+        print(plain(f"written: {write_still(folder, out, at=at, force=force)}"))
+        return 0
+    if kind == ".xlsx" and spectrum is None:
+        print(plain(f"written: {write_workbook_of(folder, out, channels=channels or (), force=force)}"))
+        return 0
     if spectrum is None:
         table = (load_study(folder) if (folder / STUDY).is_file() else load_response(folder)).exported
+        table = picked(table, channels) if channels else table
     else:
         response = load_response(folder)
         moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}

@@ -10,16 +10,24 @@ from wirerope_mj.runs.repeat import Replay
 
 
 def replay(folder: Path) -> int:
-    """Simulate a run or a job again from its folder alone: whether the numbers agree, and which files were altered.
+    """Simulate a run, a job or a study again from its folder alone: whether its numbers agree, which files were altered.
 
-    Compared are all stored numbers: samples, peaks, states, and those of summary.json. The exit code is 0, or 1 if they do not
-    agree or a file was altered or removed since the run was written.
+    Compared are all stored numbers: samples, peaks, states, and those of summary.json; of a study its table. The exit code is
+    0, or 1 if they do not agree or a file of a run was altered or removed since it was written.
 
     Args:
-        folder: folder of a run, or of a job, whose load cases are simulated one after the other.
+        folder: folder of a run; of a job, whose load cases are simulated one after the other; or of a study.
     """
     from wirerope_mj.runs.job import case_folders, is_job
+    from wirerope_mj.runs.repeat import AGREES, replay_study
+    from wirerope_mj.studies.inputs_file import STUDY
 
+    if (folder / STUDY).is_file():
+        largest, column = replay_study(folder)
+        text = f"largest difference {largest:.3g}, relative to the largest, in {column}" if column else "bit-identical"
+        agrees = "the tables agree" if largest <= AGREES else "the tables do not agree"
+        print(plain(f"{folder}: every variant simulated again: {text}; {agrees}."))
+        return 0 if largest <= AGREES else DIFFERENT
     return max(map(_replay_run, case_folders(folder) if is_job(folder) else [folder]))
 
 

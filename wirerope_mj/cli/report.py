@@ -16,13 +16,13 @@ def report(
     docx: Annotated[bool, Parameter(negative=())] = False,
     force: Annotated[bool, Parameter(negative=())] = False,
 ) -> int:
-    """Make the report of a run or a job: one HTML page that holds everything it shows, and a PDF or DOCX of it.
+    """Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it.
 
     Question and verdicts first, then model and mounts with the provenance of their figures, statics, modes, the base's motion,
     peaks, histories, loops and spectra. Everything comes from the folder.
 
     Args:
-        folder: folder of a run, or of a job as `wirerope cases` writes it.
+        folder: folder of a run, of a job as `wirerope cases` writes it, or of a study, which has no DOCX.
         out: the page, .html; report.html in the folder by default, where it is made anew.
         pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
         docx: write a DOCX document beside it, which needs the extra "docx" (python-docx).

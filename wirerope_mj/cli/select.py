@@ -1,20 +1,127 @@
-"""`wirerope select`: the catalogue parts that meet a worksheet, and what a simulation says of the best of them."""
+"""`wirerope select`: every part of the catalogue simulated in the places of the mounts; and the vendors' worksheet."""
 
 import sys
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Annotated, Literal
 
-from cyclopts import Parameter
+from cyclopts import App, Parameter
 
 from wirerope_mj.cli.options import Integer, Integers
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
-NOTHING_FOUND = 1  # Exit code if no part meets the worksheet
+NOTHING_FOUND = 1  # Exit code if no part meets the demands
 Mode = Literal["compression", "45", "shear", "roll"]
+Texts = Annotated[list[str] | None, Parameter(negative=())]
+Flag = Annotated[bool, Parameter(negative=())]
+
+select_app = App(
+    name="select",
+    help="Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.",
+)
 
 
+@select_app.default
 def select(
+    model: str | None = None,
+    *,
+    shock: Texts = None,
+    levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    mass: float | None = None,
+    mounts: Texts = None,
+    size: tuple[float, float, float] | None = None,
+    fragility: float | None = None,
+    travel: float | None = None,
+    limit: Texts = None,
+    initial: Literal["settled", "relaxed"] = "settled",
+    parts: str = "*",
+    prices: Path | None = None,
+    by: Literal["margin", "acceleration", "number", "height", "price", "mass"] | None = None,
+    all: Flag = False,  # noqa: A002  # the option's name
+    take: str | None = None,
+    out: Path | None = None,
+    force: Flag = False,
+) -> int:
+    """Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.
+
+    The equipment is a model, whose mounts take every part in turn, the model and load cases of a job, or a box by its mass.
+    Each --shock is a load case, in the words of `wirerope shock` with the kind of the motion among them; without a direction
+    it is along z. Exits 1 if no part keeps every limit.
+
+    wirerope select --mass 420 --size 800 800 1800 --mounts 4+2 --shock "half-sine 15 g 11 ms y" --fragility 15 --travel 60
+
+    Args:
+        model: path of a model, name of one that ships, or file of a job (JOB.toml) with model, load cases and limits.
+        shock: a load case: "half-sine 15 g 11 ms z", "double half-sine 60 g 2.5 m/s 43 mm", "2 m/s"; again for each further.
+        levels: a load case: file of levels, as `wirerope levels` writes one.
+        mass: of equipment that is a box filled evenly [kg], instead of a model.
+        mounts: of the box: how many stand below it, and perhaps behind it at +y: "4" or "4+2"; again for each alternative.
+        size: of the box along x, y and z [mm]; without it the mounts stand at the height of the centre of mass.
+        fragility: acceleration that each body of the payload stands [g].
+        travel: room around each point of the payload, for a box its corners, both ways along x, y and z [mm].
+        limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm", as `wirerope shock` takes it.
+        initial: state in which each case begins: settled under its weight, or relaxed (after long vibration).
+        parts: which parts of the vendors' tables, such as "CB1400*".
+        prices: table (CSV or XLSX) of one's own: name of the part, price, mass [kg].
+        by: what parts that keep every limit are ranked by: margin, acceleration, number (of mounts), height, price or mass;
+            the margin by default, without a limit of an acceleration the acceleration.
+        all: show every part.
+        take: part that is written, instead of the first.
+        out: folder into which the model on the chosen part is written, with the limits in it.
+        force: replace a model's folder that is there.
+    """
+    from wirerope_mj.content.catalogue_selection import catalogue_selection_content
+    from wirerope_mj.foundation.payload_limits import limit_from_text
+    from wirerope_mj.foundation.units import STANDARD_GRAVITY
+    from wirerope_mj.motions.restore import motion_of_levels
+    from wirerope_mj.motions.spoken import motion_from_words
+    from wirerope_mj.runs.selection import equipment, read_prices, write_selected
+    from wirerope_mj.studies.catalogue import catalogue, select_parts
+    from wirerope_mj.views.terminal import print_headline, show
+
+    for option, value in {"mass": mass, "fragility": fragility, "travel": travel}.items():
+        if value is not None:
+            positive(f"--{option}", value)
+    if (model is None) == (mass is None):
+        raise ValueError("give the equipment as a model or a job, or as a box by `--mass` and `--mounts`: one of them.")
+    if mass is None and (mounts or size):
+        raise ValueError("`--mounts` and `--size` belong to `--mass`: a model has its mounts.")
+    if mass is not None and not mounts:
+        raise ValueError('`--mounts` must say how many there are, "4", or below and behind, "4+2".')
+    stated = {} if prices is None else read_prices(prices)
+    if by in ("price", "mass") and not any(by in own for own in stated.values()):
+        raise ValueError(f"`--by {by}` needs `--prices`, a table with a column {by!r}.")
+    said = {text: motion_from_words(text) for text in shock or ()}
+    said |= {file.stem: motion_of_levels(file) for file in levels or ()}
+    box = None if mass is None else {"mass": mass, "size": None if size is None else tuple(1e-3 * one for one in size)}
+    systems, cases = equipment(
+        model, said, box=box,
+        mounts=mounts or (), limits=[limit_from_text(text) for text in limit or ()],
+        fragility=None if fragility is None else fragility * STANDARD_GRAVITY,
+        travel=None if travel is None else 1e-3 * travel,
+    )  # fmt: skip
+    tty = sys.stderr.isatty()
+    selection = select_parts(
+        systems, catalogue(parts), cases, by=by, stated=stated, initial=initial,
+        progress=lambda done: print(f"\rsimulating .. {100 * done:.0f} %", end="", file=sys.stderr) if tty else None,
+    )  # fmt: skip
+    if tty:
+        print("\r", end="", file=sys.stderr)
+    content = catalogue_selection_content(selection, every=all)
+    show(content, "parts")
+    print_headline(content.verdict)
+    if out is not None or take is not None:
+        chosen = [one for one in selection.tried if take in (None, one.name)]
+        if not chosen:
+            raise ValueError(f"`--take` must be a part that was tried, got {take!r}.")
+        path = write_selected(chosen[0], out or Path(chosen[0].name.lower()), box=box, force=force)
+        print(plain(f"  written: {path}, on {chosen[0].mounts} {chosen[0].name}"))
+    return 0 if selection.meeting else NOTHING_FOUND
+
+
+@select_app.command
+def worksheet(
     *,
     mass: float,
     mounts: Integer,
@@ -30,11 +137,9 @@ def select(
     loading: Mode = "compression",
     direction: Mode | None = None,
     loops: Integers | None = None,
-    all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
-    simulate: Annotated[bool, Parameter(negative=())] = False,
-    best: Integer = 5,
+    all: Flag = False,  # noqa: A002  # the option's name
 ) -> int:
-    """Choose isolators by the vendors' worksheet: what carries the load and keeps travel, frequency and acceleration.
+    """Look up parts by the vendors' worksheet, closed formulas of a guided mass: load, travel, frequency and acceleration.
 
     Every g here is 9.81 m/s^2, as in the vendors' sheets. A pulse counts by its velocity change. Parts come by what they
     use of their limits if --fragility is given, else the softest that fits first. Exits 1 if no part meets the worksheet.
@@ -55,27 +160,18 @@ def select(
         direction: how the shock does; as the weight by default.
         loops: also try the parts with so many loops; load and stiffness in proportion.
         all: show the parts that do not meet it as well, with the reasons.
-        simulate: fit the best parts from their rows and put their simulated shock beside the worksheet.
-        best: how many are simulated.
     """
-    from wirerope_mj.assessment.selection import (
-        SimulatedShock,
-        select_isolators,
-        shock_from_text,
-        simulate_candidate,
-    )
+    from wirerope_mj.assessment.selection import select_isolators, shock_from_text
     from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY
     from wirerope_mj.content.part_selection import selection_content
-    from wirerope_mj.foundation.errors import WireRopeError
-    from wirerope_mj.views.terminal import print_headline
-    from wirerope_mj.views.terminal import show as print_sections
+    from wirerope_mj.views.terminal import print_headline, show
 
     _require(
         {
             "mass": mass, "velocity": velocity, "drop": drop, "travel": travel, "fragility": fragility,
             "disturbance-rpm": disturbance_rpm, "disturbance-hz": disturbance_hz, "isolation-ratio": isolation_ratio,
         },
-        mounts=mounts, shocks=sum(given is not None for given in (shock, velocity, drop)), best=best,
+        mounts=mounts, shocks=sum(given is not None for given in (shock, velocity, drop)),
     )  # fmt: skip
     if disturbance_rpm is not None:
         disturbance_hz = disturbance_rpm / 60.0
@@ -85,25 +181,15 @@ def select(
         fragility=None if fragility is None else fragility * WORKSHEET_GRAVITY, disturbance=disturbance_hz, loading=loading,
         direction=direction, isolation_ratio=isolation_ratio, loops=loops or (),
     )  # fmt: skip
-    simulated: dict[str, SimulatedShock] = {}
-    failures: dict[str, str] = {}
-    for candidate in selection.candidates[: best if simulate else 0]:
-        name = candidate.part.name
-        if sys.stderr.isatty():
-            print(plain(f"simulating {name} .."), file=sys.stderr, flush=True)
-        try:
-            simulated[name] = simulate_candidate(candidate, selection.worksheet)
-        except WireRopeError as error:
-            failures[name] = str(error)
-    content = selection_content(selection, simulated, failures, every=all)
-    print_sections(content, "worksheet", "parts")
+    content = selection_content(selection, every=all)
+    show(content, "worksheet", "parts")
     print_headline(content.verdict)
     if selection.candidates and selection.rejected and not all:
         print("  --all shows every part and says why.")
     return 0 if selection.candidates else NOTHING_FOUND
 
 
-def _require(values: Mapping[str, float | None], *, mounts: int, shocks: int, best: int) -> None:
+def _require(values: Mapping[str, float | None], *, mounts: int, shocks: int) -> None:
     """Raise ValueError unless the options are in range and go together."""
     integer("--mounts", mounts, least=1)
     for option, value in values.items():
@@ -113,4 +199,3 @@ def _require(values: Mapping[str, float | None], *, mounts: int, shocks: int, be
         raise ValueError("give the disturbance as `--disturbance-rpm` or as `--disturbance-hz`, not both.")
     if shocks != 1:
         raise ValueError('give one shock: `--shock "15 g 11 ms half-sine"`, `--velocity` [m/s] or `--drop` [m].')
-    integer("--best", best, least=1)

@@ -1,10 +1,10 @@
-"""What a selection among catalogue parts says: the worksheet, the parts that meet it, and why the others do not."""
+"""What the vendors' worksheet says: the demands, the parts that meet them, and why the others do not."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 
 from wirerope_mj.assessment.criteria.verdict import Verdict, most_used
-from wirerope_mj.assessment.selection import PartSelection, SimulatedShock, Worksheet, mode_text
+from wirerope_mj.assessment.selection import PartSelection, Worksheet, mode_text
 from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several
@@ -15,25 +15,14 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 _FIRST, _NEAREST = 12, 5
 
 
-def selection_content(
-    selection: PartSelection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str], *, every: bool
-) -> Content:
-    """Compose what a selection says.
-
-    Args:
-        selection: among the parts of the tables.
-        simulated: simulated shocks of some candidates, by the part's name.
-        failures: why others could not be simulated.
-        every: whether every part is shown, those that do not meet the worksheet with the reasons.
-    """
+def selection_content(selection: PartSelection, *, every: bool) -> Content:
+    """Compose what a worksheet says; `every`: whether parts that do not meet it are shown with the reasons."""
     return Content(
         title="Selection of isolators",
         verdict=_verdict(selection),
         sections=(
             Section(id="worksheet", title="Worksheet", build=lambda: (_worksheet(selection.worksheet),), depth="summary"),
-            Section(
-                id="parts", title="Parts", build=lambda: _parts(selection, simulated, failures, every), depth="summary"
-            ),
+            Section(id="parts", title="Parts", build=lambda: _parts(selection, every), depth="summary"),
         ),
     )  # fmt: skip
 
@@ -73,27 +62,23 @@ def _worksheet(sheet: Worksheet) -> Statement:
     return Statement(id="worksheet", text=text, items=tuple(rows), tone="strong")
 
 
-def _parts(
-    selection: PartSelection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str], every: bool
-) -> Iterator[Block]:
+def _parts(selection: PartSelection, every: bool) -> Iterator[Block]:
     if selection.candidates:
-        yield _candidates(selection, simulated, None if every else _FIRST)
-        yield Statement(id="notes", items=tuple(_notes(selection, simulated, failures)))
+        yield _candidates(selection, None if every else _FIRST)
+        yield Statement(id="notes", items=tuple(_notes(selection)))
     if any(part.undecided for part in selection.rejected):
-        text = (
-            "The pulse is far too long to count by its velocity change alone. Simulate it, in a scenario of its own: wirerope "
-            "run."
-        )
+        text = "The pulse is far too long to count by its velocity change alone: wirerope select --shock simulates it."
         yield Statement(id="undecided", text=text, tone="unjudged")
     if selection.rejected and (every or not selection.candidates):
         yield _rejected(selection, None if every else _NEAREST)
 
 
-def _candidates(selection: PartSelection, simulated: Mapping[str, SimulatedShock], most: int | None) -> Table:
+def _candidates(selection: PartSelection, most: int | None) -> Table:
     """Tabulate the candidates in their order."""
     columns = [
-        Column("part", align="left"), Column("load", "%", "z.0f"), Column("f", "Hz", ".2f"), *_response("travel", "peak"),
-        Column("most critical", align="left"), *(_response("simul.", "simul.") if simulated else []),
+        Column("part", align="left"), Column("load", "%", "z.0f"), Column("f", "Hz", ".2f"), Column("travel", "mm", ".1f"),
+        Column("of rated", "%", "z.0f"), Column("peak\n[g]"), Column("used", "%", "z.0f"),
+        Column("most critical", align="left"),
     ]  # fmt: skip
     rows: list[Row] = []
     for one in selection.candidates:
@@ -101,22 +86,10 @@ def _candidates(selection: PartSelection, simulated: Mapping[str, SimulatedShock
         peak = f"{_g(one.acceleration):.2f}{'*' if selection.worksheet.amplifies(one.acceleration) else ''}"
         cells: list[Cell] = [one.part.name, used_mark(one.utilisation("static load")), one.frequency, one.travel]
         cells += [used_mark(one.utilisation("rated travel")), peak, _used(one.verdicts), critical]
-        rows.append([*cells, *(_simulated_cells(simulated.get(one.part.name)) if simulated else [])])
+        rows.append(cells)
     title = f"{several(len(rows), 'part')} meet{'s' if len(rows) == 1 else ''} it"
     note = "Used: of the limit that is the most critical."
     return Table(id="candidates", title=title, columns=columns, rows=rows, note=note, shown=most)
-
-
-def _response(travel: str, peak: str) -> list[Column]:
-    return [
-        Column(travel, "mm", ".1f"), Column("of rated", "%", "z.0f"), Column(f"{peak}\n[g]"), Column("used", "%", "z.0f"),
-    ]  # fmt: skip
-
-
-def _simulated_cells(run: SimulatedShock | None) -> list[Cell]:
-    if run is None:
-        return [""] * 4
-    return [run.travel, used_mark(run.travel_utilisation), f"{_g(run.acceleration):.2f}", _used(run.verdicts)]
 
 
 def _used(verdicts: Sequence[Verdict]) -> Mark:
@@ -144,12 +117,9 @@ def _rejected(selection: PartSelection, most: int | None) -> Table:
     )
 
 
-def _notes(
-    selection: PartSelection, simulated: Mapping[str, SimulatedShock], failures: Mapping[str, str]
-) -> Iterator[str]:
+def _notes(selection: PartSelection) -> Iterator[str]:
     """Yield what the table rests on."""
     sheet = selection.worksheet
-    yield from (f"{name} is not simulated: {reason}" for name, reason in failures.items())
     stiff = sum(sheet.amplifies(one.acceleration) for one in selection.candidates)
     if stiff:
         yield (
@@ -174,14 +144,7 @@ def _notes(
         f"every command takes a part by its name: wirerope isolators {selection.candidates[0].part.name}, or in the column "
         "isolator of a table of mounts for wirerope new"
     )
-    if simulated and "45" in (sheet.loading, sheet.direction):
-        yield "fitted along the axes alone, the parts are 40 to 60 % stiffer at 45 degrees than the vendor states for shock"
-    if simulated:
-        yield (
-            "simulated: the isolator file of a part, else one fitted from its row with tension and damping as assumed for the "
-            "catalogue; first swing and rebound; travel from the settled position, its utilisation from the unloaded position, "
-            "sag included"
-        )
+    yield "closed formulas of a guided mass: wirerope select simulates every part in the places of the mounts"
 
 
 def _g(value: float | None) -> float:

@@ -1,4 +1,4 @@
-"""The scene at the worst instant of a run, as a drawing."""
+"""The scene at the worst instant of a run, or at any, as a drawing."""
 
 import math
 from dataclasses import replace
@@ -24,35 +24,42 @@ _STILL = 1e-6  # [m]: what moves less is not worth a picture
 
 def worst_instant(run: JudgedRun) -> SceneView | None:
     """Return the scene at the instant of the most critical verdict, displacements enlarged; None without one."""
-    scene = run.response.scene
     rows = [(row, row.time) for row in ordered(run.verdicts) if row.time is not None and math.isfinite(row.value)]
-    if not rows or not any(body.geoms for body in scene.bodies):
+    if not rows:
         return None
     worst, instant = rows[0]
-    number = int(np.abs(run.response.time - instant).argmin())
-    travels = _travels(run.response, number)
+    limit = f" of {with_unit(worst.limit, worst.unit)}" if worst.limit is not None else ""
+    title = (
+        f"The worst instant, {instant:.4f} s: {worst.criterion} of {worst.subject}, "
+        f"{with_unit(worst.value, worst.unit)}{limit}"
+    )
+    view = scene_at(run.response, instant, title=title)
+    if view is None or view.moved is None:
+        return None
+    return replace(
+        view, id="worst-instant", ring=_ring(view.moved, worst), exceeded=worst.verdict == EXCEEDED
+    )  # fmt: skip
+
+
+def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:
+    """Return the scene at the sample nearest to an instant [s], displacements enlarged; None where nothing is seen to move."""
+    scene = response.scene
+    if not any(body.geoms for body in scene.bodies):
+        return None
+    number = int(np.abs(response.time - instant).argmin())
+    travels = _travels(response, number)
     largest = max((float(np.linalg.norm(travel)) for travel in travels.values()), default=0.0)
     if largest < _STILL:
         return None
     drawn = drawn_scene(scene)
     allowed = _SEEN * float((drawn.high - drawn.low).max())
     factor = next((factor for factor in _FACTORS if factor * largest <= allowed), 1.0)
-    moved = _moved(run.response, number, travels, factor)
     enlarged = f", displacements {factor:g} times as large" if factor > 1.0 else ""
-    limit = f" of {with_unit(worst.limit, worst.unit)}" if worst.limit is not None else ""
     caption = (
-        f"The worst instant, {instant:.4f} s: {worst.criterion} of {worst.subject}, "
-        f"{with_unit(worst.value, worst.unit)}{limit}. Everything as it stands from the base{enlarged}; dashed: the modelled, "
-        "unloaded geometry. Lines: mounts from the base's site to the payload's."
+        f"{title or f'At {response.time[number]:.4f} s'}. Everything as it stands from the base{enlarged}; pale or dashed: "
+        "the modelled, unloaded geometry. Lines: mounts from the base's site to the payload's."
     )
-    return SceneView(
-        id="worst-instant",
-        scene=scene,
-        caption=caption,
-        moved=moved,
-        ring=_ring(moved, worst),
-        exceeded=worst.verdict == EXCEEDED,
-    )
+    return SceneView(id="instant", scene=scene, caption=caption, moved=_moved(response, number, travels, factor))
 
 
 def _travels(response: Response, number: int) -> dict[str, Array]:

@@ -3,7 +3,9 @@
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from difflib import get_close_matches
+from fnmatch import fnmatchcase
 from importlib import import_module
 from io import FileIO
 from pathlib import Path
@@ -41,6 +43,31 @@ class Exported:
     def headings(self) -> list[str]:
         """Names with their units, as `acceleration/rack [m/s^2]`."""
         return [f"{name} [{unit}]" if unit else name for name, unit in zip(self.names, self.units, strict=True)]
+
+
+def picked(table: Exported, patterns: Sequence[str]) -> Exported:
+    """Keep the columns of a table whose names a pattern with * and ? matches, and its first, by which they are in order.
+
+    Raises:
+        ValueError: a pattern matches none.
+    """
+    kept = [0]
+    for pattern in patterns:
+        found = [n for n, name in enumerate(table.names) if fnmatchcase(name, pattern)]
+        if not found:
+            near = get_close_matches(pattern, table.names, n=3, cutoff=0.3)
+            raise ValueError(
+                f"no column matches {pattern!r}; there are {', '.join(near or table.names[1:4])} and others."
+            )
+        kept += found
+    kept = sorted(set(kept))
+    return replace(
+        table,
+        names=[table.names[n] for n in kept],
+        units=[table.units[n] for n in kept],
+        column=lambda number: table.column(kept[number]),
+        blocks=lambda: ([block[n] for n in kept] for block in table.blocks()),
+    )
 
 
 class Exportable:

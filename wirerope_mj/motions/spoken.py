@@ -1,10 +1,12 @@
 """Base motions, and forces on the payload, from phrases: what each kind needs and what makes it."""
 
+import re
 from collections.abc import Callable
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.foundation.directions import Direction, unit_vector
+from wirerope_mj.foundation.directions import Direction, directions_in, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.harmonic import Sine, Sweep
@@ -25,6 +27,7 @@ LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larg
 Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
 
 _PULSE = {"acceleration": 1, "time": 1}
+_RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
 
 _SHAFT: dict[str, Any] = {
@@ -33,11 +36,11 @@ _SHAFT: dict[str, Any] = {
 }  # fmt: skip
 
 
-def _pulse(shape: Callable[..., BaseMotion], *more: str) -> Make:
-    """Make a pulse of one shape; `more` are words whose values it takes by their names."""
+def _pulse(shape: Callable[..., BaseMotion]) -> Make:
+    """Make a pulse of one shape."""
 
     def make(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
-        named = {word: phrase.named[word] for word in more}
+        named = {"rise": phrase.named.get("rise", _RISE * phrase.one("time"))} if shape is Trapezoid else {}
         peak, duration = phrase.one("acceleration"), phrase.one("time")
         return shape(peak=peak, duration=duration, direction=direction, start=phrase.start, **named)
 
@@ -146,7 +149,7 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
     ),
     "trapezoid": SpokenMotion(
         example="10 g 18 ms rise 2 ms z", summary="trapezoid: peak, length, rise, direction", needs=_PULSE,
-        words=START | {"rise": "time"}, needed_words=("rise",), make=_pulse(Trapezoid, "rise"),
+        words=START | {"rise": "time"}, make=_pulse(Trapezoid),
     ),
     "velocity-step": SpokenMotion(
         example="2 m/s z", summary="velocity at once", needs={"velocity": 1},
@@ -245,6 +248,38 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
     except ConvergenceError as error:
         raise ConvergenceError(f'{kind} "{short(text)}": {error}') from None
     return sum(made[1:], start=made[0])
+
+
+# Kinds as people write them, with spaces, hyphens or neither; the first that a sentence holds counts.
+_WRITTEN = {
+    r"double[- ]?half[- ]?sine": "double-pulse", r"(?:terminal[- ]peak[- ])?saw[- ]?tooth": "sawtooth",
+    **{kind.replace("-", "[- ]?"): kind for kind in sorted(SPOKEN_MOTIONS, key=len, reverse=True)},
+}  # fmt: skip
+_BARE_STEP = re.compile(r"\s*[-+.\deE]+ ?m/s\b[^a-z]*[-xyz]*\s*")  # a velocity alone, with a direction or without
+
+
+def motion_from_words(text: str) -> BaseMotion:
+    """Make the base motion of a sentence that names its kind anywhere: "half-sine 15 g 11 ms z", "2 m/s".
+
+    Where no direction stands, and the kind needs one, it is z.
+
+    Raises:
+        ValueError: no kind of motion is named, or what else is said is not understood.
+        RecordError: a file that it names cannot be read.
+    """
+    named = "velocity-step " * bool(_BARE_STEP.fullmatch(text)) + text
+    for written, kind in _WRITTEN.items():
+        if match := re.search(rf"(?<![\w-]){written}(?![\w-])", named, re.IGNORECASE):
+            rest = f"{named[: match.start()]} {named[match.end() :]}".replace(", ", " ")
+            rest = " ".join(part.removesuffix(",") for part in rest.split())
+            along = "" if any(map(directions_in, rest.split())) or not SPOKEN_MOTIONS[kind].directed else " z"
+            return motion_from_phrase(kind, rest + along)
+    near = [one for word in text.split() for one in get_close_matches(word.lower(), SPOKEN_MOTIONS, n=1)]
+    meant = f" Did you mean {near[0]}?" if near else ""
+    raise ValueError(
+        f'"{short(text)}" names no kind of motion: {", ".join(SPOKEN_MOTIONS)}.{meant} It is written like '
+        '"half-sine 15 g 11 ms z".'
+    )
 
 
 def _check(spoken: SpokenMotion, phrase: Phrase) -> None:

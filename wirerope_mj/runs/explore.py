@@ -11,6 +11,7 @@ from typing import Any
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.numbers import title_of
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.duration import RING_DOWN
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
@@ -19,7 +20,6 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine
-from wirerope_mj.runs.said_motion import RING_DOWN
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant

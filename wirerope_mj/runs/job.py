@@ -39,7 +39,7 @@ from wirerope_mj.runs.page import page_files, write_page
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, scenario_content
 from wirerope_mj.runs.sources import is_run, judged_folder
-from wirerope_mj.runs.write import write_run
+from wirerope_mj.runs.write import rejudge_run, write_run
 from wirerope_mj.views.json_content import plain_content
 
 JOB, CASES = "job.toml", "cases"
@@ -48,6 +48,9 @@ FORMAT = 1
 INPUTS = "inputs"
 """Option of a case's run that holds the digests of its inputs, by which it is known later whether one of them changed."""
 
+_JUDGED_AGAIN = (
+    "changed: limits, judged again without simulating"  # why a case whose samples are still those of its inputs is
+)
 _CHARACTERS = 12  # of a digest: of a million changes none is missed by chance
 
 Done = Callable[[str, float, str, int], None]
@@ -60,7 +63,7 @@ class JobRun(Summarised):
 
     Attributes:
         job: its cases with their verdicts.
-        computed: why each case that ran did so: "new", "changed: motion", "altered", "asked for".
+        computed: why each case was computed: "new", "changed: motion", "altered", "asked for"; or only judged again.
         folder: of the job.
     """
 
@@ -116,7 +119,11 @@ def run_job(
             for case in job.cases
             if (why := _why(folder / CASES / case.folder, made[case.name], force=force))
         }
-        questions = [(made[case.name], folder / CASES / case.folder) for case in job.cases if case.name in computed]
+        questions = [
+            (made[case.name], folder / CASES / case.folder, computed[case.name] == _JUDGED_AGAIN)
+            for case in job.cases
+            if case.name in computed
+        ]
         try:
             failed = dict(_run_all(questions, workers, done))
         finally:
@@ -235,9 +242,11 @@ def _why(run: Path, scenario: Scenario, *, force: bool) -> str:
     except RecordError:
         return "altered"
     changed = [new.split()[0] for new in str(scenario.options[INPUTS]).split(", ") if new not in before.split(", ")]
+    intact = altered is not None and altered.intact
     if changed:
-        return f"changed: {' and '.join(changed)}"
-    if altered is None or not altered.intact:
+        only_judged = changed == ["limits"] and intact and not force
+        return _JUDGED_AGAIN if only_judged else f"changed: {' and '.join(changed)}"
+    if not intact:
         return "altered"
     return "asked for" if force else ""
 
@@ -251,31 +260,35 @@ class _Outcome:
     warned: tuple[tuple[type[Warning], str], ...] = ()
 
 
-def _simulated(question: tuple[Scenario, Path]) -> _Outcome:
+_Question = tuple[Scenario, Path, bool]  # scenario and folder of a case, and whether its run is only judged again
+
+
+def _simulated(question: _Question) -> _Outcome:
     """Write the run of a case, in whatever process."""
-    scenario, folder = question
+    scenario, folder, again = question
     began, answers = perf_counter(), []
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            write_run(
-                scenario,
-                folder,
-                force=True,
-                when_judged=lambda judged: answers.append(judged.headline),
-                case=folder.name,
-            )
+            options: dict[str, Any] = {
+                "when_judged": lambda judged: answers.append(judged.headline),
+                "case": folder.name,
+            }
+            if again:
+                rejudge_run(scenario, folder, **options)
+            else:
+                write_run(scenario, folder, force=True, **options)
         except (WireRopeError, ValueError, OSError) as error:
             return _Outcome(scenario.name, perf_counter() - began, "", error=str(error))
     warned = tuple((one.category, str(one.message)) for one in caught)
     return _Outcome(scenario.name, perf_counter() - began, answers[0], warned=warned)
 
 
-def _lost(question: tuple[Scenario, Path], reason: str) -> _Outcome:
+def _lost(question: _Question, reason: str) -> _Outcome:
     return _Outcome(question[0].name, 0.0, "", error=f"its process {reason} each time; perhaps it ran out of memory.")
 
 
-def _run_all(questions: list[tuple[Scenario, Path]], workers: int | None, done: Done) -> Iterator[tuple[str, str]]:
+def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Iterator[tuple[str, str]]:
     """Simulate cases side by side; yield name and reason of those that failed."""
     from wirerope_mj.studies.engines.local import in_processes  # late: with it comes all that studies need
 

@@ -9,6 +9,7 @@ from typing import Any
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.engine.simulation.duration import duration_of
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
@@ -18,7 +19,7 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.runs.document_table import checked, read_document
-from wirerope_mj.runs.said_motion import PLAYED, duration_of, said_motion
+from wirerope_mj.runs.said_motion import PLAYED, said_motion
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
 

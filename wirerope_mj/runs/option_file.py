@@ -4,6 +4,7 @@ import ast
 import inspect
 import traceback
 from collections.abc import Callable, Mapping
+from difflib import get_close_matches
 from importlib.util import module_from_spec, spec_from_file_location
 from numbers import Integral, Real
 from pathlib import Path, PurePath
@@ -42,8 +43,10 @@ def file_called(name_or_path: str | Path, shipped: Mapping[str, Path], *, kind: 
     if path.is_file():
         return path
     if str(name_or_path) not in shipped:
+        near = get_close_matches(path.stem.replace("-", "_"), shipped, n=1, cutoff=0.5)
+        meant = f" Did you mean {near[0]}?" if near else ""
         raise ModelError(
-            f"there is no {kind} {str(name_or_path)!r}. The package ships {', '.join(shipped) or 'none'}; "
+            f"there is no {kind} {str(name_or_path)!r}.{meant} The package ships {', '.join(shipped) or 'none'}; "
             "anything else must be the path of a Python file."
         )
     return shipped[str(name_or_path)]

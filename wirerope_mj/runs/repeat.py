@@ -1,5 +1,6 @@
 """A run computed again from its folder alone."""
 
+import math
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -13,7 +14,7 @@ from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.in_lanes import moving
 from wirerope_mj.engine.simulation.simulate import versions
-from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.runs.differences import (
     Difference,
@@ -116,6 +117,42 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         response=None if long else again,
         alterations=altered,
     )
+
+
+def replay_study(folder: str | Path) -> tuple[float, str]:
+    """Simulate every variant of a study or a search again from its folder alone, and compare the tables.
+
+    Returns:
+        The largest difference of a measure, relative to the largest of its column, infinite where a text or what is missing
+        differs; and the column, "" if every number has the same bits.
+
+    Raises:
+        RecordError: the folder is no study, is not complete, or is damaged.
+    """
+    from wirerope_mj.studies.engines.local import run_local  # late: with it comes all that studies need
+    from wirerope_mj.studies.run import chunk_size, chunks
+    from wirerope_mj.studies.study import load_study
+
+    result = load_study(folder)
+    if not result.complete:
+        raise RecordError(result.message)
+    study = result.study
+    numbers = range(math.ceil(study.size / chunk_size(study)))
+    again = {part.number: part.table for part in run_local(study.work, chunks(study, numbers))}
+    worst = (0.0, "")
+    for name in again[0].column_names:
+        old, new = (
+            np.concatenate([np.asarray(one[name]) for one in tables])
+            for tables in ([result.table], [again[number] for number in numbers])
+        )
+        same = (old == new) | ((old != old) & (new != new))
+        if not same.all():
+            sizes = np.abs(old.astype(float)) if old.dtype.kind == "f" else np.ones(1)
+            apart = np.abs(old - new)[~same] if old.dtype.kind == "f" else np.array([math.inf])
+            size = np.nanmax(sizes) or 1.0
+            largest = float(np.nan_to_num(apart, nan=math.inf).max() / size)
+            worst = max(worst, (largest, name))
+    return worst
 
 
 @contextmanager

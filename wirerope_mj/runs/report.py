@@ -1,20 +1,29 @@
 """A run or a job handed on, from its folder alone: its report, and a folder that any web server shows."""
 
 import shutil
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from wirerope_mj.assessment.correlation import correlate
+from wirerope_mj.content.blocks import Content
 from wirerope_mj.content.correlation import correlation_sections
 from wirerope_mj.content.job import job_content
 from wirerope_mj.content.run import run_content
+from wirerope_mj.engine.response import load_response
+from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.exports import picked
+from wirerope_mj.motions.phrases import parse_phrase
 from wirerope_mj.runs.analyses import KIND, MARKS
 from wirerope_mj.runs.folder import alterations, atomic_run, update_checksums, warn_of_alterations
 from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.page import REPORT, page_files, write_page
 from wirerope_mj.runs.sources import judged_folder
+from wirerope_mj.runs.study import result_content, write_study_report
+from wirerope_mj.studies.inputs_file import STUDY
+from wirerope_mj.studies.study import load_study
 from wirerope_mj.views.recording.paths import FILE
 from wirerope_mj.views.recording.viewer import find_recording
 from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages
@@ -38,19 +47,70 @@ def write_report(
         WireRopeError: a PDF cannot be made here.
     """
     folder = Path(folder)
+    if (folder / STUDY).is_file() and not docx:
+        return write_study_report(folder, out=out, pdf=pdf, force=force)
     files = page_files(folder, out, pdf=pdf, force=force, docx=docx)
+    write_page(_content_of(folder), files)
+    if not is_job(folder):
+        update_checksums(folder, files)
+    return files
+
+
+def _content_of(folder: Path) -> Content:
+    """Compose what a run or a job says."""
     if is_job(folder):
-        write_page(job_content(judged_job(folder)), files)
-        return files
+        return job_content(judged_job(folder))
     warn_of_alterations(_run_folder(folder))
     run = judged_folder(folder)
     content = run_content(run)
     tests = tuple(correlate(run.response, one) for one in tests_of(folder))
-    if tests:
-        content = replace(content, sections=(*content.sections, *correlation_sections(tests)))
-    write_page(content, files)
-    update_checksums(folder, files)
-    return files
+    return replace(content, sections=(*content.sections, *correlation_sections(tests))) if tests else content
+
+
+def write_workbook_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
+    """Write the tables of a run, a job or a study as a workbook, and the columns that patterns name; return its path.
+
+    Raises:
+        RecordError: the folder is none of them, or the file cannot be written.
+        ValueError: a pattern matches no column, or a job has none.
+    """
+    from wirerope_mj.views.workbook import write_workbook
+
+    if (folder / STUDY).is_file():
+        study = load_study(folder)
+        return write_workbook(result_content(study), picked(study.exported, channels or ["*"]), out, force=force)
+    if is_job(folder) and channels:
+        raise ValueError("`channels` are those of one run: name the folder of a load case, JOB/cases/NAME.")
+    samples = picked(load_response(folder).exported, channels) if channels else None
+    return write_workbook(_content_of(folder), samples, out, force=force)
+
+
+def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool = False) -> Path:
+    """Write the scene of a run at an instant, "120 ms", or at that of its most critical verdict, as a PNG; return its path.
+
+    Raises:
+        RecordError: the folder is no run, or the file is there and must not be replaced.
+        ValueError: the instant is no time within the run, or nothing has moved at it.
+    """
+    from wirerope_mj.content.worst import scene_at, worst_instant
+    from wirerope_mj.views.plots.scene_plan import save_still
+
+    check_writable(out)
+    if out.exists() and not force:
+        raise RecordError(f"{out}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    run = judged_folder(_run_folder(folder))
+    last, instant = float(run.response.time[-1]), None
+    if at is not None:
+        (instant,) = parse_phrase(at, words={}).quantities.get("time", (-1.0,))[:1]
+        if not 0.0 <= instant <= last:
+            raise ValueError(f'`at` must be a time within the run, 0 to {last:g} s, such as "120 ms"; got {at!r}.')
+    view = worst_instant(run) if instant is None else scene_at(run.response, instant)
+    if view is None:
+        raise ValueError(
+            "nothing that is drawn has moved from its modelled place at this instant; say another with `at`."
+        )
+    save_still(view, out, title=run.title)
+    return out
 
 
 def _run_folder(folder: Path) -> Path:

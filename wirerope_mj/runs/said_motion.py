@@ -1,21 +1,15 @@
-"""Base motions as commands and files of jobs say them: phrases, files of levels and a record added, and how long they take."""
+"""Base motions as commands and files of jobs say them: phrases, files of levels and a record added."""
 
-import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.engine.simulation.stability import slowest_period
-from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.motions import BaseMotion, Sweep, load_record
+from wirerope_mj.motions import BaseMotion, load_record
 from wirerope_mj.motions.records.record import Record, record_channels
 from wirerope_mj.motions.restore import motion_of_levels
 from wirerope_mj.motions.spoken import motion_from_phrase
-
-RING_DOWN = 10.0
-"""Periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left."""
 
 PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
 """What is said of how a record is played, beside its channels and their directions, as `load_record` takes it."""
@@ -41,7 +35,7 @@ def said_motion(
         channels: of the record: which to use, NAME=DIRECTION, or one with a `direction`.
         direction: in which a record of one channel moves the base.
         played: how the record is played, by the names of `PLAYED`.
-        duration: of the simulation [s], with which the record must begin; None for what `duration_of` returns.
+        duration: of the simulation [s], with which the record must begin; None for a default.
         folder: where relative paths in phrases start; None: the current one.
 
     Raises:
@@ -57,27 +51,6 @@ def said_motion(
     elif channels is not None or direction is not None:
         raise ValueError("`direction` and `channels` belong to a `record`; other motions say their direction.")
     return sum(motions[1:], start=motions[0])
-
-
-def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
-    """Return the simulated time [s]: as given, or until ten periods of the slowest mode after the motion, or a sweep's end.
-
-    Raises:
-        ValueError: the motion has no end, or begins after the simulation.
-    """
-    if duration is None:
-        if not math.isfinite(motion.end):
-            raise ValueError('this motion has no end: give `duration`, or say how long it lasts, as in "for 10 s".')
-        # A sweep goes on at its last frequency, and is best cut there.
-        sweeps = any(isinstance(part, Sweep) for part in motion.parts)
-        duration = motion.end
-        if not sweeps:
-            duration = math.ceil(10.0 * (motion.end + RING_DOWN * slowest_period(system)) - 1e-6) / 10.0
-    if motion.events and duration <= motion.events[0][0]:
-        raise ValueError(
-            f"`duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s."
-        )
-    return duration
 
 
 def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> None:

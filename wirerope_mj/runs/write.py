@@ -2,9 +2,12 @@
 
 import json
 import math
+import os
+import shutil
 import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
@@ -27,10 +30,11 @@ from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.restore import copy_records
-from wirerope_mj.runs.folder import FORMAT, SCENARIO, SUMMARY, atomic_run, check_target, write_checksums
+from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, SCENARIO, SUMMARY, atomic_run, check_target, write_checksums
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.runs.scenario_file import judge_table, judged_by
-from wirerope_mj.runs.summary import summary_content
+from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content
+from wirerope_mj.runs.sources import system_and_motion
+from wirerope_mj.runs.summary import read_summary, summary_content
 
 _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing that can be measured
 
@@ -129,6 +133,72 @@ def write_run(
             write_checksums(beside)
 
 
+def rejudge_run(
+    scenario: Scenario,
+    folder: str | Path,
+    *,
+    when_judged: Callable[[JudgedRun], None] = lambda judged: None,
+    case: str = "",
+) -> None:
+    """Judge the run of a scenario by other limits, and write it anew from its own samples; nothing is simulated.
+
+    Args:
+        scenario: as it was but for `limits` and `combined_travel`.
+        folder: of the run.
+        when_judged: as `write_run` takes it.
+        case: so, too.
+
+    Raises:
+        WireRopeError: the run is damaged, or a limit is on nothing that is there.
+    """
+    target = Path(folder)
+    with atomic_run(target, force=True) as beside:
+        shutil.copytree(target, beside, dirs_exist_ok=True, copy_function=_linked)
+        judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
+        content = scenario_content(beside) | {"options": _options(scenario), "judge": judge, "written": _now()}
+        content = {key: value for key, value in content.items() if key != "judge" or value}
+        system, motion = system_and_motion(beside, content)
+        response = load_response(beside)
+        scene = replace(response.scene, limits=system.limits, combined_travel=system.combined_travel)
+        response = replace(response, scene=scene)
+        response.save(beside)
+        judged = judged_run(system, motion, response, content)
+        when_judged(judged)
+        seconds = read_summary(beside)["numerics"]["seconds"]
+        made = {
+            SCENARIO: tomli_w.dumps(content, multiline_strings=True),
+            SUMMARY: json.dumps(summary_content(judged, seconds=seconds), indent=2, allow_nan=False) + "\n",
+        }
+        for name, text in made.items():
+            (beside / name).unlink()
+            (beside / name).write_text(text, encoding="utf-8")
+        for old in (*beside.glob("*.png"), *beside.glob("*.html"), *beside.glob("*.rrd"), beside / CHECKSUMS):
+            old.unlink()
+        _write_views(scenario, judged, beside, lambda name: None, state=False, case=case)
+        write_checksums(beside)
+
+
+def _linked(source: str, target: str) -> None:
+    """Let a file stand in a second folder; copied where it cannot be linked."""
+    try:
+        os.link(source, target)
+    except OSError:
+        shutil.copyfile(source, target)
+
+
+def _options(scenario: Scenario) -> dict[str, Any]:
+    """Return the options of a scenario as a file says them."""
+    return {
+        name: value if isinstance(value, bool | int | float | str) else str(value)
+        for name, value in scenario.options.items()
+        if value is not None
+    }
+
+
+def _now() -> datetime:
+    return datetime.now(UTC).replace(microsecond=0)
+
+
 def is_streamed(arguments: Mapping[str, Any]) -> bool:
     """Return whether a simulation with these arguments writes its samples to a file while it goes on."""
     return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
@@ -188,12 +258,8 @@ def _scenario_text(
         "format": FORMAT,
         "name": scenario.name,
         "question": scenario.question.strip(),
-        "written": datetime.now(UTC).replace(microsecond=0),
-        "options": {
-            name: value if isinstance(value, bool | int | float | str) else str(value)
-            for name, value in scenario.options.items()
-            if value is not None
-        },
+        "written": _now(),
+        "options": _options(scenario),
         "model": model,
         "simulate": resolved,
         "motion": {"description": scenario.motion.description}

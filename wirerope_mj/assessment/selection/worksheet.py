@@ -1,12 +1,14 @@
 """The vendors' worksheet: load, shock and room of a payload, in the formulas of their sheets."""
 
 import math
-import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from wirerope_mj.foundation.arguments import between, integer, positive
-from wirerope_mj.motions import HalfSine, Sawtooth, Trapezoid, VelocityStep, ranges
+from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.motions import VelocityStep, ranges
 from wirerope_mj.motions.pulses import Pulse
+from wirerope_mj.motions.spoken import motion_from_words
 from wirerope_mj.mounts.vendor_parts.parts import MODES
 
 # Acceleration of gravity of the vendors' sheets [m/s^2]: their printed digits need it, 0.03 % above the standard one.
@@ -128,9 +130,6 @@ def mode_text(mode: str) -> str:
     return "at 45 degrees" if mode == "45" else f"in {mode}"
 
 
-_RISE = 0.1  # Rise and fall of a trapezoid over its length, as the shock standards draw it
-_PULSE = re.compile(r"([-+.\deE]+)\s*g[\s,]+([-+.\deE]+)\s*ms[\s,]+([a-z][a-z -]*)", re.IGNORECASE)
-_STEP = re.compile(r"([-+.\deE]+)\s*m/s", re.IGNORECASE)
 _EXAMPLES = '"15 g 11 ms half-sine", "20 g 11 ms sawtooth", "10 g 18 ms trapezoid" or "2 m/s"'
 
 
@@ -154,30 +153,14 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
 
 
 def shock_from_text(text: str) -> Shock:
-    """Return the shock of a text such as `15 g 11 ms half-sine` or `2 m/s`; its g are those of the worksheet.
+    """Make the shock of a text such as `15 g 11 ms half-sine` or `2 m/s`; its g are those of the worksheet.
 
     Raises:
-        ValueError: the text is no shock, or one of its numbers is not positive.
+        ValueError: the text is no pulse and no velocity.
     """
-    step = _STEP.fullmatch(text.strip())
-    if step:
-        return VelocityStep(velocity=_positive(text, step[1]), direction="z")
-    pulse = _PULSE.fullmatch(text.strip())
-    shape = re.sub(r"[ -]", "", pulse[3].lower()) if pulse else ""
-    if pulse is None or shape not in ("halfsine", "sawtooth", "terminalpeaksawtooth", "trapezoid"):
-        raise ValueError(f"`--shock` must be like {_EXAMPLES}; got {text!r}.")
-    peak, duration = _positive(text, pulse[1]) * WORKSHEET_GRAVITY, 1e-3 * _positive(text, pulse[2])
-    if shape == "halfsine":
-        return HalfSine(peak=peak, duration=duration, direction="z")
-    if shape == "trapezoid":
-        return Trapezoid(peak=peak, duration=duration, rise=_RISE * duration, direction="z")
-    return Sawtooth(peak=peak, duration=duration, direction="z")
-
-
-def _positive(text: str, number: str) -> float:
-    try:
-        return positive("--shock", float(number))
-    except ValueError:
-        raise ValueError(
-            f"`--shock`: {number!r} must be a finite number > 0 in {text!r}; write for instance {_EXAMPLES}."
-        ) from None
+    shock = motion_from_words(text)
+    if not isinstance(shock, Shock):
+        raise ValueError(f"a worksheet's shock is one pulse or a velocity, such as {_EXAMPLES}; got {short(text)!r}.")
+    if isinstance(shock, VelocityStep):
+        return shock
+    return replace(shock, peak=shock.peak * WORKSHEET_GRAVITY / STANDARD_GRAVITY)

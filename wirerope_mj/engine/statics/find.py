@@ -1,6 +1,9 @@
 """Equilibrium of a system under gravity, by a static solve along the loading path; of many variants, one to a lane."""
 
+import os
 import warnings
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from weakref import WeakKeyDictionary
 
@@ -126,14 +129,42 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
     if not_held(system):
         return None
     rests = equilibrium_solver(system).solve(equations(system).num[np.newaxis], history)
-    if not rests.found[0]:
+    return _confirmed(system, history, data, rests, 0)
+
+
+def settle_together(systems: Sequence[System], history: History) -> None:
+    """Find equilibria of systems of one structure side by side, each bit for bit as alone, for `equilibrium` to return.
+
+    What is not found here is for `equilibrium` to find, or to say why there is none.
+    """
+    systems = [one for one in systems if history not in _known.get(one, {}) and not not_held(one)]
+    systems = [one for one in systems if equations(one).key == equations(systems[0]).key]
+    groups = [systems[first : first + WIDTH] for first in range(0, len(systems), WIDTH)]
+    if not groups:
+        return
+    solver = equilibrium_solver(systems[0])
+    numbers = [np.array([equations(one).num for one in group]) for group in groups]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        solved = list(pool.map(lambda some: solver.solve(some, history), numbers))
+    for group, rests in zip(groups, solved, strict=True):
+        for number, one in enumerate(group):
+            with one.assembly.scratch.data(one.model) as data:
+                if found := _confirmed(one, history, data, rests, number):
+                    _known.setdefault(one, {})[history] = found
+
+
+def _confirmed(
+    system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int
+) -> Equilibrium | None:
+    """Return one of some equilibria if MuJoCo's own accelerations vanish there; else None."""
+    if not rests.found[number]:
         return None
-    model, qpos = system.model, rests.states[0, : system.model.nq]
+    model, qpos = system.model, rests.states[number, : system.model.nq]
     free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
 
     def accelerations(step: Array) -> Array:
         mujoco.mj_resetData(model, data)
-        data.qpos[:], data.act[:] = qpos, rests.states[0, model.nq + model.nv :]
+        data.qpos[:], data.act[:] = qpos, rests.states[number, model.nq + model.nv :]
         if step.any():  # else the state keeps its bits
             whole = np.zeros(model.nv)
             whole[free] = step
@@ -144,10 +175,10 @@ def found_in_lanes(system: System, history: History, data: mujoco.MjData) -> Equ
     with installed(model, data):
         residual = float(np.abs(accelerations(np.zeros(free.size))).max(initial=0.0))
         # What mounts do not resist does not deflect them: their states stay as they are.
-        unheld = () if rests.held[0] else unresisted(system, data, free, accelerations)
+        unheld = () if rests.held[number] else unresisted(system, data, free, accelerations)
         accelerations(np.zeros(free.size))
     # A study's variants have these forces too, whose rounding is another one than that of the callback's.
-    rows = rests.mounts[0]
+    rows = rests.mounts[number]
     system.assembly.tables.user.mount_rows(system.assembly.user(data.userdata))[:] = rows
     lawful = beyond_laws(system, rows[:, 0]) is None
     if not (lawful and residual <= ACCEPTED * max(float(np.linalg.norm(model.opt.gravity)), 1.0)):

@@ -58,12 +58,12 @@ def deck_text(system: System, deck: Deck) -> str:
         return _text_of(system, deck, body=system.base, name=system.base)
     if mujoco.mj_name2id(system.model, mujoco.mjtObj.mjOBJ_BODY, NAME) >= 0:
         raise ModelError(f"the model has a body {NAME!r} already: change its joint, or rename it.")
-    root = _root(system)
+    root = model_root(system)
     with system.assembly.scratch.data(system.model) as data:
         mujoco.mj_kinematics(system.model, data)
         axes = data.body(system.base).xmat.reshape(3, 3).copy()
     add_panel(root, deck, base=system.base, axes=axes, gravity=system.model.opt.gravity)
-    return _written(root)
+    return written(root)
 
 
 def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str:
@@ -88,21 +88,22 @@ def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str
                 sites[model.site(one).name] = part.nearest(place)
             except ValueError as error:
                 raise ModelError(f"site {model.site(one).name!r} on {body!r}: {error}") from None
-    root = _root(system)
+    root = model_root(system)
     add_part(root, part, name=name, body=body, sites=sites, gravity=model.opt.gravity)
-    return _written(root)
+    return written(root)
 
 
-def _root(system: System) -> ET.Element:
+def model_root(system: System) -> ET.Element:
     """Parse the model as written; ModelError if it names files beside it, which a new text would not find."""
     if system.path is not None and (named := [name for name, _ in named_files(system.path)]):
         raise ModelError(
-            f"{system.path}: what bends makes a new text of the model, and this one names {named[0]!r}, a file beside it. "
-            "Write a body with a slide, stiffness and damping into the model, between the base and the mounts."
+            f"{system.path}: this makes a new text of the model, and the model names {named[0]!r}, a file beside it, which "
+            "the new text would not find. Write what it says into the model itself."
         )
     return ET.fromstring(system.mjcf, parser=ET.XMLParser(target=ET.TreeBuilder(insert_comments=True)))
 
 
-def _written(root: ET.Element) -> str:
+def written(root: ET.Element) -> str:
+    """Write a model that was parsed."""
     ET.indent(root)
     return ET.tostring(root, encoding="unicode") + "\n"

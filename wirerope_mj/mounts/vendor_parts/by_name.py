@@ -1,4 +1,4 @@
-"""Isolators by name: files, those of the catalogue, and parts of the vendors' tables, fitted when they are asked for."""
+"""Isolators by name: files, those of the catalogue, and parts of the vendors' tables, whose fits ship."""
 
 from difflib import get_close_matches
 from functools import cache
@@ -17,7 +17,7 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
     """Load the isolator in a file, or by name: of the catalogue ("enidine_wr16_400") or of a vendor's table ("CB1500-30").
 
     Args:
-        path: of the file, or a name; a part of a vendor's table is its shipped file, or is fitted from its row.
+        path: of the file, or a name; a part of a vendor's table is its shipped file, or what was fitted to its row.
         beside: folder in which a name is looked for first, see `find_isolator`.
 
     Raises:
@@ -33,7 +33,11 @@ def load_isolator(path: str | Path | VendorPart, *, beside: str | Path | None = 
         if shipped is None:
             return _fitted(found.name) if found in vendor_parts() else _fit(found)
         found = catalogue_folder() / f"{shipped}.toml"
-    return Isolator.from_dict(read_toml(found, "isolator file"), where=str(found), folder=Path(found).parent)
+    return _read(Path(found))
+
+
+def _read(path: Path) -> Isolator:
+    return Isolator.from_dict(read_toml(path, "isolator file"), where=str(path), folder=path.parent)
 
 
 def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | VendorPart:
@@ -76,8 +80,9 @@ def shipped_file(part: VendorPart) -> str | None:
 
 @cache
 def _fitted(name: str) -> Isolator:
-    """Fit a part of the tables once: half a second that every mount of a model would take again."""
-    return _fit(next(part for part in vendor_parts() if part.name == name))
+    """Read the fit of a part of the tables, or fit it, once: half a second that every mount of a model would take again."""
+    fit = catalogue_folder() / "vendors" / "fitted" / f"{name}.toml"
+    return _read(fit) if isfile(fit) else _fit(next(part for part in vendor_parts() if part.name == name))
 
 
 def _fit(part: VendorPart) -> Isolator:

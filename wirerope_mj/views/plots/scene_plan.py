@@ -1,6 +1,7 @@
 """Scenes as pictures in files: the modelled geometry from above and from the side, drawn by matplotlib."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
 from typing import Any
@@ -12,6 +13,7 @@ from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import short
 from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
 from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
@@ -47,6 +49,32 @@ def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = ""
         label: mark for panel in panels.ravel() for mark, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
     figure.legend(labels.values(), labels.keys(), loc="outside lower center", ncols=4, frameon=False)
+    with atomic_file(Path(path)) as beside:
+        figure.savefig(beside, format="png")
+
+
+def save_still(view: SceneView, path: str | Path, *, title: str = "") -> None:
+    """Write the scene at an instant as one PNG, whole or not at all: plan and elevation beside each other."""
+    figure = PlainFigure(figsize=(11.0, 6.5), layout="constrained", dpi=_DPI)
+    figure.suptitle(title, fontsize=12, fontweight="bold")
+    drawn = [drawn_scene(one) for one in (view.scene, view.moved) if one is not None]
+    whole = replace(
+        drawn[0], low=np.min([one.low for one in drawn], axis=0), high=np.max([one.high for one in drawn], axis=0)
+    )
+    for number, panel in enumerate(figure.subplots(1, 2)):
+        _draw_view(panel, view, number)
+        side = drawn[0].views[number]
+        bodies = view.moved.bodies if view.moved is not None else ()
+        for mount in view.scene.mounts if bodies else ():
+            ends = [
+                side.seen(body.position + rotation_matrices(body.orientation) @ point)
+                for name, point in ((mount.base_body, mount.base_point), (mount.payload_body, mount.payload_point))
+                for body in bodies
+                if body.name == name
+            ]
+            panel.plot(*np.transpose(ends), color="0.15", lw=1.5)
+        _frame(panel, side, whole)
+    figure.supxlabel("\n".join(wrap(view.caption, 150)), fontsize=8)
     with atomic_file(Path(path)) as beside:
         figure.savefig(beside, format="png")
 

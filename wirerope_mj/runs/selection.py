@@ -1,0 +1,133 @@
+"""The equipment that isolators are selected for, and the model of the part that was chosen."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.engine.from_tables import mjcf_of
+from wirerope_mj.engine.from_tables.box import box_layout
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
+from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.engine.system.rewritten import with_part
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
+from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.resources import model_source
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
+from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.new_model import KIND, marks
+from wirerope_mj.runs.scenario_file import judged_by
+from wirerope_mj.studies.catalogue import TriedPart, replaced
+from wirerope_mj.studies.measures import payload_bodies, payload_points
+
+_PLACED = "WR16-400"  # part of the box's mounts before every part takes their places
+
+
+def equipment(
+    model: str | None,
+    cases: Mapping[str, BaseMotion],
+    *,
+    box: Mapping[str, Any] | None = None,
+    mounts: Sequence[str] = (),
+    limits: Sequence[PayloadLimit] = (),
+    fragility: float | None = None,
+    travel: float | None = None,
+) -> tuple[dict[str, System], dict[str, BaseMotion]]:
+    """Load the equipment, once for each way of mounting it, with the limits that are judged; and its load cases.
+
+    Args:
+        model: path or name of a model, or file of a job, whose load cases and limits come before those that are given.
+        cases: load cases by name.
+        box: `mass` and `size` of `box_layout`, in place of a model.
+        mounts: of the box, such as "4+2".
+        limits: of the payload, in place of the model's.
+        fragility: limit of the acceleration of each body of the payload [m/s^2].
+        travel: clearance of each point both ways along each axis [m].
+
+    Raises:
+        ValueError: there is no load case, or an argument is out of range.
+        ModelError: the model, the job or a limit is not what it must be.
+    """
+    combined = True
+    if model is not None and model.endswith(".toml"):
+        job = load_job(model)
+        first = job.cases[0].scenario
+        cases = {case.name: case.scenario.motion for case in job.cases} | dict(cases)
+        named = {(one.kind, one.name) for one in limits}
+        limits = [*(one for one in first.limits if (one.kind, one.name) not in named), *limits]
+        source, combined = first.model_source(), first.combined_travel
+        systems = {"": load_system(source)}
+    elif model is not None:
+        systems = {"": load_system(model_source(model, folder=None, asker="a selection"))}
+    else:
+        part = next(one for one in vendor_parts() if one.name == _PLACED)
+        isolators = {part.name: load_isolator(part)}
+        systems = {
+            text: load_system(mjcf_of(box_layout(part, mounts=text, **(box or {}))), isolators=isolators)
+            for text in mounts
+        }
+    if not cases:
+        raise ValueError('`--shock` must say at least one load case, for instance --shock "half-sine 15 g 11 ms z".')
+    judged = {}
+    for name, system in systems.items():
+        own = {(one.kind, one.name): one for one in limits}
+        if fragility is not None:
+            for body in payload_bodies(system):
+                own.setdefault(
+                    ("acceleration", body), PayloadLimit(kind="acceleration", name=body, values=(fragility,))
+                )
+        if travel is not None:
+            if not (points := payload_points(system)):
+                raise ModelError("the model has no points to keep a `--travel`: give it sites called point/NAME.")
+            for point in points:
+                own.setdefault(("clearance", point), PayloadLimit(kind="clearance", name=point, values=(travel,) * 3))
+        judged[name] = judged_by(system, combined_travel=combined, limits=tuple(own.values()))
+    return judged, dict(cases)
+
+
+def read_prices(path: Path) -> dict[str, dict[str, float]]:
+    """Read price and mass [kg] of one part, by its name, from a CSV or XLSX table with "name" and "price" or "mass [kg]".
+
+    Raises:
+        RecordError: the table is wrong; says file, row and column.
+    """
+    rows = read_sheet(path, kind="table of prices", needed={"name": TEXT}, further={"price": PURE, "mass": "mass"})
+    return {row.text("name"): {key: row.number(key) for key in ("price", "mass") if row.has(key)} for row in rows}
+
+
+def write_selected(
+    chosen: TriedPart, folder: Path, *, box: Mapping[str, Any] | None = None, force: bool = False
+) -> Path:
+    """Write the model on a part that was chosen, its limits in it, and return the path of the model.
+
+    Args:
+        chosen: the part.
+        folder: to write; its last part is the model's name.
+        box: as `equipment` took it: a deck is then drawn below the part's own height.
+        force: replace a model's folder that is there.
+
+    Raises:
+        RecordError: the folder is there.
+        ModelError: the model names files of its own, so that no new text of it can be written.
+    """
+    system, isolator, name = chosen.system, chosen.isolator, folder.resolve().name
+    if system is None or isolator is None:
+        raise ModelError(f"{chosen.name} has no isolator: {chosen.reason}")
+    check_folder(folder, force=force, kind=KIND, marks=marks(name))
+    others = {mount.isolator_name: mount.written for mount in system.mounts.values() if mount.isolator.is_stop}
+    if box is not None:
+        part = next(one for one in vendor_parts() if one.name == chosen.name)
+        own = load_system(mjcf_of(box_layout(part, mounts=chosen.placement, **box)), isolators={part.name: isolator})
+        system = replace(own, limits=system.limits)
+    made = load_system(with_part(system, replaced(system), chosen.name), isolators={**others, chosen.name: isolator})
+    moved = [mount.position - made.mounts[key].position for key, mount in system.mounts.items()]
+    if np.abs(moved).max() > 1e-9:
+        raise ModelError("the mounts of this model do not stand where its own text says: write its model by hand.")
+    with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
+        write_model(made, temporary).rename(temporary / f"{name}.xml")
+    return folder / f"{name}.xml"

@@ -1,0 +1,101 @@
+"""A result as a workbook (XLSX): what it says in one sheet, every table in its own, and samples in the last."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from wirerope_mj.content.blocks import Content, Statement
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.exports import Exported
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.foundation.units import in_unit
+
+_ROWS, _COLUMNS = 1_048_576, 16_384  # of a sheet, by the format
+_LONGEST = 31  # letters of a sheet's name
+_WIDE = 16.0  # width of a column in letters: headings such as "static load [%]" are read without dragging it
+
+
+def write_workbook(content: Content, samples: Exported | None, path: Path, *, force: bool = False) -> Path:
+    """Write statements and tables of a content, values in the units that are shown, and samples in SI; return the path.
+
+    Raises:
+        RecordError: openpyxl is missing, the file is there and must not be replaced, or the samples are too many for a sheet.
+    """
+    try:
+        from openpyxl import Workbook
+    except ImportError:
+        raise RecordError(f"{path}: XLSX needs openpyxl: pip install 'wirerope-mj[xlsx]', or write CSV.") from None
+    check_writable(path)
+    if path.exists() and not force:
+        raise RecordError(f"{path}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    book = Workbook(write_only=True)
+    page = _sheet(book, "summary", 2)
+    for row in _said(content):
+        page.append(row)
+    for table in content.blocks():
+        if isinstance(table, Table):
+            page = _sheet(book, table.id or table.title, len(table.columns))
+            page.append([table.title])
+            page.append([" ".join(column.title().split()) for column in table.columns])
+            for cells in table.rows:
+                page.append([_value(*pair) for pair in zip(table.columns, cells, strict=True)])
+            page.append([table.note])
+    if samples is not None:
+        page = _sheet(book, "samples", len(samples.names))
+        page.append(samples.headings)
+        for number, row in enumerate(_rows(samples), start=2):
+            if number > _ROWS or len(row) > _COLUMNS:
+                raise RecordError(
+                    f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
+                )
+            page.append(row)
+    with atomic_file(path) as temporary:
+        book.save(temporary)
+    return path
+
+
+def _sheet(book: Any, name: str, columns: int) -> Any:
+    """Begin a sheet whose columns are wide enough for their headings."""
+    from openpyxl.utils import get_column_letter
+
+    page = book.create_sheet(_sheet_name(name, book.sheetnames))
+    for number in range(1, min(columns, _COLUMNS) + 1):
+        page.column_dimensions[get_column_letter(number)].width = _WIDE
+    return page
+
+
+def _said(content: Content) -> Iterator[list[str]]:
+    """Yield title, verdict, facts and what the sections say."""
+    yield from ([content.title], [content.verdict.text], [], *(list(fact) for fact in content.facts))
+    for section in content.sections:
+        said = [block for block in section.blocks if isinstance(block, Statement)]
+        yield from ([], [section.title]) if said else ()
+        yield from ([text] for one in said for text in (one.text, *one.items) if text)
+
+
+def _value(column: Column, cell: Cell) -> str | float | None:
+    """Return a cell as a number in the unit of its column where it is one."""
+    content = cell.content if isinstance(cell, Mark) else cell
+    if isinstance(content, str) or content is None or not np.isfinite(content):
+        return content if isinstance(content, str) else None
+    return float(in_unit(content, column.unit))
+
+
+def _rows(samples: Exported) -> Iterator[list[Any]]:
+    for block in samples.blocks():
+        for row in zip(*(np.asarray(column).tolist() for column in block), strict=True):
+            yield [None if isinstance(value, float) and not np.isfinite(value) else value for value in row]
+
+
+def _sheet_name(name: str, taken: list[str]) -> str:
+    """Return a name that a sheet may have and none has."""
+    plain = re.sub(r"[\\/*?:\[\]]", " ", name)[:_LONGEST].strip() or "table"
+    number, unique = 1, plain
+    while unique.lower() in (one.lower() for one in taken):
+        number += 1
+        unique = f"{plain[: _LONGEST - 1 - len(str(number))]} {number}"
+    return unique
