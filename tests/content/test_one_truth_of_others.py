@@ -15,7 +15,7 @@ from shown import cells_of, cells_to_show, missing_rows
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as identify_command
 from wirerope_mj.cli import main
-from wirerope_mj.content import part_selection
+from wirerope_mj.content import catalogue_selection, part_selection
 from wirerope_mj.runs.study import CONTENT, result_content, write_study_report
 from wirerope_mj.runs.study_file import shipped_studies
 from wirerope_mj.studies.study import load_study
@@ -36,10 +36,9 @@ SHORT = {
 PRINTED = ("answer", "results", "inputs", "worst")
 """Sections of a study that the terminal prints and content.json holds."""
 
-SHOCKS = {
+WORKSHEETS = {
     "words": ["--shock", "15 g 11 ms half-sine", "--travel", "40"],
     "fragile": ["--velocity", "1.0", "--fragility", "25"],
-    "simulated": ["--shock", "15 g 11 ms half-sine", "--simulate", "--best", "2", "--all"],
 }
 
 
@@ -112,12 +111,27 @@ def test_an_identification_says_the_same_on_the_terminal_and_on_its_page(law, he
     assert html.escape(content.verdict.text) in page
 
 
-@pytest.mark.parametrize("shock", SHOCKS)
-def test_a_selection_prints_every_row_and_its_headline(shock, monkeypatch, capsys):
-    content, printed = said_by(
-        monkeypatch, capsys, part_selection, "selection_content",
-        "select", "--mass", "400", "--mounts", "6", *SHOCKS[shock],
+@pytest.mark.parametrize("shock", WORKSHEETS)
+def test_a_worksheet_prints_every_row_and_its_headline(shock, monkeypatch, capsys):
+    said_alike(
+        *said_by(
+            monkeypatch, capsys, part_selection, "selection_content",
+            "select", "worksheet", "--mass", "400", "--mounts", "6", *WORKSHEETS[shock],
+        )
     )  # fmt: skip
+
+
+@pytest.mark.slow
+def test_a_selection_by_simulation_prints_every_row_and_its_headline(monkeypatch, capsys):
+    said_alike(
+        *said_by(
+            monkeypatch, capsys, catalogue_selection, "catalogue_selection_content",
+            "select", "--mass", "400", "--mounts", "6", "--shock", "15 g 11 ms half-sine", "--parts", "CB1500*", "--all",
+        )
+    )  # fmt: skip
+
+
+def said_alike(content, printed):
     tables = tables_of(content)
     assert tables
     for name, table in tables.items():

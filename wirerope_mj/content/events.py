@@ -85,7 +85,7 @@ def _mount_peaks(response: Response, selection: Selection) -> Iterator[Event]:
                 (float(peak.maximum[number]), float(peak.maximum_time[number])),
             ]
             ends_of[axis] = name, sorted(ends, key=lambda end: -abs(end[0]))
-        most = max(abs(ends[0][0]) for _, ends in ends_of.values())
+        most = max((abs(ends[0][0]) for _, ends in ends_of.values()), default=0.0)
         for axis, (name, ((value, time), (back, after))) in ends_of.items():
             if abs(value) <= _NOTHING * most:
                 continue  # rounding, along an axis in which nothing acts
