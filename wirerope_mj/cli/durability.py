@@ -39,7 +39,7 @@ def durability(
     from wirerope_mj.foundation.arguments import integer, positive
     from wirerope_mj.foundation.atomic_files import atomic_file
     from wirerope_mj.foundation.errors import RecordError
-    from wirerope_mj.foundation.units import STANDARD_GRAVITY
+    from wirerope_mj.foundation.units import in_unit
     from wirerope_mj.views.terminal import show
 
     if equivalent_psd is not None:
@@ -48,7 +48,7 @@ def durability(
         found = equivalent_vibration(load_response(source), equivalent_psd, exponent=positive("--exponent", exponent))
         show(equivalent_content(found))
         if out is not None:
-            rows_of = [f"{frequency:.6g}, {level / STANDARD_GRAVITY**2:.6g}" for frequency, level in found.points]
+            rows_of = [f"{frequency:.6g}, {in_unit(level, 'g²/Hz'):.6g}" for frequency, level in found.points]
             with atomic_file(out) as temporary:
                 temporary.write_text("\n".join(["frequency [Hz], psd [g^2/Hz]", *rows_of]) + "\n", encoding="utf-8")
             print(f"written: {out}")

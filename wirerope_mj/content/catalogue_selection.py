@@ -1,4 +1,4 @@
-"""What a simulated selection says: the parts that keep every limit, what is most critical of each, and why others do not."""
+"""Content of a selection by simulation: parts that keep every limit, what is most critical of each, why others do not."""
 
 import math
 from collections.abc import Iterator

@@ -7,7 +7,6 @@ from wirerope_mj.assessment.durability.mission import Mission, MountDamage, Stag
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.foundation.tables import Column, Row, Table
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 _EXACT = 0.01  # relative error of an equivalent vibration's damage up to which it is not said
 _FEW = 12  # rows of a density that are shown at once
@@ -44,9 +43,8 @@ def equivalent_content(found: EquivalentVibration) -> Content:
         id="equivalent", text=text, tone="" if exact else "unjudged",
         values={"rms_m_s2": found.rms, "duration_s": found.duration, "error": found.error},
     )  # fmt: skip
-    rows = [(frequency, level / STANDARD_GRAVITY**2) for frequency, level in found.points]
     table = Table(
-        id="equivalent-psd", title="Power spectral density, straight on logarithmic axes", rows=rows, shown=_FEW,
+        id="equivalent-psd", title="Power spectral density, straight on logarithmic axes", rows=found.points, shown=_FEW,
         columns=(Column("frequency", "Hz", ".4g"), Column("density", "g²/Hz", ".4g")),
     )  # fmt: skip
     return Content(

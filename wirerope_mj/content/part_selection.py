@@ -1,4 +1,4 @@
-"""What the vendors' worksheet says: the demands, the parts that meet them, and why the others do not."""
+"""Content of the vendors' worksheet: its demands, the parts that meet them, and why the others do not."""
 
 import math
 from collections.abc import Iterator, Sequence

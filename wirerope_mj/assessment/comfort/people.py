@@ -62,7 +62,7 @@ WEIGHTINGS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Exposure:
-    """What a person feels at a point, along x, y and z of the world, z upwards.
+    """Weighted vibration of a person at a point, along x, y and z of the world, z upwards.
 
     Attributes:
         rms: weighted rms acceleration [m/s^2], (3,): Wd horizontally, Wk vertically.

@@ -1,4 +1,4 @@
-"""Where the strain energy of modes sits: in mounts, in a deck that bends, or in equipment that does."""
+"""Strain energy of modes, shared between mounts, a deck that bends, and equipment that does."""
 
 import mujoco
 import numpy as np

@@ -1,4 +1,4 @@
-"""How long a base motion is simulated unless somebody says it."""
+"""Default duration of the simulation of a base motion."""
 
 import math
 

@@ -177,7 +177,7 @@ class Parallel(Law):
         return {"laws": varied.laws}
 
     def _own(self, values: Mapping[str, Any]) -> list[dict[str, Any]]:
-        """Return what values of parameters and of factors on one parameter make of each law's parameters."""
+        """Compose the new parameters of each law from values of single parameters and of factors on all laws."""
         own: list[dict[str, Any]] = [{} for _ in self.laws]
         for name, value in values.items():
             if name not in self.factors:
