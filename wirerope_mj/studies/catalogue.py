@@ -97,15 +97,16 @@ def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[st
         changes = {mount: isolator for mount in mounts}
         shifts = shifted(system, isolator)
         try:
-            if base is None:
-                raise ModelError("the first part of its layout")
-            yield name, varied(base, isolators=changes, positions=shifts), ""
-        except ModelError:
+            on = varied(base, isolators=changes, positions=shifts) if base is not None else None
+        except ModelError:  # its laws are laid out otherwise than those of the last
+            on = None
+        if on is None:
             loaded = load_system(
                 system.path or system.mjcf, isolators={**system.isolators, **dict.fromkeys(names, isolator)}
             )
             base = replace(loaded, limits=system.limits, combined_travel=system.combined_travel)
-            yield name, varied(base, positions=shifts), ""
+            on = varied(base, positions=shifts)
+        yield name, on, ""
 
 
 def shifted(system: System, isolator: Isolator) -> dict[str, list[float]]:
