@@ -238,8 +238,9 @@ BAD = {
                         r'line 1: column "mass" has the unknown unit "stone"'),
     "a unit of another quantity": ("mounts", MOUNTS.replace("x [mm]", "x [kg]"), FEET,
                                    r'line 1: column "x" has the unknown unit "kg"'),
-    "comma decimals": ("masses", MASSES.replace(",", ";"), [row.replace(",", ";").replace("700", "700,5") for row in PARTS],
-                       r'line 2: "700,5" in column "mass" is not a number\. Decimals are written with a point'),
+    "comma decimals": ("masses", MASSES.replace(",", ";"),
+                       [PARTS[0].replace(",", ";").replace("700", "700,5"), PARTS[1].replace(",", ";").replace("500", "500.5")],
+                       r'line 3: "500\.5" has a point and numbers above it have decimal commas'),
     "comma decimals between commas": ("masses", MASSES, [PARTS[0].replace("700", "700,5"), PARTS[1]],
                                       r"line 2: 10 cells where the header has 9 columns\. Decimals are written with a point"),
     "a mount twice": ("mounts", MOUNTS, [*FEET, FEET[0]], r'line 8: the name "m1" is given twice, first in .*line 2'),
@@ -313,7 +314,7 @@ def test_a_bad_table_is_answered_in_one_message_and_nothing_is_written(here, kin
 @pytest.mark.parametrize(
     ("rows", "message"),
     [
-        ([], "mounts.xlsx: the first sheet is empty"),
+        ([], "mounts.xlsx: the sheet is empty"),
         ([MOUNTS, changed(FEET[0], c1="left")], 'mounts.xlsx, row 2: "left" in column "x" is not a number'),
         ([MOUNTS, "", f"{FEET[0]}, 7"], "mounts.xlsx, row 3: 8 cells where the header has 7 columns"),
     ],

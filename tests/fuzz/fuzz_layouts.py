@@ -97,7 +97,7 @@ def mutate(rng: np.random.Generator, folder) -> Case:
 def use(case: Case) -> str | None:
     """Read the tables, make and load the model, and settle it."""
     folder = case.inputs["paths"]["mounts"].with_name("made")
-    layout = new_model(folder, formats=(), **case.inputs["paths"])
+    layout = new_model(folder, case.inputs["paths"], formats=())
     system = wr.load_system(folder / "made.xml")
     if set(system.mounts) < {mount.name for mount in layout.mounts}:
         return "a mount is lost"

@@ -158,7 +158,7 @@ GOOD = "time [s],z [g]\n"
         ),
         (GOOD + "0,1\n,1\n", 'line 3: an empty cell in column "time"; its time is needed'),
         (
-            "time [s];z [g]\n0;1\n1;1,5\n",
+            "time [s];z [g]\n0;1.0\n1;1,5\n",
             'line 3: "1,5" in column "z" is not a number. Decimals are written with a point',
         ),
         (GOOD + "0,1\n1\n", "line 3: 1 cells where the header has 2 columns"),

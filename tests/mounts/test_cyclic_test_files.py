@@ -79,7 +79,7 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     [
         ({"loops": []}, "`loops` must hold at least one loop"),
         ({"frequency": 0.0}, "`frequency` must be > 0, got 0.0"),
-        ({"deflection_unit": "inch"}, "`deflection_unit` must be one of 'm', 'mm', 'in', got 'inch'"),
+        ({"deflection_unit": "inch"}, "`deflection_unit` must be one of 'm', 'mm', 'cm', 'in', got 'inch'"),
         ({"force_unit": "kg"}, "`force_unit` must be one of 'N', .*'kN', 'lbf', .*got 'kg'"),
     ],
 )

@@ -230,9 +230,9 @@ def test_what_stands_twice_or_without_a_file_is_refused(tmp_path):
     (tmp_path / "a.toml").write_text(FILE + "yield_deflection = 1e-3\n")
     with pytest.raises(ModelError, match=r"\[axial\] `yield_deflection` is stated twice"):
         wr.load_isolator(tmp_path / "a.toml")
-    (tmp_path / "a.toml").write_text(FILE + "deflection_cm = [0, 3.6]\nforce_N = [0, 8460]\n")
+    (tmp_path / "a.toml").write_text(FILE + "deflection_ft = [0, 3.6]\nforce_N = [0, 8460]\n")
     with pytest.raises(
-        ModelError, match=r"\[axial\] `deflection_cm` has the unknown unit 'cm'\. Known units: m, mm, in\."
+        ModelError, match=r"\[axial\] `deflection_ft` has the unknown unit 'ft'\. Known units: m, mm, cm, in\."
     ):
         wr.load_isolator(tmp_path / "a.toml")
     with pytest.raises(ModelError, match="`points` names a file, but this isolator was not read from a file"):

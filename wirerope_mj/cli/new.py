@@ -15,6 +15,9 @@ def new(
     stops: Path | None = None,
     points: Path | None = None,
     forces: Path | None = None,
+    envelope: Path | None = None,
+    tables: Path | None = None,
+    name: str | None = None,
     template: Literal["cabinet", "floor", "genset", "two-stage"] | None = None,
     deck: str | None = None,
     products: Literal["tensor", "positive"] = "tensor",
@@ -36,6 +39,10 @@ def new(
         stops: table: name, x, y, z [mm], gap [mm], stiffness [MN/m], damping [kN s/m], or isolator; a direction as of mounts.
         points: table: name, x, y, z [mm] of points on the payload to observe.
         forces: table: name, x, y, z [mm] of points at which forces may act, such as a crankshaft's unbalance.
+        envelope: table: boxes around the equipment that clearances hold for and that are drawn: name, size_x, size_y, size_z
+            [mm], and centre_x, centre_y, centre_z or corner_x, corner_y, corner_z [mm], the lowest along each axis.
+        tables: workbook with sheets of these names, or folder with files of these names, in place of one option for each.
+        name: of the equipment; the model's by default.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
         deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
             damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
@@ -47,26 +54,27 @@ def new(
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.foundation.errors import ConvergenceError
     from wirerope_mj.foundation.plain_text import plain
-    from wirerope_mj.runs.new_model import from_template, new_model
+    from wirerope_mj.runs.new_model import TABLES, from_template, new_model, tables_in
 
-    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points, "forces": forces}
-    given = [f"`--{name}`" for name, table in tables.items() if table is not None]
+    single = dict(zip(TABLES, (mounts, masses, stops, points, forces, envelope), strict=True))
+    found = tables_in(tables) if tables is not None else {}
+    found |= {kind: table for kind, table in single.items() if table is not None}
     bends = deck_of(deck) if deck else None
     formats = ("png", "pdf") if pdf else ("png",)
     if template is not None:
-        if given:
-            raise ValueError(f"`--template` comes with tables of its own: leave out {given[0]}, or `--template`.")
+        if found or name is not None:
+            option = "tables" if tables is not None else next(iter(found), "name")
+            raise ValueError(f"`--template` comes with tables of its own: leave out `--{option}`, or `--template`.")
         layout = from_template(folder, template, deck=bends, formats=formats, force=force)
-    elif mounts is None or masses is None:
+    elif "mounts" not in found or "masses" not in found:
         raise ValueError(
-            "a model is made from `--mounts FILE` and `--masses FILE`, or from `--template cabinet`, `floor`, `genset` or "
-            "`two-stage`."
+            "a model is made from `--mounts FILE` and `--masses FILE`, from `--tables` with both, or from `--template "
+            "cabinet`, `floor`, `genset` or `two-stage`."
         )
     else:
         layout = new_model(
-            folder, mounts=mounts, masses=masses, stops=stops, points=points, forces=forces,
-            positive_products=products == "positive", deck=bends, formats=formats, force=force,
-        )  # fmt: skip
+            folder, found, name=name, positive_products=products == "positive", deck=bends, formats=formats, force=force
+        )
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
     try:

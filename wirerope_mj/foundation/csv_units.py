@@ -1,13 +1,15 @@
 """CSV files with units in their header: names, units and factors of the columns, rows, numbers, and the line that is wrong."""
 
+import itertools
 import re
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, UNITS, VELOCITY_UNITS
 
 # Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
 # unit, and integrals of what is left are finite.
@@ -16,6 +18,11 @@ LARGEST = 1e15
 _CONTROL = re.compile(r"[\x00-\x08\x0e-\x1f]")
 
 _DELIMITERS = {"\t": "tabs", ";": "semicolons", ",": "commas"}
+# what in parentheses behind a name is a unit, as "Disp. (in)"; anything in brackets is meant as one
+_UNITS = {unit for units in (*UNITS.values(), ACCELERATION_UNITS, FORCE_UNITS, VELOCITY_UNITS) for unit in units}
+_DECIMAL = re.compile(r"[-+]?\d*([.,])\d+(?:[eE][-+]?\d+)?")
+_SWAPPED = str.maketrans(",.", ".,")
+_ABOVE = 100  # lines in which a header may stand below what a rig or a logger says of itself
 
 
 @dataclass(frozen=True)
@@ -27,6 +34,7 @@ class Header:
     delimiter: str  # between the cells
     names: tuple[str, ...]  # of the columns, units taken off
     units: tuple[str | None, ...]  # of the columns; None where the header has none
+    decimal: str = "."  # or a comma, where other signs separate the cells
 
     @property
     def location(self) -> str:
@@ -54,23 +62,49 @@ class Header:
 
 
 def read_header(path: Path, *, kind: str, example: str) -> Header:
-    """Read the header of a CSV file, the first line that is neither empty nor begins with #.
+    """Read the header of a CSV file, the first line that is neither empty nor begins with #, below metadata if there are any.
 
-    Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
+    Metadata are lines of text above a line with two units. Cells that are separated by semicolons or tabs may hold decimal
+    commas. Messages say what the file should be, `kind`, as "cyclic test", and show an `example` of its header.
 
     Raises:
         RecordError: the file cannot be read, is empty or no text.
     """
     try:
         with regular(path).open(encoding="utf-8-sig", errors="replace") as file:
-            for line, text in enumerate(file, start=1):
-                if _is_content(text):
-                    return _parsed(path, line, text)
+            header = first_header(_parsed(path, n, text) for n, text in enumerate(file, start=1) if _is_content(text))
+            if header is not None and header.delimiter != ",":
+                file.seek(0)
+                return replace(header, decimal=_decimal_sign(header, file))
     except FileNotFoundError:
         raise RecordError(f"{path}: no such file. A {kind} is a CSV file with a header such as {example}.") from None
     except OSError as error:
         raise RecordError(f"{path}: the {kind} cannot be read: {why_unread(error)}") from None
-    raise RecordError(f"{path}: the file is empty. Expected a header such as {example} and rows of numbers.")
+    if header is None:
+        raise RecordError(f"{path}: the file is empty. Expected a header such as {example} and rows of numbers.")
+    return header
+
+
+def first_header(rows: Iterable[Header]) -> Header | None:
+    """Return the first row with two units among the rows of text that a table begins with, else its first row."""
+    first = None
+    for row in rows:
+        first = first or row
+        if sum(unit is not None for unit in row.units) >= 2:
+            return row
+        numbers = all(re.fullmatch(r"[-+.,\deE]*", name) for name in row.names)
+        if row.line > _ABOVE or (numbers and len(row.names) > 1):
+            break
+    return first
+
+
+def _decimal_sign(header: Header, lines: Iterable[str]) -> str:
+    """Return the sign of the first number below a header that has decimals."""
+    for text in itertools.islice(lines, header.line, None):
+        for cell in text.split(header.delimiter):
+            if match := _DECIMAL.fullmatch(_bare(cell)):
+                return match[1]
+    return "."
 
 
 def rows_below(header: Header) -> Iterator[tuple[int, str, list[str]]]:
@@ -87,7 +121,24 @@ def rows_below(header: Header) -> Iterator[tuple[int, str, list[str]]]:
                 )
             cells = [_bare(cell) for cell in text.split(header.delimiter)]
             require_cells(header, location, cells)
-            yield line, location, cells
+            yield line, location, [with_point(header, location, cell) for cell in cells]
+
+
+def with_points(header: Header, text: str) -> str:
+    """Return a line of numbers with decimal points; a point in one with decimal commas makes what is no number."""
+    return text if header.decimal == "." else text.translate(_SWAPPED)
+
+
+def with_point(header: Header, location: str, cell: str) -> str:
+    """Return a cell, its number with a decimal point; RecordError if the file's decimal sign is another."""
+    match = _DECIMAL.fullmatch(cell) if header.decimal == "," else None
+    if match is None:
+        return cell
+    if match[1] == ".":
+        raise RecordError(
+            f'{location}: "{short(cell)}" has a point and numbers above it have decimal commas. Write all with the same sign.'
+        )
+    return cell.replace(",", ".")
 
 
 def require_cells(header: Header, location: str, cells: Sequence[str]) -> None:
@@ -122,7 +173,9 @@ def number_in(location: str, name: str, cell: str) -> float:
         if re.fullmatch(r"[-+.\deE]+\s*[a-zA-Zµ]+", cell):
             hint = " Units stand in the header only, one for each column."
         elif "," in cell:
-            hint = " Decimals are written with a point."
+            hint = (
+                " Decimals are written with a point, or all with a comma where semicolons or tabs separate the cells."
+            )
         raise RecordError(f'{location}: "{short(cell)}" in column "{short(name)}" is not a number.{hint}') from None
     if not abs(value) <= LARGEST:
         raise RecordError(
@@ -151,10 +204,14 @@ def _parsed(path: Path, line: int, text: str) -> Header:
 
 
 def header_of_cells(path: Path, line: int, cells: Sequence[str], delimiter: str = "") -> Header:
-    """Return the header that cells make, each a name with a unit in brackets or without."""
+    """Return the header that cells make, each a name with a unit in brackets or parentheses, or without."""
     names, units = [], []
     for cell in cells:
-        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", _bare(cell))
+        bare = _bare(cell)
+        match = re.fullmatch(r"(.*?)\s*(?:\[([^\]]*)\])?", bare)
+        rounded = re.fullmatch(r"(.*?)\s*\(([^()]*)\)", bare)
+        if rounded and rounded[2].strip() in _UNITS:
+            match = rounded
         names.append(match[1] if match else cell.strip())
         units.append(match[2].strip() if match and match[2] is not None else None)
     return Header(path, line, delimiter, tuple(names), tuple(units))

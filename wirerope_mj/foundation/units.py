@@ -1,13 +1,14 @@
 """Units of files and of what people read, and what one of each is in SI; the library itself speaks SI."""
 
 import math
+from collections.abc import Mapping
 from typing import overload
 
 from wirerope_mj.foundation.arrays import Array
 
 STANDARD_GRAVITY = 9.80665  # Standard acceleration of free fall [m/s^2] (ISO 80000-3), the g of shock levels
 TIME_UNITS = {"s": 1.0, "ms": 1e-3}
-LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "in": 0.0254}
+LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605, "kip": 4448.2216152605}
 VELOCITY_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254}
 ACCELERATION_UNITS = {
@@ -23,6 +24,25 @@ ACCELERATION_UNITS = {
     "in/s^2": 0.0254,
     "ft/s^2": 0.3048,
 }
+_POUND = 0.45359237
+# units of each kind of quantity in the tables of a model, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
+UNITS: dict[str, Mapping[str, float]] = {
+    "length": {"mm": 1e-3} | LENGTH_UNITS,
+    "mass": {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": _POUND},
+    "inertia": {
+        "kg m^2": 1.0, "kg m2": 1.0, "kg m²": 1.0, "kg*m^2": 1.0, "kg mm^2": 1e-6, "kg mm2": 1e-6, "kg*mm^2": 1e-6,
+        "t m^2": 1e3, "g mm^2": 1e-9, "lb in^2": _POUND * LENGTH_UNITS["in"] ** 2,
+    },
+    "time": TIME_UNITS,
+    "angle": {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0},
+    "stiffness": {
+        f"{force}/{length}": newtons / metres
+        for force, newtons in FORCE_UNITS.items() for length, metres in (("m", 1.0), ("mm", 1e-3))
+    } | {"MN/m": 1e6},
+    "frequency": {"Hz": 1.0},
+    "ratio": {"%": 0.01, "-": 1.0},
+    "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
+}  # fmt: skip
 _SHOWN = {"m": ("mm", 1e3), "N": ("kN", 1e-3), "m/s^2": ("g", 1.0 / STANDARD_GRAVITY)}
 # Displayed units to one SI unit; the g is a divisor, so that integers of it stay integers.
 _PER_SI = {

@@ -1,6 +1,8 @@
-"""Rows of the first sheet of an XLSX file, as texts; openpyxl is imported where it is used."""
+"""Rows of a sheet of an XLSX file, as texts; openpyxl is imported where it is used."""
 
 import zipfile
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -12,13 +14,34 @@ from wirerope_mj.foundation.regular_files import regular
 _UNPACKED = 20.0
 
 
-def xlsx_rows(path: Path) -> list[tuple[int, list[str]]]:
-    """Read number and texts of the rows of an XLSX file's first sheet that hold something and do not begin with #.
+def xlsx_rows(path: Path, sheet: str = "") -> list[tuple[int, list[str]]]:
+    """Read number and texts of the rows of a sheet that hold something and do not begin with #.
+
+    Args:
+        path: of the XLSX file.
+        sheet: name of the sheet, in small letters; the first where none has it.
 
     Raises:
         RecordError: openpyxl is not installed, or the file is none that it reads.
         BudgetError: unpacked, it is too large for the memory.
     """
+    with _workbook(path) as book:
+        sheets = book.worksheets
+        chosen = next((one for one in sheets if one.title.strip().lower() == sheet), sheets[0])
+        chosen.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
+        rows = enumerate(chosen.iter_rows(values_only=True), start=1)
+        texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
+        return [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
+
+
+def sheet_names(path: Path) -> list[str]:
+    """Read the names of a workbook's sheets, in small letters; raises as `xlsx_rows` does."""
+    with _workbook(path) as book:
+        return [sheet.title.strip().lower() for sheet in book.worksheets]
+
+
+@contextmanager
+def _workbook(path: Path) -> Iterator[Any]:
     try:
         import openpyxl
     except ImportError:
@@ -30,12 +53,8 @@ def xlsx_rows(path: Path) -> list[tuple[int, list[str]]]:
         with regular(path).open("rb") as file:
             with zipfile.ZipFile(file) as parts:
                 size = sum(part.file_size for part in parts.infolist())
-            require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save its first sheet as CSV.")
-            sheet = openpyxl.load_workbook(file, read_only=True, data_only=True).worksheets[0]
-            sheet.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
-            rows = enumerate(sheet.iter_rows(values_only=True), start=1)
-            texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
-            return [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
+            require_memory(f"{path}, unpacked,", _UNPACKED * size, "Save the sheet as CSV.")
+            yield openpyxl.load_workbook(file, read_only=True, data_only=True)
     except BudgetError:
         raise
     except OSError as error:

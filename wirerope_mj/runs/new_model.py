@@ -1,7 +1,8 @@
 """A model's folder from tables: MJCF, isolators, the tables themselves, and a dimensioned drawing."""
 
 import shutil
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,6 +13,7 @@ from wirerope_mj.engine.system.on_deck import deck_text
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.foundation.xlsx_rows import sheet_names
 from wirerope_mj.mounts.isolator import Isolator, Provenance
 from wirerope_mj.mounts.laws import Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
@@ -20,23 +22,41 @@ KIND = "folder of a model"
 _MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage": "templates/two_stage.xml"}
 
 
+TABLES = ("mounts", "masses", "stops", "points", "forces", "envelope")
+
+
+def tables_in(source: Path) -> dict[str, Path]:
+    """Return the tables of a model in a folder, files named after `TABLES`, or in a workbook, whose sheets are.
+
+    Raises:
+        RecordError: the workbook cannot be read, or there is no table of mounts or of masses.
+    """
+    if source.is_dir():
+        files = sorted(file for file in source.iterdir() if file.suffix.lower() in (".csv", ".xlsx", ".xlsm", ".txt"))
+        found = {file.stem.lower(): file for file in files if file.stem.lower() in TABLES}
+    else:
+        found = {name: source for name in sheet_names(source) if name in TABLES}
+    if missing := [kind for kind in TABLES[:2] if kind not in found]:
+        raise RecordError(
+            f"{source}: there is no table {' and none '.join(missing)}. A folder holds mounts.csv, a workbook a sheet mounts; "
+            f"the tables are {', '.join(TABLES)}, and the first two are needed."
+        )
+    return found
+
+
 def new_model(
-    folder: Path, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
-    forces: Path | None = None, positive_products: bool = False, deck: Deck | None = None,
-    formats: Sequence[str] = ("png",), force: bool = False,
+    folder: Path, tables: Mapping[str, Path], *, name: str | None = None, positive_products: bool = False,
+    deck: Deck | None = None, formats: Sequence[str] = ("png",), force: bool = False,
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
 
-    It holds NAME.xml, the isolators as used, the tables, and NAME_plan in each of the formats. The model has been loaded
+    It holds MODEL.xml, the isolators as used, the tables, and MODEL_plan in each of the formats. The model has been loaded
     before the folder stands.
 
     Args:
         folder: to write; its last part is the model's name.
-        mounts: table, CSV or XLSX.
-        masses: table.
-        stops: table.
-        points: table.
-        forces: table of points at which forces may act.
+        tables: CSV files or workbooks, by their names in `TABLES`; what they hold is said by `read_layout`.
+        name: of the payload; by default the model's.
         positive_products: products of inertia are +sum x y dm; else elements of the tensor.
         deck: that the mounts stand on, in place of a rigid one.
         formats: of the drawing: "png", "pdf", "svg".
@@ -46,26 +66,23 @@ def new_model(
         RecordError: a table is wrong, or the folder cannot be written; nothing is written then.
         ModelError: an isolator or the model is wrong.
     """
-    name = folder.resolve().name
-    tables = {"mounts": mounts, "masses": masses, "stops": stops, "points": points, "forces": forces}
-    check_folder(folder, force=force, kind=KIND, marks=marks(name))
-    layout = read_layout(
-        name, mounts=mounts, masses=masses, stops=stops, points=points, forces=forces,
-        positive_products=positive_products,
-    )  # fmt: skip
-    with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:
-        _write_isolators(layout, temporary / "isolators", stops)
-        model = temporary / f"{name}.xml"
-        model.write_text(mjcf_of(layout), encoding="utf-8")
+    called = folder.resolve().name
+    check_folder(folder, force=force, kind=KIND, marks=marks(called))
+    layout = read_layout(name or called, tables, positive_products=positive_products)
+    with atomic_folder(folder, force=force, kind=KIND, marks=marks(called)) as temporary:
+        _write_isolators(layout, temporary / "isolators", tables.get("stops"))
+        model = temporary / f"{called}.xml"
+        model.write_text(mjcf_of(layout, called), encoding="utf-8")
         _loaded(model, deck)
         (temporary / "tables").mkdir()
+        used = Counter(tables.values())
         for kind, table in tables.items():
-            if table is not None:
-                shutil.copyfile(table, temporary / "tables" / f"{kind}{table.suffix.lower()}")
+            copy = table.name if used[table] > 1 else f"{kind}{table.suffix.lower()}"
+            shutil.copyfile(table, temporary / "tables" / copy)
         for ending in formats:
             from wirerope_mj.views.plots.model_plan import save_plan
 
-            save_plan(layout, temporary / f"{name}_plan.{ending}")
+            save_plan(layout, temporary / f"{called}_plan.{ending}")
     return layout
 
 
@@ -78,21 +95,8 @@ def from_template(
         The layout where the template is one of tables, else None.
     """
     if template == "genset":
-        tables = models_folder() / "templates" / "genset"
-        mounts, masses, stops, points, forces = (
-            tables / f"{kind}.csv" for kind in ("mounts", "masses", "stops", "points", "forces")
-        )
-        return new_model(
-            folder,
-            mounts=mounts,
-            masses=masses,
-            stops=stops,
-            points=points,
-            forces=forces,
-            deck=deck,
-            formats=formats,
-            force=force,
-        )
+        tables = tables_in(models_folder() / "templates" / "genset")
+        return new_model(folder, tables, deck=deck, formats=formats, force=force)
     source = models_folder() / _MODELS[template]
     name = folder.resolve().name
     with atomic_folder(folder, force=force, kind=KIND, marks=marks(name)) as temporary:

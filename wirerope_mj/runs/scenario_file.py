@@ -1,5 +1,6 @@
 """The scenario as it stands in a run's folder, checked where it is read, and how it is judged."""
 
+import fnmatch
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -56,12 +57,21 @@ def read_judge_table(content: Mapping[str, Any]) -> dict[str, Any]:
 def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
     """Return the system with limits in place of those that its model states for the same subjects.
 
+    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern.
+
     Raises:
         ModelError: a limit names no body of the payload and no point, or one thing is limited twice.
     """
     if not limits:
         return system
     known = limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
+    own = {(limit.kind, limit.name) for limit in limits}
+    limits = [
+        replace(limit, name=name)
+        for limit in limits
+        for name in fnmatch.filter(known[limit.kind], limit.name) or [limit.name]
+        if name == limit.name or (limit.kind, name) not in own
+    ]
     for number, limit in enumerate(limits):
         if not is_subject(limit.name, limit.kind, known):
             raise ModelError(

@@ -112,16 +112,28 @@ class Point:
     position: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Box:
+    """A box of the payload's envelope: name, centre (3,) [m], sizes along x, y and z (3,) [m]."""
+
+    name: str
+    centre: Array
+    size: Array
+
+
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Layout:
     """A payload on mounts as tables say it."""
 
-    name: str  # of the model and of the payload
+    name: str  # of the payload, and of the model unless that has a name of its own
     masses: tuple[Mass, ...]
     mounts: tuple[Placed, ...]
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
     forces: tuple[Point, ...] = ()  # points at which forces may act on the payload
+    envelope: tuple[
+        Box, ...
+    ] = ()  # of the payload, whose corners its clearances hold for; else boxes of the masses' inertia
     # files, or parts of the vendors' tables, that mounts and stops name, by name
     isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
 

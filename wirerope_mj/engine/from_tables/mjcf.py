@@ -17,17 +17,18 @@ _ABOUT = """
     Frame: that of the tables. SI units: m, kg, kg m^2, N. Gravity points down along z.
     Mounts: both sites of a mount lie at its isolator's mid-height and coincide in the unloaded geometry that is drawn.
     Axes of a site: x roll (across the bars), y shear (along the bars), z axial, from the base's bar to the payload's.
-    Boxes show the masses, each the uniform box of its inertia; deck plate, boxes and balls are drawn only.
+    Boxes show the envelope where a table says it, else the masses, each the uniform box of its inertia. Clearances hold for
+    their corners; deck plate, boxes and balls are drawn only.
   """
 _SPHERE = 0.03  # radius of what is drawn for a point mass and for a stop [m]
 
 
-def mjcf_of(layout: Layout) -> str:
+def mjcf_of(layout: Layout, name: str | None = None) -> str:
     """Return the MJCF of a layout as text: a driven deck, the payload, its mounts and stops as tuples.
 
-    Isolators are named as files in the folder isolators/ beside the model.
+    The model has the payload's name unless another is given. Isolators are named as files in the folder isolators/ beside it.
     """
-    root = ET.Element("mujoco", model=layout.name)
+    root = ET.Element("mujoco", model=name or layout.name)
     root.append(ET.Comment(_ABOUT))
     ET.SubElement(root, "option", gravity=f"0 0 {-STANDARD_GRAVITY}", integrator="RK4", timestep="0.0005")
     _add_appearance(root, layout)
@@ -82,11 +83,12 @@ def _add_payload(world: ET.Element, layout: Layout) -> None:
         body, "inertial", pos=_numbers(payload.centre), mass=_numbers([payload.mass]),
         fullinertia=_numbers([i[0, 0], i[1, 1], i[2, 2], i[0, 1], i[0, 2], i[1, 2]]),
     )  # fmt: skip
-    for mass in rigid:
-        ET.SubElement(
-            body, "geom", {"name": f"mass/{mass.name}", "mass": "0", "rgba": "0.20 0.36 0.52 0.6", **_drawn(mass)}
-        )
-    for stop in layout.stops:
+    drawn = {f"envelope/{box.name}": _box(box.centre, 0.5 * box.size) for box in layout.envelope} or {
+        f"mass/{mass.name}": _drawn(mass) for mass in rigid
+    }
+    for name, shape in drawn.items():
+        ET.SubElement(body, "geom", {"name": name, "mass": "0", "rgba": "0.20 0.36 0.52 0.6", **shape})
+    for stop in () if layout.envelope else layout.stops:  # a ball would be a part of the envelope
         ET.SubElement(
             body, "geom", name=f"stop/{stop.name}", type="sphere", mass="0", size=_numbers([_SPHERE]),
             pos=_numbers(stop.position), rgba="0.93 0.62 0.13 1",
@@ -154,7 +156,11 @@ def _drawn(mass: Mass) -> dict[str, str]:
     if not moments.any():
         return {"type": "sphere", "size": _numbers([_SPHERE]), "pos": _numbers(properties.centre)}
     half = np.maximum(0.5 * np.sqrt(np.maximum(squares, 0.0)), 1e-3)  # a plate is drawn 2 mm thick
-    return {"size": _numbers(half), "pos": _numbers(properties.centre)}
+    return _box(properties.centre, half)
+
+
+def _box(centre: Array, half: Array) -> dict[str, str]:
+    return {"size": _numbers(half), "pos": _numbers(centre)}
 
 
 def _lower_end(mount: Placed, layout: Layout) -> float:

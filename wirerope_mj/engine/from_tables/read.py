@@ -1,7 +1,7 @@
 """The tables of a model read and checked row by row."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.engine.flexible.panel import DAMPING
 from wirerope_mj.engine.from_tables.layout import (
+    Box,
     Layout,
     Mass,
     MassProperties,
@@ -32,26 +33,31 @@ _DIRECTION = dict.fromkeys(("direction_x", "direction_y", "direction_z", "bars_x
 _ANGLES = {"inclination": "angle", "azimuth": "angle"}
 _MOMENTS, _PRODUCTS = ("ixx", "iyy", "izz"), ("ixy", "ixz", "iyz")
 _SIZES = ("size_x", "size_y", "size_z")
+_CENTRE, _CORNER = (tuple(f"{of}_{axis}" for axis in "xyz") for of in ("centre", "corner"))
 # depth over which a stop closes softly unless its row says another: that of the stops of the models that ship [m]
 _ROUNDING = 1e-3
 
 
-def read_layout(
-    name: str, *, mounts: Path, masses: Path, stops: Path | None = None, points: Path | None = None,
-    forces: Path | None = None, positive_products: bool = False,
-) -> Layout:  # fmt: skip
-    """Read and check the tables of a model.
+def read_layout(name: str, tables: Mapping[str, Path], *, positive_products: bool = False) -> Layout:
+    """Read and check the tables of a model, by their names; those of mounts and masses are needed.
+
+    mounts: name, x, y, z, isolator, and a direction or inclination and azimuth; perhaps bracket_axial, bracket_shear,
+    bracket_roll, the stiffness of what a mount is bolted to.
+
+    masses: name, mass, x, y, z of the centre of mass and the inertia about it, or the size_x, size_y, size_z of a box that is
+    filled evenly; of a subassembly that rings on its own its frequency, and perhaps damping and along, x, y or z. Or a CAD
+    program's text, .txt.
+
+    stops: name, x, y, z, direction, and gap, stiffness, damping or an isolator.
+
+    points, forces: name, x, y, z of points that are observed, and of those at which forces may act.
+
+    envelope: boxes around the payload: name, size_x, size_y, size_z, and centre_x, centre_y, centre_z, or corner_x, corner_y,
+    corner_z, the corner that is lowest along each axis.
 
     Args:
-        name: of the model and its payload.
-        mounts: table with name, x, y, z, isolator, and a direction or inclination and azimuth; perhaps bracket_axial,
-            bracket_shear, bracket_roll, the stiffness of what a mount is bolted to.
-        masses: table with name, mass, x, y, z of the centre of mass and the inertia about it, or the size_x, size_y, size_z
-            of a box that is filled evenly; of a subassembly that rings on its own its frequency, and perhaps damping and
-            along, x, y or z; or a CAD program's text, .txt.
-        stops: table with name, x, y, z, direction, and gap, stiffness, damping or an isolator.
-        points: table with name, x, y, z.
-        forces: table with name, x, y, z, of points at which forces may act.
+        name: of the payload.
+        tables: CSV files, or workbooks with a sheet of the table's name.
         positive_products: products of inertia are +sum x y dm, as CAD programs may write them; else elements of the tensor.
 
     Raises:
@@ -60,20 +66,20 @@ def read_layout(
     """
     if not name or name == "deck" or not all(c.isalnum() or c in "_-." for c in name) or name.startswith("."):
         raise ValueError(
-            f'the model\'s name must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
+            f'names of a model and its payload must be letters, digits, "_" and "-", and not "deck"; got {short(name)!r}.'
         )
-    heavy = _read_masses(masses, sign=-1.0 if positive_products else 1.0)
+    heavy = _read_masses(tables["masses"], sign=-1.0 if positive_products else 1.0)
     isolators: dict[str, Path | VendorPart] = {}
-    placed = _read_mounts(mounts, isolators)
-    stopped = _read_stops(stops, isolators) if stops else ()
+    placed = _read_mounts(tables["mounts"], isolators)
+    stopped = _read_stops(tables["stops"], isolators) if "stops" in tables else ()
     for stop in stopped:
         if stop.name in {mount.name for mount in placed}:
             raise RecordError(f'{stop.location}: a mount is called "{stop.name}" too. Give the stop another name.')
     layout = Layout(
-        name=name, masses=heavy, mounts=placed, stops=stopped, points=_read_points(points), forces=_read_points(forces),
-        isolators=isolators,
+        name=name, masses=heavy, mounts=placed, stops=stopped, points=_read_points(tables, "points"),
+        forces=_read_points(tables, "forces"), envelope=_read_envelope(tables), isolators=isolators,
     )  # fmt: skip
-    check_places(layout, masses)
+    check_places(layout, tables["masses"])
     return layout
 
 
@@ -213,11 +219,32 @@ def _stop_law(row: Row) -> StopLaw:
     return StopLaw(gap, stiffness, damping, rounding)
 
 
-def _read_points(path: Path | None) -> tuple[Point, ...]:
-    if path is None:
+def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:
+    if kind not in tables:
         return ()
-    rows = read_sheet(path, kind="table of points", needed=_POSITION, further={})
+    rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=_POSITION, further={})
     return tuple(Point(_site_name(row), _position(row)) for row in rows)
+
+
+def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
+    if "envelope" not in tables:
+        return ()
+    places = dict.fromkeys((*_CENTRE, *_CORNER), "length")
+    needed = {"name": TEXT, **dict.fromkeys(_SIZES, "length")}
+    boxes = []
+    for row in read_sheet(tables["envelope"], kind="table of the envelope", needed=needed, further=places):
+        size = np.array(row.vector(*_SIZES))
+        if not (size > 0.0).all():
+            raise RecordError(f'{row.location}: columns "size_x", "size_y", "size_z" must be > 0.')
+        centred, cornered = (any(row.has(column) for column in columns) for columns in (_CENTRE, _CORNER))
+        if centred == cornered:
+            raise RecordError(
+                f'{row.location}: a box stands where "centre_x", "centre_y", "centre_z" or "corner_x", "corner_y", "corner_z" '
+                f"say, one of the two; {'both are' if centred else 'none is'} filled in."
+            )
+        centre = np.array(row.vector(*_CENTRE)) if centred else np.array(row.vector(*_CORNER)) + 0.5 * size
+        boxes.append(Box(row.text("name"), centre, size))
+    return tuple(boxes)
 
 
 def _site_name(row: Row) -> str:

@@ -1,6 +1,5 @@
-"""A table of a model: a CSV file, or the first sheet of an XLSX file, with units in its header; or a CAD program's text."""
+"""A table of a model: a CSV file, or a sheet of an XLSX file, with units in its header; or a CAD program's text."""
 
-import math
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -11,6 +10,7 @@ import numpy as np
 from wirerope_mj.engine.from_tables.layout import MassProperties
 from wirerope_mj.foundation.csv_units import (
     Header,
+    first_header,
     header_of_cells,
     number_in,
     read_header,
@@ -20,32 +20,12 @@ from wirerope_mj.foundation.csv_units import (
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, in_si
+from wirerope_mj.foundation.units import LENGTH_UNITS, UNITS, in_si
 from wirerope_mj.foundation.xlsx_rows import xlsx_rows
-
-_POUND = 0.45359237
-# units of each kind of quantity, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
-UNITS: dict[str, Mapping[str, float]] = {
-    "length": {"mm": 1e-3, "m": 1.0, "cm": 1e-2, "in": LENGTH_UNITS["in"]},
-    "mass": {"kg": 1.0, "t": 1e3, "g": 1e-3, "lb": _POUND},
-    "inertia": {
-        "kg m^2": 1.0, "kg m2": 1.0, "kg m²": 1.0, "kg*m^2": 1.0, "kg mm^2": 1e-6, "kg mm2": 1e-6, "kg*mm^2": 1e-6,
-        "t m^2": 1e3, "g mm^2": 1e-9, "lb in^2": _POUND * LENGTH_UNITS["in"] ** 2,
-    },
-    "time": TIME_UNITS,
-    "angle": {"deg": math.pi / 180.0, "°": math.pi / 180.0, "rad": 1.0},
-    "stiffness": {
-        f"{force}/{length}": newtons / metres
-        for force, newtons in FORCE_UNITS.items() for length, metres in (("m", 1.0), ("mm", 1e-3))
-    } | {"MN/m": 1e6},
-    "frequency": {"Hz": 1.0},
-    "ratio": {"%": 0.01, "-": 1.0},
-    "damping": {"N s/m": 1.0, "kN s/m": 1e3, "N s/mm": 1e3},
-}  # fmt: skip
 
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
 
-_MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": 0.45359237}
+_MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": UNITS["mass"]["lb"]}
 _LENGTH = {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0, "inches": LENGTH_UNITS["in"]}
 _NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
 _HOW = 'Export the mass properties as text in English, with "Mass = .. kilograms", "Center of mass" and "Moments of inertia".'
@@ -94,7 +74,7 @@ def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Map
     """Return the rows of a table; their names are checked to be there once each.
 
     Args:
-        path: CSV file, or XLSX file whose first sheet is read.
+        path: CSV file, or XLSX file whose sheet of the kind's last word is read, "mounts", else its first.
         kind: of the table, for messages: "table of mounts".
         needed: kind of quantity of each column that must be there: a key of `UNITS`, "number" or "text".
         further: the same of columns that may be there.
@@ -129,12 +109,12 @@ def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str]
             raise RecordError(f'{header.location}: unknown column "{short(plain(name))}". Known columns: {hint}.')
         if header.names.count(name) > 1:
             raise RecordError(f'{header.location}: column "{name}" stands there twice.')
-    for name, quantity in needed.items():
-        if name not in header.names:
-            raise RecordError(
-                f'{header.location}: column "{_with_unit(name, quantity)}" is missing. '
-                f"The header has {header.listed()}."
-            )
+    if missing := [_with_unit(name, quantity) for name, quantity in needed.items() if name not in header.names]:
+        listed = ", ".join(f'"{name}"' for name in missing)
+        raise RecordError(
+            f"{header.location}: {f'columns {listed} are' if missing[1:] else f'column {listed} is'} missing. "
+            f"The header has {header.listed()}."
+        )
     factors = {}
     for number, name in enumerate(header.names):
         plain_kind = known[name] in {PURE, TEXT}
@@ -154,17 +134,20 @@ def _require_distinct(rows: list[Row]) -> None:
 
 
 def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tuple[str, list[str]]]]:
-    """Return header and rows of an XLSX file's first sheet, as texts; empty rows and those that begin with # are skipped."""
-    filled = xlsx_rows(path)
-    if not filled:
-        raise RecordError(f"{path}: the first sheet is empty. A {kind} has a header such as {example}.")
-    (first, names), *below = filled
-    while names and not names[-1]:
-        names = names[:-1]
-    header = header_of_cells(path, first, names)
+    """Return header and rows of a sheet of an XLSX file, as texts; empty rows and those that begin with # are skipped."""
+    filled = xlsx_rows(path, kind.split()[-1])
+    header = first_header(
+        header_of_cells(path, number, cells[: 1 + max(n for n, cell in enumerate(cells) if cell)])
+        for number, cells in filled
+    )
+    if header is None:
+        raise RecordError(f"{path}: the sheet is empty. A {kind} has a header such as {example}.")
+    names = header.names
 
     def rows() -> Iterator[tuple[str, list[str]]]:
-        for number, cells in below:
+        for number, cells in filled:
+            if number <= header.line:
+                continue
             location = f"{path}, row {number}"
             row = (
                 cells[: len(names)] + [""] * (len(names) - len(cells)) + [cell for cell in cells[len(names) :] if cell]

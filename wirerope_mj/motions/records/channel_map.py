@@ -10,7 +10,7 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH
 Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "force"]
 Axis = Literal["x", "y", "z"]
 
-LENGTHS = {**LENGTH_UNITS, "cm": 1e-2, "um": 1e-6}
+LENGTHS = {**LENGTH_UNITS, "um": 1e-6}
 UNITS: Mapping[Quantity, Mapping[str, float]] = {
     "acceleration": ACCELERATION_UNITS,
     "velocity": VELOCITY_UNITS,

@@ -12,7 +12,16 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.csv_units import LARGEST, Header, number_in, parse_number, read_header, require_cells
+from wirerope_mj.foundation.csv_units import (
+    LARGEST,
+    Header,
+    number_in,
+    parse_number,
+    read_header,
+    require_cells,
+    with_point,
+    with_points,
+)
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, TIME_UNITS
@@ -83,7 +92,7 @@ def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = Fal
             cells = text.rstrip("\r\n").split(header.delimiter)
             require_cells(header, location, cells)
             for column in columns:
-                cell = cells[column].strip()
+                cell = cells[column] = with_point(header, location, cells[column].strip())
                 if cell and cell.lower().lstrip("+-") != "nan":
                     number_in(location, header.names[column], cell)
                 elif not missing or column == columns[0]:
@@ -112,7 +121,7 @@ def _full_rows(header: Header, lines: Iterable[str]) -> Iterator[str]:
             continue
         if line.count(header.delimiter) != signs:
             raise ValueError("a row has another number of cells than the header")
-        yield line
+        yield with_points(header, line)
 
 
 def _number_or_nan(cell: str) -> float:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.csv_units import LARGEST, Header, header_of_cells, number_in
+from wirerope_mj.foundation.csv_units import LARGEST, Header, first_header, header_of_cells, number_in
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.parquet_files import read_table
 from wirerope_mj.foundation.regular_files import regular
@@ -109,10 +109,10 @@ def _mat(path: Path) -> tuple[Header, Array]:
 
 def _xlsx(path: Path) -> tuple[Header, Array]:
     filled = xlsx_rows(path)
-    if len(filled) < 2:
+    header = first_header(header_of_cells(path, row, [cell for cell in cells if cell]) for row, cells in filled)
+    below = [(row, cells) for row, cells in filled if header is not None and row > header.line]
+    if header is None or not below:
         raise RecordError(f'{path}: the first sheet must hold a header such as "time [s], A1 [g]" and rows of numbers.')
-    (first, names), *below = filled
-    header = header_of_cells(path, first, [name for name in names if name])
     width = len(header.names)
     numbers = np.full((len(below), width), np.nan)
     for values, (row, cells) in zip(numbers, below, strict=True):

@@ -36,7 +36,7 @@ def save_cyclic_test(
         loops: closed cycles, at least one.
         path: file to write; an existing one is replaced.
         frequency: of the test [Hz], for a column of time that starts at 0 in each loop; the samples count as uniform in time.
-        deflection_unit: "m", "mm" or "in".
+        deflection_unit: "m", "mm", "cm" or "in".
         force_unit: "N", "daN", "kN" or "lbf".
 
     Raises:
@@ -75,7 +75,7 @@ _NAMES = {
     "loop": ("loop",),
     "amplitude": ("amplitude",),
     "time": ("time", "t"),
-    "deflection": ("deflection", "displacement"),
+    "deflection": ("deflection", "displacement", "disp", "disp."),
     "force": ("force", "load"),
 }
 _MOST = 1.0  # [m], beyond any travel of a wire rope isolator; a millimetre taken for a metre is a thousand times
@@ -100,7 +100,7 @@ def load_cyclic_test(path: str | Path) -> list[Loop]:
     """Return the loops of a measured cyclic test, in the order of the file.
 
     The file is CSV (separated by comma, semicolon or tab) with a header such as "loop, time [s], deflection [mm],
-    force [kN]"; lines that are empty or begin with # are skipped. Deflection (or displacement) in m, mm or in and force (or
+    force [kN]"; lines that are empty or begin with # are skipped. Deflection (or displacement) in m, mm, cm or in and force (or
     load) in N, daN, kN or lbf must be there, positive in tension. Rows with the same value of `loop`, or of `amplitude`, a
     length, where there is no `loop`, are one loop; without both the file is one loop. A time [s or ms] must increase within
     each loop and is not kept; other columns are not read.

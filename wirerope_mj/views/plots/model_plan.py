@@ -45,6 +45,9 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Any]:
     """Draw a view; return its labels, those that stay where they are first."""
     pick = [across, up]
     labels = [_draw_mass(panel, mass, pick) for mass in layout.masses]
+    for box in layout.envelope:
+        corner, lengths = _MILLI * (box.centre - 0.5 * box.size)[pick], _MILLI * box.size[pick]
+        panel.add_patch(Rectangle(corner, *lengths, fill=False, edgecolor=_BODY, linestyle="--"))
     reach = _MILLI * np.ptp([mount.position for mount in layout.mounts], axis=0).max() or 100.0
     labelled: dict[tuple[int, ...], list[str]] = {}
     for mount in layout.mounts:
@@ -156,7 +159,7 @@ def _write_key(panel: Any, layout: Layout) -> None:
         *(f"{isolator}: {_listed(names)}" for isolator, names in kinds.items()),
         "",
         "red: mounts, arrow from the base to the payload; orange: stops",
-        "green: points, and where forces act; blue: boxes of the masses' inertia",
+        "green: points, and where forces act; blue: boxes of the masses' inertia, dashed the envelope",
         "half-filled circle: centre of mass",
     ]
     panel.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=8, transform=panel.transAxes)
