@@ -16,15 +16,18 @@ from wirerope_mj.cli.tables import print_questions
 from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
+from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, study_of, what_can_vary
+from wirerope_mj.runs.job_file import load_job
 from wirerope_mj.runs.option_file import defines
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
 from wirerope_mj.studies.folder import dead
+from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.sampling import SAMPLINGS
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
@@ -97,7 +100,8 @@ def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=Tru
     """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
 
     STUDY-OR-SCENARIO is the path of a study file or of a scenario file, or the name of one that ships with the package, or the
-    folder of a run, which holds its scenario.
+    folder of a run, which holds its scenario, or the file of a job (.toml): the same variants under every load case, and how
+    often any limit of any of them is exceeded.
 
     A scenario becomes a study by what varies of it, said with --vary, once for each quantity; without --vary, all that can
     vary is listed. What varies in a study file, how many variants there are and how they are sampled the file says itself.
@@ -131,6 +135,9 @@ def study_command(name: str, tokens: Sequence[str]) -> None:
     path = Path(name)
     if is_run(path):
         _of_scenario(stored_scenario(path), tokens)
+        return
+    if path.suffix.lower() == ".toml":
+        _of_job(path, tokens)
         return
     if path.is_file():
         of_scenario = defines(path, "scenario") and not defines(path, "study")
@@ -196,27 +203,63 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
     run_with_options(f"wirerope study {file.name}", file.function, [*vary, *_RUN], action, tokens)
 
 
+def _of_job(path: Path, tokens: Sequence[str]) -> None:
+    """Compute the same variants under every load case of a job."""
+    job = load_job(path)
+    kept = [option for option in _RUN if option.name not in ("by", "limit", "open_worst")]
+
+    def action(_: dict[str, Any], own: dict[str, Any]) -> None:
+        from wirerope_mj.runs.job_study import study_job
+
+        drawn = {name: own.pop(name) for name in ("variants", "sampling", "seed", "timestep", "accuracy")}
+        folder, varied = own.pop("out") or Path("runs") / f"{path.stem}-study", own.pop("vary")
+        if (deck := own.pop("deck")) is not None:
+            raise ValueError(f"`--deck {deck}` is for a scenario; a job names its model.")
+        first = job.cases[0].scenario
+        print_warnings(model_warnings(load_system(first.model_source(), isolators=first.isolators)))
+        _warn_of_unjudged(limits_of(first)[1])
+        content = study_job(job, folder, vary=_quantities(first, varied), how={**own, "progress": True}, drawn=drawn)
+        console().print(f"\n[bold]{escape(job.name)}[/]")
+        show(content, "cases")
+        print_headline(content.verdict)
+        show(content, "answer")
+        console().print(f"\n  written to {escape(str(folder))}/: report.html, and a study of each case", soft_wrap=True)
+
+    def none() -> None:
+        """Compute the same variants under every load case of a job."""
+
+    run_with_options(f"wirerope study {path}", none, [*_VARY, *kept], action, tokens)
+
+
 def _limits(scenario: Scenario, given: Sequence[str]) -> list[str]:
     """Return the limits that are given, and behind them the scenario's on other measures; warn of what is not judged."""
     can, cannot = limits_of(scenario)
-    if cannot:
-        text = (
-            f"a study does not judge {'; '.join(cannot)}: it keeps peaks, and of clearances those of points alone, and no "
-            "accelerations along an axis."
-        )
-        warnings.warn(text, StudyWarning, stacklevel=2)
+    _warn_of_unjudged(cannot)
     names = {text.partition("=")[0].strip() for text in given}
     return [*given, *(text for text in can if text.partition("=")[0].strip() not in names)]
 
 
+def _warn_of_unjudged(limits: Sequence[str]) -> None:
+    if limits:
+        text = (
+            f"a study does not judge {'; '.join(limits)}: it keeps peaks, and of clearances those of points alone, and no "
+            "accelerations along an axis."
+        )
+        warnings.warn(text, StudyWarning, stacklevel=3)
+
+
 def _study(scenario: Scenario, *, vary: Sequence[str] | None, **rest: Any) -> Study:
+    return study_of(scenario, vary=_quantities(scenario, vary), **rest)
+
+
+def _quantities(scenario: Scenario, vary: Sequence[str] | None) -> dict[str, Distribution]:
+    """Return what `--vary` says; ValueError lists all that can vary where it says nothing."""
     if not vary:
         raise ValueError(f"nothing varies yet. {what_can_vary(scenario)}")
     try:
-        quantities = read_vary(vary)
+        return read_vary(vary)
     except ValueError as error:
         raise ValueError(f"`--vary`: {error}") from None
-    return study_of(scenario, vary=quantities, **rest)
 
 
 def _check_names(path: Path, kind: str, function: Callable[..., Any], own: Sequence[inspect.Parameter]) -> None:

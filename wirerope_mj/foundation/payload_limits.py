@@ -2,7 +2,9 @@
 
 import math
 import re
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from fnmatch import filter as matching
 
 from wirerope_mj.foundation.arguments import finite, one_of
 from wirerope_mj.foundation.plain_text import short
@@ -63,6 +65,22 @@ class PayloadLimit:
         """Limits of a clearance along each of `SIDES`; those of zero are left out."""
         values = self.values if len(self.values) == len(SIDES) else tuple(v for v in self.values for _ in range(2))
         return {side: value for side, value in zip(SIDES, values, strict=True) if value}
+
+
+def limits_by_patterns(limits: Sequence[PayloadLimit], known: Mapping[str, Sequence[str]]) -> list[PayloadLimit]:
+    """Return limits with each name that holds * or ? replaced by all that it matches, but for those with a limit of their own.
+
+    Args:
+        limits: of any kind; one whose name matches nothing stays as it is.
+        known: names of the bodies and points that a limit of each kind may be on.
+    """
+    own = {(limit.kind, limit.name) for limit in limits}
+    return [
+        replace(limit, name=name)
+        for limit in limits
+        for name in matching(known[limit.kind], limit.name) or [limit.name]
+        if name == limit.name or (limit.kind, name) not in own
+    ]
 
 
 def _number(text: str) -> float:

@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.engine.system.declared import limit_subjects
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit
+from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.sources import is_run, stored_scenario
@@ -94,10 +95,11 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     A study has the norm of an acceleration in its table, and how far points move each way; it has no acceleration along an
     axis, and no clearance of a body's corners or between two points.
     """
-    points = payload_points(load_system(scenario.model_source(), isolators=scenario.isolators))
+    system = load_system(scenario.model_source(), isolators=scenario.isolators)
+    points, known = payload_points(system), limit_subjects(system.model, system.model.body(system.base or 0).id)
     can: list[str] = []
     cannot: list[str] = []
-    for one in scenario.limits:
+    for one in limits_by_patterns(scenario.limits, known):
         if one.kind == "acceleration" and set(one.judged) == {""}:
             can.append(_text(one))
         elif one.kind == "clearance" and one.name in points:

@@ -1,6 +1,5 @@
 """The scenario as it stands in a run's folder, checked where it is read, and how it is judged."""
 
-import fnmatch
 import math
 import tomllib
 from collections.abc import Mapping, Sequence
@@ -12,7 +11,7 @@ from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.declared import is_subject, limit_subjects
 from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
-from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.foundation.payload_limits import PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.runs.folder import FORMAT, SCENARIO
 
@@ -65,13 +64,7 @@ def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
     if not limits:
         return system
     known = limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
-    own = {(limit.kind, limit.name) for limit in limits}
-    limits = [
-        replace(limit, name=name)
-        for limit in limits
-        for name in fnmatch.filter(known[limit.kind], limit.name) or [limit.name]
-        if name == limit.name or (limit.kind, name) not in own
-    ]
+    limits = limits_by_patterns(limits, known)
     for number, limit in enumerate(limits):
         if not is_subject(limit.name, limit.kind, known):
             raise ModelError(

@@ -46,8 +46,8 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Any]:
     pick = [across, up]
     labels = [_draw_mass(panel, mass, pick) for mass in layout.masses]
     for box in layout.envelope:
-        corner, lengths = _MILLI * (box.centre - 0.5 * box.size)[pick], _MILLI * box.size[pick]
-        panel.add_patch(Rectangle(corner, *lengths, fill=False, edgecolor=_BODY, linestyle="--"))
+        (x, y), lengths = _MILLI * (box.centre - 0.5 * box.size)[pick], _MILLI * box.size[pick]
+        panel.add_patch(Rectangle((x, y), *lengths, fill=False, edgecolor=_BODY, linestyle="--"))
     reach = _MILLI * np.ptp([mount.position for mount in layout.mounts], axis=0).max() or 100.0
     labelled: dict[tuple[int, ...], list[str]] = {}
     for mount in layout.mounts:
