@@ -182,6 +182,9 @@ class StartedMotion(StraightMotion):
         return f"along {direction_text(self.direction)}" + (f" at {self.start:.4g} s" if self.start else "")
 
 
+_SAID = 6  # motions of a sum that are described one by one
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SumOfMotions(AsCall, BaseMotion):
     """Several base motions at once; made by `a + b`."""
@@ -219,8 +222,11 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def description(self) -> str:
-        """The terms' descriptions, joined."""
-        return " + ".join(term.description for term in self.terms)
+        """The terms' descriptions, joined; of many, as dwells of a table are, the first and the last."""
+        said = [term.description for term in self.terms]
+        if len(said) > _SAID:
+            said = [said[0], f".. {len(said) - 2} more ..", said[-1]]
+        return " + ".join(said)
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
