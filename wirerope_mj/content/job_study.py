@@ -43,7 +43,8 @@ def job_study_content(name: str, question: str, cases: Mapping[str, StudySummary
 
 
 def _case(summary: StudySummary) -> list[Block]:
-    return [measures_table(summary)]
+    motion = summary.result.study.motions[0].description
+    return [Statement(id="motion", text=f"Base motion: {motion}."), measures_table(summary)]
 
 
 def exceeded(summary: StudySummary) -> dict[str, Mask]:
