@@ -27,7 +27,14 @@ duration = 0.4
 @pytest.mark.slow
 def test_the_probability_that_any_case_exceeds_a_limit_is_counted_on_common_variants(here, capsys):
     (here / "job.toml").write_text(JOB)
-    options = ["--vary", "motion/level = Uniform(0.5, 1.5)", "--vary", "mount/*/stiffness = Normal(1, 0.1, relative)", "--variants", "16"]
+    options = [
+        "--vary",
+        "motion/level = Uniform(0.5, 1.5)",
+        "--vary",
+        "mount/*/stiffness = Normal(1, 0.1, relative)",
+        "--variants",
+        "16",
+    ]
     assert main(["study", "job.toml", *options, "--out", "s", "--workers", "1"]) == 0
     out = capsys.readouterr().out
     tables = [wr.load_study(here / "s" / name).table for name in ("vertical", "along")]
@@ -48,7 +55,9 @@ def test_the_probability_that_any_case_exceeds_a_limit_is_counted_on_common_vari
     assert f"exceeded in {every} of 16 variants" in out
     said = json.loads((here / "s" / "content.json").read_text())
     assert said["headline"]["values"]["beyond"] == every
-    assert [str(row[1]).split()[0] for row in wr_rows(said["cases"])] == [str(int(one.sum())) for one in beyond] + [str(every)]
+    assert [str(row[1]).split()[0] for row in wr_rows(said["cases"])] == [str(int(one.sum())) for one in beyond] + [
+        str(every)
+    ]
     assert (here / "s" / "report.html").is_file()
 
 
