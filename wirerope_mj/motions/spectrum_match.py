@@ -70,25 +70,15 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SpectrumMatch(Brief):
-    """A motion and how well its response spectrum meets the target.
+    """A motion and how well its response spectrum meets the target."""
 
-    Attributes:
-        motion: the motion: lines between a rise from rest and a fall back to it.
-        points: of the target, frequency [Hz] and absolute acceleration [m/s^2].
-        frequencies: frequencies of the comparison [Hz], (n,), at least twelve to an octave.
-        target: absolute acceleration asked for [m/s^2], (n,).
-        achieved: absolute acceleration of the motion's response spectrum [m/s^2], (n,).
-        damping: damping ratio of the oscillators.
-        iterations: corrections that were made.
-    """
-
-    motion: VibrationLines
-    points: Points
-    frequencies: Array
-    target: Array
-    achieved: Array
-    damping: float
-    iterations: int
+    motion: VibrationLines  #: the motion: lines between a rise from rest and a fall back to it
+    points: Points  #: of the target, frequency [Hz] and absolute acceleration [m/s^2]
+    frequencies: Array  #: frequencies of the comparison [Hz], (n,), at least twelve to an octave
+    target: Array  #: absolute acceleration asked for [m/s^2], (n,)
+    achieved: Array  #: absolute acceleration of the motion's response spectrum [m/s^2], (n,)
+    damping: float  #: damping ratio of the oscillators
+    iterations: int  #: corrections that were made
 
     @property
     def mismatch(self) -> Array:

@@ -106,16 +106,11 @@ class DesignSpectrum:
     f2 on; that of the double triangle 0.67 to 1.21 v0 (1.26 with `r2=0.6`) and 0.94 to 1.03 a0 (1.11). The farther apart the
     corners, the lower all of these; neither pulse is an envelope. Far above f2 both fall to the pulse's own peak, 0.6 a0, as
     the spectrum of every pulse does.
-
-    Attributes:
-        displacement: spectral displacement d0 of the low branch [m].
-        velocity: spectral pseudo-velocity v0 of the middle branch [m/s].
-        acceleration: spectral acceleration a0 of the high branch [m/s^2].
     """
 
-    displacement: float
-    velocity: float
-    acceleration: float
+    displacement: float  #: spectral displacement d0 of the low branch [m]
+    velocity: float  #: spectral pseudo-velocity v0 of the middle branch [m/s]
+    acceleration: float  #: spectral acceleration a0 of the high branch [m/s^2]
 
     def __post_init__(self) -> None:
         for item in fields(self):

@@ -31,22 +31,14 @@ _EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" o
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelPhrase:
-    """What a column of a file is, as far as its phrase says.
+    """What a column of a file is, as far as its phrase says."""
 
-    Attributes:
-        subject: "base", "body/NAME", "point/NAME" or "mount/NAME".
-        quantity: None where only the unit in the file's header can say.
-        axis: of the world; of a mount x is roll, y shear, z axial.
-        sign: -1.0 for a sensor that points the other way.
-        unit: None where the file's header says it.
-        absolute: of a displacement of a body or a point: whether it is that in space and not that relative to the base.
-    """
-
-    subject: str
-    quantity: Quantity | None
-    axis: Axis
-    sign: float
-    unit: str | None
+    subject: str  # "base", "body/NAME", "point/NAME" or "mount/NAME"
+    quantity: Quantity | None  # None where only the unit in the file's header can say
+    axis: Axis  # of the world; of a mount x is roll, y shear, z axial
+    sign: float  # -1.0 for a sensor that points the other way
+    unit: str | None  # None where the file's header says it
+    # of a displacement of a body or a point: whether it is that in space and not that relative to the base
     absolute: bool
 
     def quantity_of(self, unit: str) -> Quantity | None:

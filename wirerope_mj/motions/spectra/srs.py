@@ -69,21 +69,15 @@ class ShockResponseSpectrum(Summarised):
     """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency: those of ISO 18431-4.
 
     All are magnitudes, (n_f,) for one acceleration, (n_f, k) for k of them side by side.
-
-    Attributes:
-        frequencies: of the oscillators [Hz], (n_f,).
-        acceleration: absolute acceleration of the mass [m/s^2].
-        displacement: of the mass from the base [m]; times 2 pi f the pseudo-velocity of either sign and phase, times its square
-            the equivalent static acceleration.
-        velocity: of the mass relative to the base [m/s].
-        q: amplification at resonance, 1 / (2 zeta); infinite = undamped.
     """
 
-    frequencies: Array
-    acceleration: Extremes
+    frequencies: Array  #: of the oscillators [Hz], (n_f,)
+    acceleration: Extremes  #: absolute acceleration of the mass [m/s^2]
+    #: of the mass from the base [m]; times 2 pi f the pseudo-velocity of either sign and phase, times its square the
+    #: equivalent static acceleration
     displacement: Extremes
-    velocity: Extremes
-    q: float
+    velocity: Extremes  #: of the mass relative to the base [m/s]
+    q: float  #: amplification at resonance, 1 / (2 zeta); infinite = undamped
 
     @property
     def positive(self) -> Array:

@@ -28,21 +28,13 @@ _NEAR = 40.0
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class VibrationSpectrum(Brief):
-    """Responses of oscillators of quality `q` to stationary random vibration of the base.
+    """Responses of oscillators of quality `q` to stationary random vibration of the base."""
 
-    Attributes:
-        frequencies: natural frequencies [Hz], (n,).
-        acceleration: rms of the absolute acceleration [m/s^2], (n,).
-        deflection: rms of the deflection relative to the base [m], (n,).
-        moments: of the deflection's density W, the integrals of f^k W for k = 0, 1, 2 and 4 [m^2 Hz^k], (n, 4).
-        q: quality, 1/(2 damping ratio).
-    """
-
-    frequencies: Array
-    acceleration: Array
-    deflection: Array
-    moments: Array
-    q: float
+    frequencies: Array  #: natural frequencies [Hz], (n,)
+    acceleration: Array  #: rms of the absolute acceleration [m/s^2], (n,)
+    deflection: Array  #: rms of the deflection relative to the base [m], (n,)
+    moments: Array  #: of the deflection's density W, the integrals of f^k W for k = 0, 1, 2 and 4 [m^2 Hz^k], (n, 4)
+    q: float  #: quality, 1/(2 damping ratio)
 
     @property
     def pseudo_velocity(self) -> Array:

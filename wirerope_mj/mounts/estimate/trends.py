@@ -20,20 +20,14 @@ SAME_ROPE = 0.02  # Relative difference of two rope diameters that are one size 
 
 @dataclass(frozen=True, kw_only=True)
 class LoopValues:
-    """Estimated values of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well.
+    """Estimated values of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well."""
 
-    Attributes:
-        bending_stiffness: EI of the rope over the compression travel [N m^2].
-        travel: largest deflection [m], by mode.
-        vibration, shock: stiffness [N/m], by mode; the table's vibration stiffness in shear is its shock stiffness.
-        static_load: largest static load in compression [N].
-    """
-
-    bending_stiffness: float
-    travel: dict[str, float]
+    bending_stiffness: float  # EI of the rope over the compression travel [N m^2]
+    travel: dict[str, float]  # largest deflection [m], by mode
+    # stiffness [N/m], by mode; the table's vibration stiffness in shear is its shock stiffness
     vibration: dict[str, float]
     shock: dict[str, float]
-    static_load: float
+    static_load: float  # largest static load in compression [N]
 
     def flat(self) -> dict[str, float]:
         """Return the values that a vendor states, by name."""

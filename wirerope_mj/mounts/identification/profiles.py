@@ -37,17 +37,11 @@ class ProfilePoint:
 
 @dataclass(frozen=True, kw_only=True)
 class Survey:
-    """Uncertainty of a fit by its profiles.
+    """Uncertainty of a fit by its profiles."""
 
-    Attributes:
-        uncertainty: of the best, errors as wide as what fits as well, other sets of values named.
-        better: values of a better fit, if moving a value has shown one.
-        evaluations: residuals computed.
-    """
-
-    uncertainty: Uncertainty
-    better: dict[str, float] | None
-    evaluations: int
+    uncertainty: Uncertainty  # of the best, errors as wide as what fits as well, other sets of values named
+    better: dict[str, float] | None  # values of a better fit, if moving a value has shown one
+    evaluations: int  # residuals computed
 
 
 def survey(

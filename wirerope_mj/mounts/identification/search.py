@@ -35,17 +35,11 @@ REFUSED = 1e3  # Residual of a law that cannot be evaluated on the loops, in uni
 
 @dataclass(frozen=True, kw_only=True)
 class Unknowns:
-    """The coordinates of a law, some of them fixed.
+    """The coordinates of a law, some of them fixed."""
 
-    Attributes:
-        family: how the law is made.
-        coordinates: all coordinates.
-        fixed: values of those that do not move.
-    """
-
-    family: Family
-    coordinates: Sequence[Coordinate]
-    fixed: Mapping[str, float]
+    family: Family  # how the law is made
+    coordinates: Sequence[Coordinate]  # all coordinates
+    fixed: Mapping[str, float]  # values of those that do not move
 
     @property
     def free(self) -> list[Coordinate]:

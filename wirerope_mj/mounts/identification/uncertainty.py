@@ -23,43 +23,29 @@ AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at it
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """One coordinate after a fit.
-
-    Attributes:
-        value: fitted, or given.
-        standard_error: of the value; a third of the distance at which the residual has risen as it does three errors away,
-            where that is more than the Jacobian says; 0 if it was fixed, infinite if the data do not identify it at all.
-        fixed: whether it was given.
-        at_bound: whether it stands at the end of its range.
-    """
+    """One coordinate after a fit."""
 
     name: str
     unit: str
-    value: float
+    value: float  # fitted, or given
+    # of the value; a third of the distance at which the residual has risen as it does three errors away, where that is more
+    # than the Jacobian says; 0 if it was fixed, infinite if the data do not identify it at all
     standard_error: float
-    fixed: bool
-    at_bound: bool
+    fixed: bool  # whether it was given
+    at_bound: bool  # whether it stands at the end of its range
 
 
 @dataclass(frozen=True, kw_only=True)
 class Uncertainty:
-    """Uncertainty of a fit.
+    """Uncertainty of a fit."""
 
-    Attributes:
-        parameters: all coordinates, by name.
-        covariance: of the free coordinates' values, (n, n).
-        correlation: the same without sizes, (n, n).
-        free: names of the free coordinates, in the order of the matrices.
-        singular_values: of the Jacobian over the noise, largest first, (n,): one over each is a combination's standard error.
-        non_identifiable: a message for each combination of parameters that the data do not identify.
-    """
-
-    parameters: dict[str, Parameter]
-    covariance: Array
-    correlation: Array
-    free: tuple[str, ...]
+    parameters: dict[str, Parameter]  # all coordinates, by name
+    covariance: Array  # of the free coordinates' values, (n, n)
+    correlation: Array  # the same without sizes, (n, n)
+    free: tuple[str, ...]  # names of the free coordinates, in the order of the matrices
+    # of the Jacobian over the noise, largest first, (n,): one over each is a combination's standard error
     singular_values: Array
-    non_identifiable: tuple[str, ...]
+    non_identifiable: tuple[str, ...]  # a message for each combination of parameters that the data do not identify
 
 
 def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = None) -> Uncertainty:

@@ -32,43 +32,28 @@ COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axe
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Isolator(Brief):
-    """A device between two sites: one restoring-force law for each axis, limits and provenance.
+    """A device between two sites: one restoring-force law for each axis, limits and provenance."""
 
-    Attributes:
-        name: what the vendor or the laboratory calls it.
-        roll: law across the bars (x); None = no force on this axis, as for the next two.
-        shear: law along the bars (y).
-        axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
-        coupling: None for independent axes; "biaxial": roll and shear share one hysteretic force, see
-            `BiaxialBoucWen`; "loop": roll and axial share one and an elastic energy, as in a loop of rope,
-            see `wirerope_mj.mounts.laws.LoopBoucWen`.
-        free: axes without a law along which the device is meant to let its payload go; of others a model warns.
-        loop: the elastic energy of the coupling "loop".
-        rotation: stiffness against turning; None = the mount turns freely.
-        stiffening: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it.
-        bracket: what it is bolted to, in series with its axes; None = rigid. `conditioned` is the isolator on it.
-        limits: rated static load and travel.
-        geometry: unloaded envelope, for drawing.
-        provenance: where the parameters come from.
-        spread: scatter of the parameters.
-        validity: cycles that the laws were identified from, by axis.
-    """
-
-    name: str
-    roll: Law | None = None
-    shear: Law | None = None
-    axial: Law | None = None
+    name: str  #: what the vendor or the laboratory calls it
+    roll: Law | None = None  #: law across the bars (x); None = no force on this axis, as for the next two
+    shear: Law | None = None  #: law along the bars (y)
+    axial: Law | None = None  #: law from the base's bar to the payload's bar (z), deflection positive in tension
+    #: None for independent axes; "biaxial": roll and shear share one hysteretic force, see `BiaxialBoucWen`; "loop": roll and
+    #: axial share one and an elastic energy, as in a loop of rope, see `wirerope_mj.mounts.laws.LoopBoucWen`
     coupling: str | None = None
+    #: axes without a law along which the device is meant to let its payload go; of others a model warns
     free: tuple[str, ...] = ()
-    loop: LoopCoupling | None = None
-    rotation: Rotation | None = None
+    loop: LoopCoupling | None = None  #: the elastic energy of the coupling "loop"
+    rotation: Rotation | None = None  #: stiffness against turning; None = the mount turns freely
+    #: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it
     stiffening: Stiffening | None = None
+    #: what it is bolted to, in series with its axes; None = rigid. `conditioned` is the isolator on it.
     bracket: Bracket | None = None
-    limits: Limits = Limits()
-    geometry: Geometry | None = None
-    provenance: Provenance = Provenance()
-    spread: Spread | None = None
-    validity: Validity = Validity()
+    limits: Limits = Limits()  #: rated static load and travel
+    geometry: Geometry | None = None  #: unloaded envelope, for drawing
+    provenance: Provenance = Provenance()  #: where the parameters come from
+    spread: Spread | None = None  #: scatter of the parameters
+    validity: Validity = Validity()  #: cycles that the laws were identified from, by axis
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():

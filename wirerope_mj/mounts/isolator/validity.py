@@ -16,19 +16,12 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredRange:
-    """Cycles that were measured along one axis, each as its lowest and highest value.
+    """Cycles that were measured along one axis, each as its lowest and highest value."""
 
-    Attributes:
-        amplitude: half-ranges of the deflection [m], >= 0.
-        deflection: ends of the deflection [m].
-        frequency: of the cycles [Hz], >= 0; None where the records have no time.
-        rate: largest deflection rates of the cycles [m/s], >= 0; None in the same way.
-    """
-
-    amplitude: Pair
-    deflection: Pair
-    frequency: Pair | None = None
-    rate: Pair | None = None
+    amplitude: Pair  # half-ranges of the deflection [m], >= 0
+    deflection: Pair  # ends of the deflection [m]
+    frequency: Pair | None = None  # of the cycles [Hz], >= 0; None where the records have no time
+    rate: Pair | None = None  # largest deflection rates of the cycles [m/s], >= 0; None in the same way
 
     def __post_init__(self) -> None:
         for item in fields(self):

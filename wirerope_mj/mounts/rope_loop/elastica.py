@@ -17,19 +17,12 @@ LARGEST_REACH = 0.95
 
 @dataclass(frozen=True, kw_only=True)
 class LoopState:
-    """A loop of EI = 1 N m^2 held at deflections; multiply by EI [N m^2] and by the number of loops.
+    """A loop of EI = 1 N m^2 held at deflections; multiply by EI [N m^2] and by the number of loops."""
 
-    Attributes:
-        energy: of bending [J], of the shape of the deflections.
-        roll_force: restoring force, +k x for a spring [N].
-        axial_force: the same; positive in tension [N].
-        moment: restoring moment about the middle of the payload's bar, about the shear axis [N m].
-    """
-
-    energy: Array
-    roll_force: Array
-    axial_force: Array
-    moment: Array
+    energy: Array  # of bending [J], of the shape of the deflections
+    roll_force: Array  # restoring force, +k x for a spring [N]
+    axial_force: Array  # the same; positive in tension [N]
+    moment: Array  # restoring moment about the middle of the payload's bar, about the shear axis [N m]
 
 
 class RopeLoop:

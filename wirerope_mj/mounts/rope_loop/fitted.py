@@ -28,17 +28,11 @@ _POINTS = 9
 
 @dataclass(frozen=True, kw_only=True)
 class CouplingFit:
-    """A coupling energy and how well it has the forces of the elastica.
+    """A coupling energy and how well it has the forces of the elastica."""
 
-    Attributes:
-        coupling: the polynomial.
-        force_error: largest error of a coupling force over the box, over the largest coupling force there [-].
-        whole_force_error: the same error over the largest force of the whole loop in the box [-].
-    """
-
-    coupling: LoopCoupling
-    force_error: float
-    whole_force_error: float
+    coupling: LoopCoupling  # the polynomial
+    force_error: float  # largest error of a coupling force over the box, over the largest coupling force there [-]
+    whole_force_error: float  # the same error over the largest force of the whole loop in the box [-]
 
 
 def fit_coupling(
@@ -127,24 +121,20 @@ TENSION = 0.5
 class AxisCurves:
     """Shape of a loop's elastic force along one axis while the other one rests; the stiffness k is left open.
 
-        axial  F = k exp(asymmetry x) (x + axial_cubic x^3),  x positive in tension
+        axial  F = k exp(asymmetry x) (x + axial_cubic x^3)
         roll   F = k (x + roll_cubic x^3)
 
-    Attributes:
-        asymmetry: exponent lambda = c ln b of Ni's F2 [1/m].
-        axial_cubic: k3 / k1 of the axial law [1/m^2].
-        roll_cubic: k3 / k1 of the roll law [1/m^2].
-        asymmetry_deviation: standard deviation of the asymmetry [1/m]: half of what it changes if the bars hold the rope on
-            their whole thickness instead of in their middle, which no vendor states.
-        misfit: largest relative difference of the axial secants from the loop's own [-].
-        axial_stiffness, roll_stiffness: of one loop of EI = 1 N m^2 at rest [N/m].
+    x is positive in tension.
     """
 
-    asymmetry: float
-    axial_cubic: float
-    roll_cubic: float
+    asymmetry: float  # exponent lambda = c ln b of Ni's F2 [1/m]
+    axial_cubic: float  # k3 / k1 of the axial law [1/m^2]
+    roll_cubic: float  # k3 / k1 of the roll law [1/m^2]
+    # standard deviation of the asymmetry [1/m]: half of what it changes if the bars hold the rope on their whole thickness
+    # instead of in their middle, which no vendor states
     asymmetry_deviation: float
-    misfit: float
+    misfit: float  # largest relative difference of the axial secants from the loop's own [-]
+    # of one loop of EI = 1 N m^2 at rest [N/m]
     axial_stiffness: float
     roll_stiffness: float
 

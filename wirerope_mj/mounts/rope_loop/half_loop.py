@@ -16,21 +16,13 @@ DEGREE = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
-    """Shape functions of one half loop; lengths in units of the half loop's length.
+    """Shape functions of one half loop; lengths in units of the half loop's length."""
 
-    Attributes:
-        value: shape functions at the points of Gauss, (q, n).
-        slope: their derivatives, (q, n).
-        weight: weights of the points, (q,).
-        curvature: natural curvature at the points, (q,).
-        natural: natural direction at the nodes [rad], (n,).
-    """
-
-    value: Array
-    slope: Array
-    weight: Array
-    curvature: Array
-    natural: Array
+    value: Array  # shape functions at the points of Gauss, (q, n)
+    slope: Array  # their derivatives, (q, n)
+    weight: Array  # weights of the points, (q,)
+    curvature: Array  # natural curvature at the points, (q,)
+    natural: Array  # natural direction at the nodes [rad], (n,)
 
 
 def mesh(shape: LoopShape, elements: int) -> Mesh:
@@ -83,19 +75,12 @@ _TURN = 0.5  # Largest change of a direction in one step [rad]: more may jump to
 
 @dataclass(frozen=True, kw_only=True)
 class HalfState:
-    """Equilibria of m half loops with EI = 1 N m^2; moved by the payload's bar, which they pull back.
+    """Equilibria of m half loops with EI = 1 N m^2; moved by the payload's bar, which they pull back."""
 
-    Attributes:
-        direction: of the rope at the nodes [rad], (m, n).
-        energy: of bending [J], (m,).
-        force: on the clamped end in the payload's bar that holds it there, roll and axial [N], (m, 2).
-        moment: bending moment at that end [N m], positive where the rope turns more than unloaded, (m,).
-    """
-
-    direction: Array
-    energy: Array
-    force: Array
-    moment: Array
+    direction: Array  # of the rope at the nodes [rad], (m, n)
+    energy: Array  # of bending [J], (m,)
+    force: Array  # on the clamped end in the payload's bar that holds it there, roll and axial [N], (m, 2)
+    moment: Array  # bending moment at that end [N m], positive where the rope turns more than unloaded, (m,)
 
 
 class HalfLoop:

@@ -18,16 +18,12 @@ class LoopShape:
     It begins in the base's bar at roll = `arm`, goes out of the bar in the direction `start` and ends in the payload's bar
     at the same distance `arm` from that bar's middle. Both ends are clamped. Angles are counted from the roll axis towards
     the axial axis.
-
-    Attributes:
-        segments: length [m] and natural curvature [1/m] of each segment, from the base's bar to the payload's bar.
-        start: direction of the rope where it leaves the base's bar [rad].
-        arm: distance of the clamped ends from the middle of their bars [m].
     """
 
+    # length [m] and natural curvature [1/m] of each segment, from the base's bar to the payload's bar
     segments: tuple[tuple[float, float], ...]
-    start: float = 0.0
-    arm: float = 0.0
+    start: float = 0.0  # direction of the rope where it leaves the base's bar [rad]
+    arm: float = 0.0  # distance of the clamped ends from the middle of their bars [m]
 
     def __post_init__(self) -> None:
         if not self.segments or not all(

@@ -56,19 +56,12 @@ _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a cho
 
 @dataclass(frozen=True)
 class PhasedCycle:
-    """One cycle's samples.
+    """One cycle's samples."""
 
-    Attributes:
-        samples: their indices in the record, (n,).
-        phase: of each, 0 to 1; in a run 0.5 is the turning point between, (n,).
-        tips: phases of turning points that are not samples themselves.
-        middle: time of phase 0.5 over the period.
-    """
-
-    samples: npt.NDArray[np.int64]
-    phase: Array
-    tips: tuple[float, ...]
-    middle: float = 0.5
+    samples: npt.NDArray[np.int64]  # their indices in the record, (n,)
+    phase: Array  # of each, 0 to 1; in a run 0.5 is the turning point between, (n,)
+    tips: tuple[float, ...]  # phases of turning points that are not samples themselves
+    middle: float = 0.5  # time of phase 0.5 over the period
 
     def of(self, values: Array) -> Array:
         """Return a series at `POINTS` even phases."""

@@ -74,19 +74,12 @@ def _force_on(loop: Loop, deflection: np.ndarray, *, rising: bool) -> np.ndarray
 
 @dataclass(frozen=True, kw_only=True)
 class Transition:
-    """Amplitude of the least secant stiffness: an isolator softens up to there and hardens beyond.
+    """Amplitude of the least secant stiffness: an isolator softens up to there and hardens beyond."""
 
-    Attributes:
-        exists: whether such an amplitude lies between those that were tested.
-        amplitude: of the least secant stiffness [m]; NaN if there is none.
-        stiffness: the least secant stiffness [N/m]; NaN if there is none.
-        message: the transition, or what the tested amplitudes show instead.
-    """
-
-    exists: bool
-    amplitude: float
-    stiffness: float
-    message: str
+    exists: bool  # whether such an amplitude lies between those that were tested
+    amplitude: float  # of the least secant stiffness [m]; NaN if there is none
+    stiffness: float  # the least secant stiffness [N/m]; NaN if there is none
+    message: str  # the transition, or what the tested amplitudes show instead
 
 
 def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Transition:

@@ -14,20 +14,16 @@ class RecordedLoop(Loop):
 
     A hysteretic force remembers how its cycle was reached, the longer the smaller the cycle. Rate-independent laws need no more
     than the turning points to be led the same way.
-
-    Attributes:
-        history: turning points from the unloaded device to the first of the averaged cycles [m], (n,).
-        elapsed: time since the cycle began over its period, from 0 to 1, (n_t,).
-        averaged: cycles in the mean; 0 if it is not known how they were reached, and the loop counts as steady.
-        period: of its cycles [s]; None where the record has no time.
-        scatter: standard deviation of what the averaged cycles differ by, as it is left in their mean [N]; 0 of a single one.
     """
 
+    # turning points from the unloaded device to the first of the averaged cycles [m], (n,)
     history: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    # time since the cycle began over its period, from 0 to 1, (n_t,)
     elapsed: Array = field(default_factory=lambda: np.zeros(0), repr=False)
-    averaged: int = 0
+    averaged: int = 0  # cycles in the mean; 0 if it is not known how they were reached, and the loop counts as steady
+    # standard deviation of what the averaged cycles differ by, as it is left in their mean [N]; 0 of a single one
     scatter: float = 0.0
-    period: float | None = None
+    period: float | None = None  # of its cycles [s]; None where the record has no time
 
 
 def mean_of_cycles(forces: Array, elapsed: Array) -> Array:

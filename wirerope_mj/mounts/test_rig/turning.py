@@ -15,25 +15,16 @@ _DEPTH = 0.15  # of a stroke below its end, where a sine is steep enough for its
 
 @dataclass(frozen=True, kw_only=True)
 class Trace:
-    """A deflection and where it turns round.
+    """A deflection and where it turns round."""
 
-    Attributes:
-        time: of the samples, (n_t,).
-        deflection: as recorded [m], (n_t,).
-        smooth: the same, smoothed [m], (n_t,).
-        window: samples that were averaged.
-        noise: standard deviation of the deflection's noise [m].
-        turns: samples of the turning points, (n,), the record's first and last sample among them; empty if it never moves.
-        times: of the turning points, (n,), between the crossings on both sides and so sharper than the samples.
-    """
-
-    time: Array
-    deflection: Array
-    smooth: Array
-    window: int
-    noise: float
+    time: Array  # of the samples, (n_t,)
+    deflection: Array  # as recorded [m], (n_t,)
+    smooth: Array  # the same, smoothed [m], (n_t,)
+    window: int  # samples that were averaged
+    noise: float  # standard deviation of the deflection's noise [m]
+    # samples of the turning points, (n,), the record's first and last sample among them; empty if it never moves
     turns: npt.NDArray[np.int64]
-    times: Array
+    times: Array  # of the turning points, (n,), between the crossings on both sides and so sharper than the samples
 
     @property
     def smooth_noise(self) -> float:

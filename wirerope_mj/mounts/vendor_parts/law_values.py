@@ -16,17 +16,11 @@ from wirerope_mj.mounts.test_rig import cyclic_test
 
 @dataclass(frozen=True, kw_only=True)
 class Secant:
-    """A secant stiffness.
+    """A secant stiffness."""
 
-    Attributes:
-        deflection: compression or amplitude [m].
-        stiffness: [N/m].
-        steady: whether of the steady loop of this amplitude; else of the virgin path.
-    """
-
-    deflection: float
-    stiffness: float
-    steady: bool
+    deflection: float  # compression or amplitude [m]
+    stiffness: float  # [N/m]
+    steady: bool  # whether of the steady loop of this amplitude; else of the virgin path
 
 
 def virgin_force(law: Law, deflection: float) -> float:

@@ -27,15 +27,11 @@ AXES, DIAGONAL = ("compression", "shear"), "45 degrees"
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """Values that were left out, and what is said of them without.
+    """Values that were left out, and what is said of them without."""
 
-    Attributes:
-        values: those of the isolator, `fitted` predicted without `vendor`.
-        others: by axis, the error of which nine in ten parts of the vendor's table stay below when one of their two
-            stiffnesses is left out [-]; NaN where the table states too few.
-    """
-
-    values: tuple[ComparedValue, ...]
+    values: tuple[ComparedValue, ...]  # those of the isolator, `fitted` predicted without `vendor`
+    # by axis, the error of which nine in ten parts of the vendor's table stay below when one of their two stiffnesses is left
+    # out [-]; NaN where the table states too few
     others: dict[str, float]
 
     @property

@@ -22,19 +22,12 @@ _UNITS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Series:
-    """A vendor's table.
+    """A vendor's table."""
 
-    Attributes:
-        file: its name below `models/isolators/vendors`.
-        source: the documents.
-        damping: damping ratio that a fit aims at [-], within `damping_range`.
-        damping_range: of the series, as the vendor states it [-].
-    """
-
-    file: str
-    source: str
-    damping: float
-    damping_range: tuple[float, float]
+    file: str  # its name below `models/isolators/vendors`
+    source: str  # the documents
+    damping: float  # damping ratio that a fit aims at [-], within `damping_range`
+    damping_range: tuple[float, float]  # of the series, as the vendor states it [-]
 
 
 # The tables that ship; the damping ratios are those of the catalogue's fitted isolators.
@@ -56,19 +49,12 @@ SERIES = (
 
 @dataclass(frozen=True, kw_only=True)
 class ModeValues:
-    """Values of one loading mode; None = not stated.
+    """Values of one loading mode; None = not stated."""
 
-    Attributes:
-        static_load: largest static load [N].
-        travel: largest dynamic deflection [m].
-        vibration: stiffness of small vibration [N/m].
-        shock: mean stiffness over the travel [N/m].
-    """
-
-    static_load: float | None = None
-    travel: float | None = None
-    vibration: float | None = None
-    shock: float | None = None
+    static_load: float | None = None  # largest static load [N]
+    travel: float | None = None  # largest dynamic deflection [m]
+    vibration: float | None = None  # stiffness of small vibration [N/m]
+    shock: float | None = None  # mean stiffness over the travel [N/m]
 
     def scaled(self, fraction: float) -> "ModeValues":
         """Return the values with a fraction of the loops: load and stiffnesses in proportion, the same travel."""
@@ -83,25 +69,16 @@ class ModeValues:
 
 @dataclass(frozen=True, kw_only=True)
 class VendorPart:
-    """One row of a vendor's table, in SI units.
-
-    Attributes:
-        loops: number of loops; None = not stated, as for the next four.
-        rope: diameter of the rope [m].
-        height: unloaded [m].
-        width: across the bars [m].
-        bar: thickness of one bar [m].
-        modes: values by loading mode.
-    """
+    """One row of a vendor's table, in SI units."""
 
     name: str
     series: Series
-    loops: int | None
-    rope: float | None
-    height: float | None
-    width: float | None
-    bar: float | None
-    modes: Mapping[str, ModeValues]
+    loops: int | None  # number of loops; None = not stated, as for the next four
+    rope: float | None  # diameter of the rope [m]
+    height: float | None  # unloaded [m]
+    width: float | None  # across the bars [m]
+    bar: float | None  # thickness of one bar [m]
+    modes: Mapping[str, ModeValues]  # values by loading mode
 
     def with_loops(self, loops: int) -> "VendorPart":
         """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
