@@ -169,13 +169,8 @@ def match_spectrum(
     phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * ranges.start("start", start)
     motion = VibrationLines(
         acceleration=list(zip(frequencies.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
-        phases=phases.tolist(),
-        direction=direction,
-        duration=length,
-        rise=first,
-        fall=last,
-        start=start,
-    )
+        phases=phases.tolist(), direction=direction, duration=length, rise=first, fall=last, start=start,
+    )  # fmt: skip
     return SpectrumMatch(
         motion=motion, points=points, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
         iterations=iterations,

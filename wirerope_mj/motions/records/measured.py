@@ -178,9 +178,8 @@ def load_measured(
         values = samples * (phrase.sign * UNITS[known][unit])
         tops = list(flat_tops(values)) if np.ptp(values) else []
         rest = level_at_rest(values)
-        messages += _warnings(
-            f'in column "{column}"', values, tops, 1.0 / float(time[1] - time[0]), known, baseline, rest
-        )
+        where, rate = f'in column "{column}"', 1.0 / float(time[1] - time[0])
+        messages += _warnings(where, values, tops, rate, known, baseline, rest)
         saturated = np.isin(values, [extreme for extreme, _ in tops])
         level = offset_of(values) if rest is None else rest
         values -= {"none": 0.0, "rest": level, "mean": float(values.mean())}[baseline]
@@ -188,17 +187,10 @@ def load_measured(
             array.flags.writeable = False
         found.append(
             MeasuredChannel(
-                subject=phrase.subject,
-                quantity=known,
-                axis=phrase.axis,
-                time=time,
-                values=values,
-                saturated=saturated,
-                absolute=phrase.absolute,
-                column=column,
-                unit=unit,
+                subject=phrase.subject, quantity=known, axis=phrase.axis, time=time, values=values, saturated=saturated,
+                absolute=phrase.absolute, column=column, unit=unit,
             )  # fmt: skip
-        )
+        )  # fmt: skip
     _require_distinct(found)
     for message in messages:
         warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)

@@ -177,12 +177,10 @@ def shock_response_spectrum(
         phase.transpose(2, 1, 0).reshape(EXTREMES, wanted.size, *values.shape[1:]) for phase in (primary, residual)
     )
     return ShockResponseSpectrum(
-        frequencies=wanted,
-        acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
+        frequencies=wanted, acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
         displacement=Extremes.of(during, after, DISPLACEMENT, step**2),
-        velocity=Extremes.of(during, after, VELOCITY, step),
-        q=float(q),
-    )
+        velocity=Extremes.of(during, after, VELOCITY, step), q=float(q),
+    )  # fmt: skip
 
 
 def _frequencies(frequencies: npt.ArrayLike | None, step: float, samples: int) -> Array:

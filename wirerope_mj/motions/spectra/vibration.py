@@ -96,12 +96,9 @@ def vibration_response_spectrum(
         raise ValueError("`frequencies` must be finite numbers > 0, (n,).")
     integrals = np.array([_integrals(points, float(f), quality) for f in at])
     return VibrationSpectrum(
-        frequencies=at,
-        acceleration=np.sqrt(integrals[:, -1]),
-        deflection=np.sqrt(integrals[:, 0]),
-        moments=integrals[:, :-1],
-        q=quality,
-    )
+        frequencies=at, acceleration=np.sqrt(integrals[:, -1]), deflection=np.sqrt(integrals[:, 0]),
+        moments=integrals[:, :-1], q=quality,
+    )  # fmt: skip
 
 
 def equivalent_psd(
@@ -147,12 +144,9 @@ def equivalent_psd(
         density = np.exp(np.interp(np.log(grid), np.log(at), np.log(levels)))
         moments = squared @ (weights * density).T
         spectrum = VibrationSpectrum(
-            frequencies=at,
-            acceleration=np.full(at.size, math.nan),
-            deflection=np.sqrt(moments[:, 0]),
-            moments=moments,
+            frequencies=at, acceleration=np.full(at.size, math.nan), deflection=np.sqrt(moments[:, 0]), moments=moments,
             q=quality,
-        )
+        )  # fmt: skip
         found = spectrum.fatigue_damage(b, duration, method=method)
         error = float(np.abs(found / wanted - 1.0).max())
         if error < _EQUAL:

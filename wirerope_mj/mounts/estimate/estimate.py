@@ -101,26 +101,15 @@ def estimate_loop(
     shape = loop_shape(height=height, width=width, bar=thickness, rope=rope)
     stiffness = values.vibration["compression"] / (loops * RopeLoop(shape).stiffness()[1, 1])
     rotation = rotational_stiffness(
-        shape,
-        bending_stiffness=stiffness,
-        positions=loop_positions(loops, bar_length or 1.0),
-        axial=values.vibration["compression"],
-        roll=values.vibration["shear"],
-    )
+        shape, bending_stiffness=stiffness, positions=loop_positions(loops, bar_length or 1.0),
+        axial=values.vibration["compression"], roll=values.vibration["shear"],
+    )  # fmt: skip
     return LoopEstimate(
-        height=height,
-        width=width,
-        rope=rope,
-        bar=thickness,
-        loops=loops,
-        bar_assumed=bar is None,
-        bar_length=bar_length,
-        values=values,
-        bands=error_bands(left_out),
-        left_out=left_out,
+        height=height, width=width, rope=rope, bar=thickness, loops=loops, bar_assumed=bar is None,
+        bar_length=bar_length, values=values, bands=error_bands(left_out), left_out=left_out,
         vibration_bending_stiffness=float(stiffness),
         rotation=rotation if bar_length is not None else np.array([math.nan, rotation[1], math.nan]),
-    )
+    )  # fmt: skip
 
 
 def error_bands(left_out: LeftOut) -> dict[str, Band]:
@@ -165,13 +154,9 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     part = VendorPart(
         name=title,
         series=Series(file="", source=_source(estimate), damping=ENIDINE.damping, damping_range=ENIDINE.damping_range),
-        loops=estimate.loops,
-        rope=estimate.rope,
-        height=estimate.height,
-        width=estimate.width,
-        bar=estimate.bar,
+        loops=estimate.loops, rope=estimate.rope, height=estimate.height, width=estimate.width, bar=estimate.bar,
         modes=modes,
-    )
+    )  # fmt: skip
     fitted = fit_part(part, scales=1)
     provenance = Provenance(
         kind="estimated",

@@ -136,12 +136,9 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
             height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops
         )
         stated = LoopValues(
-            bending_stiffness=1.0,
-            travel=dict(row.travel),
-            vibration=dict(row.vibration),
-            shock=dict(row.shock),
+            bending_stiffness=1.0, travel=dict(row.travel), vibration=dict(row.vibration), shock=dict(row.shock),
             static_load=row.static_load["compression"],
-        )
+        )  # fmt: skip
         for name, value in predicted.flat().items():
             errors.setdefault(name, []).append(float(np.log(value / stated.flat()[name])))
     return {name: np.array(values) for name, values in errors.items()}

@@ -103,8 +103,6 @@ def _check(part: VendorLoop) -> LoopCheck:
     stiffness = part.shock["compression"] / (part.loops * secants.compression)
     scale = stiffness * part.loops
     return LoopCheck(
-        part=part,
-        bending_stiffness=stiffness,
-        roll_error=scale * secants.roll / part.shock["shear"] - 1.0,
+        part=part, bending_stiffness=stiffness, roll_error=scale * secants.roll / part.shock["shear"] - 1.0,
         diagonal_error=scale * secants.diagonal / part.shock["45"] - 1.0,
-    )
+    )  # fmt: skip

@@ -172,15 +172,13 @@ def _scatter(nominal: Identification, each: Sequence[Identification], family: Fa
     covariance = np.atleast_2d(np.cov(values, rowvar=False))
     rows = tuple(
         SpecimenRow(
-            parameter=name,
-            nominal=centre[name],
-            mean=float(values[:, index].mean()),
+            parameter=name, nominal=centre[name], mean=float(values[:, index].mean()),
             deviation=float(np.sqrt(covariance[index, index])),
             fit_error=float(np.sqrt(np.mean([error[name] ** 2 for error in errors]))),
             values=tuple(float(value) for value in values[:, index]),
         )
         for index, name in enumerate(names)
-    )
+    )  # fmt: skip
     return SpecimenFits(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
 
 

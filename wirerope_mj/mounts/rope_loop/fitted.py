@@ -161,14 +161,10 @@ def axis_curves(
     stiffness = loop.stiffness()
     clamped = _axial(RopeLoop(_held(shape, 0.5 * bar), ELEMENTS), compression)[0]
     return AxisCurves(
-        asymmetry=asymmetry,
-        axial_cubic=cubic,
-        roll_cubic=_roll(loop, compression if roll is None else roll),
-        asymmetry_deviation=0.5 * abs(clamped - asymmetry),
-        misfit=misfit,
-        axial_stiffness=float(stiffness[1, 1]),
+        asymmetry=asymmetry, axial_cubic=cubic, roll_cubic=_roll(loop, compression if roll is None else roll),
+        asymmetry_deviation=0.5 * abs(clamped - asymmetry), misfit=misfit, axial_stiffness=float(stiffness[1, 1]),
         roll_stiffness=float(stiffness[0, 0]),
-    )
+    )  # fmt: skip
 
 
 def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:

@@ -50,12 +50,9 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
         value[rows, columns], slope[rows, columns] = at_points, slopes * (2.0 / size)
     steps = np.repeat(sizes * curvatures, DEGREE) / DEGREE
     return Mesh(
-        value=value,
-        slope=slope,
-        weight=np.outer(0.5 * sizes, weights).ravel(),
-        curvature=np.repeat(curvatures, per),
+        value=value, slope=slope, weight=np.outer(0.5 * sizes, weights).ravel(), curvature=np.repeat(curvatures, per),
         natural=shape.start + np.concatenate([[0.0], np.cumsum(steps)]),
-    )
+    )  # fmt: skip
 
 
 def default_elements(shape: LoopShape) -> int:
@@ -188,11 +185,9 @@ class HalfLoop:
         strain = direction @ self.mesh.slope.T - self.mesh.curvature
         _, _, pulls, _ = self._ends(direction, np.zeros((len(direction), 2)))
         return HalfState(
-            direction=direction,
-            energy=0.5 * (strain**2 @ self.mesh.weight) / length,
-            force=force / length**2,
+            direction=direction, energy=0.5 * (strain**2 @ self.mesh.weight) / length, force=force / length**2,
             moment=self._unbalanced(direction, force, pulls)[:, -1] / length,
-        )
+        )  # fmt: skip
 
     def _lost(self, displacement: Array, turn: float, done: float) -> str:
         """Return a message on where the path had to end."""

@@ -33,18 +33,14 @@ class Series:
 # The tables that ship; the damping ratios are those of the catalogue's fitted isolators.
 SERIES = (
     Series(
-        file="enidine_wr.csv",
-        source="ITT Enidine WR series catalogue ENI877R4, read from a public transcription",
-        damping=0.11,
-        damping_range=(0.05, 0.15),
+        file="enidine_wr.csv", source="ITT Enidine WR series catalogue ENI877R4, read from a public transcription",
+        damping=0.11, damping_range=(0.05, 0.15),
     ),
     Series(
-        file="vmc_cb.csv",
-        source="VMC/Aeroflex and Socitec CB data sheets, read from a public transcription",
-        damping=0.20,
-        damping_range=(0.15, 0.20),
+        file="vmc_cb.csv", source="VMC/Aeroflex and Socitec CB data sheets, read from a public transcription",
+        damping=0.20, damping_range=(0.15, 0.20),
     ),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

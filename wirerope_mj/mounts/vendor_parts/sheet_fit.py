@@ -92,12 +92,9 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         **across,
     )
     provenance = Provenance(
-        kind=kind,
-        source=sheet.source,
-        fitted_to=_fitted_to(sheet),
-        assumed=_assumed(sheet, curves),
+        kind=kind, source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
         check_45=_check_45(sheet, isolator),
-    )
+    )  # fmt: skip
     return replace(isolator, provenance=provenance)
 
 
@@ -276,22 +273,13 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
     assumed = () if part.bar is not None else (f"bar of {BAR:g} rope diameters: the table does not state it",)
     return fit_sheet(
         DataSheet(
-            name=part.name,
-            source=part.series.source,
-            height=height,
-            width=width,
-            rope=rope,
-            bar=BAR * rope if part.bar is None else part.bar,
-            bar_assumed=part.bar is None,
-            compression=compression,
-            shear=_axis(part, "shear", None),
-            static_load=part.modes["compression"].static_load,
+            name=part.name, source=part.series.source, height=height, width=width, rope=rope,
+            bar=BAR * rope if part.bar is None else part.bar, bar_assumed=part.bar is None, compression=compression,
+            shear=_axis(part, "shear", None), static_load=part.modes["compression"].static_load,
             damping_amplitude=DAMPING_AMPLITUDE if scales == 1 else VIBRATION_AMPLITUDE * compression.travel,
-            scales=scales,
-            damping_range=part.series.damping_range,
-            assumed=assumed,
+            scales=scales, damping_range=part.series.damping_range, assumed=assumed,
         )
-    )
+    )  # fmt: skip
 
 
 def _axis(part: VendorPart, mode: str, damping: float | None) -> AxisValues | None:
