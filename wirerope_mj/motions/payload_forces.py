@@ -152,8 +152,8 @@ class ForceTable(PayloadForce):
             raise ValueError("`times` and `loads` must be finite.")
         if times[0] < 0.0 or (np.diff(times) <= 0.0).any():
             raise ValueError("`times` must increase from 0 on.")
-        object.__setattr__(self, "times", tuple(times.tolist()))
-        self._set(loads=tuple(tuple(row) for row in loads.tolist()), duration=float(times[-1]))
+        rows = tuple(tuple(row) for row in loads.tolist())
+        self._set(times=tuple(times.tolist()), loads=rows, duration=float(times[-1]))
 
     def _wrench(self, t: Array) -> Array:
         table = np.array(self.loads)

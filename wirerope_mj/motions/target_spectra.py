@@ -138,12 +138,9 @@ class DesignSpectrum:
     def double_half_sine(
         self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0
     ) -> DoubleHalfSine:
-        """Make the double half-sine that stands for the spectrum.
+        """Make the double half-sine that stands for the spectrum; its first pulse begins at `start` [s].
 
-        Args:
-            direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-            factors: first peak over a0, velocity over v0 and final displacement over d0.
-            start: instant at which the first pulse begins [s].
+        `factors` are first peak over a0, velocity over v0 and final displacement over d0.
         """
         return DoubleHalfSine(**self._levels(factors), direction=direction, start=start)
 
@@ -158,12 +155,7 @@ class DesignSpectrum:
     ) -> DoubleTriangle:
         """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
 
-        Args:
-            direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-            factors: first peak over a0, velocity over v0 and final displacement over d0.
-            start: instant at which the first pulse begins [s].
-            r1: where the first peak lies in its triangle, from 0 to 1.
-            r2: where the second peak lies in its triangle, from 0 to 1; sources give 0.4 and 0.6.
+        `r1` and `r2` say where in their triangles, from 0 to 1; for r2 sources give 0.4 and 0.6.
         """
         return DoubleTriangle(**self._levels(factors), direction=direction, start=start, r1=r1, r2=r2)
 

@@ -66,8 +66,7 @@ class Unbalance(PayloadForce):
             raise ValueError("`run_up` needs `final_frequency`.")
         fastest = max(values["frequency"], values.get("final_frequency", 0.0))
         ranges.frequency("order` times `frequency", values["order"] * fastest, least=0.0)
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        self._set(**values)
         for name in ("axis", "line"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, checked_direction(getattr(self, name), name))
