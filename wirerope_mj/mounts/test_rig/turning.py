@@ -51,14 +51,10 @@ class Trace:
 
 
 def find_turning_points(deflection: Array, time: Array) -> Trace:
-    """Return a deflection with its turning points: reversals by more than the noise and 1 % of the range.
+    """Return a deflection [m], (n_t,), with its turning points: reversals by more than the noise and 1 % of the range.
 
     A first pass over the raw samples finds the shortest stroke, a second over the deflection smoothed over an eighth of it
-    finds the small ones beside the noise.
-
-    Args:
-        deflection: record [m], (n_t,), which is not constant.
-        time: of the samples, (n_t,), increasing.
+    finds the small ones beside the noise. The deflection is not constant, and time increases, (n_t,).
     """
     noise, least = rms_noise(deflection), _SMALLEST * float(np.ptp(deflection))
     turns = _reversals(deflection, max(_SURE * noise, least))
