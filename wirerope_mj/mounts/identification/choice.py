@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import get_args
+from itertools import product
+from typing import Any, get_args
 
 import numpy as np
 
@@ -237,24 +238,24 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
     require_loops(loops)
     if not isinstance(starts, Mapping) or not starts or not all(isinstance(law, Law) for law in starts.values()):
         raise ValueError(f"`starts` must hold at least one law by a name, such as {{'guess': law}}, got {starts!r}.")
-    return MethodComparison(
-        rows=tuple(
-            _method_row(loops, name, start, method, weights)
-            for name, start in starts.items()
-            for method in get_args(Method)
-        )
-    )
-
-
-def _method_row(loops: Sequence[Loop], name: str, start: Law, method: Method, weights: str) -> MethodRow:
-    try:
-        fit = identify(loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False)
-    except ValueError as failure:
-        return MethodRow(
-            method=method, start=name, iterations=0, evaluations=0, error=float("inf"), converged=False,
-            message=str(failure),
-        )  # fmt: skip
-    return MethodRow(
-        method=method, start=name, iterations=sum(stage.iterations for stage in fit.stages),
-        evaluations=fit.evaluations, error=fit.residual, converged=fit.converged, message=fit.message,
-    )  # fmt: skip
+    rows = []
+    for (name, start), method in product(starts.items(), get_args(Method)):
+        try:
+            fit = identify(
+                loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False
+            )
+        except ValueError as failure:
+            ended: dict[str, Any] = {
+                "iterations": 0,
+                "evaluations": 0,
+                "error": math.inf,
+                "converged": False,
+                "message": str(failure),
+            }
+        else:
+            ended = {
+                "iterations": sum(stage.iterations for stage in fit.stages), "evaluations": fit.evaluations,
+                "error": fit.residual, "converged": fit.converged, "message": fit.message,
+            }  # fmt: skip
+        rows.append(MethodRow(method=method, start=name, **ended))
+    return MethodComparison(rows=tuple(rows))

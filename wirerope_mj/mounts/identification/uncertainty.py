@@ -134,16 +134,12 @@ def with_noise_of_each(
 ) -> Uncertainty:
     """Return the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
 
-    With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is
-    H (sum of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a
-    spectrum of noise that all loops have in common, known by `BANDS`. Of that the fit takes away as much as the
-    parameters move at a harmonic, its leverage there, which is given back. Errors that were widened before stay as much wider.
+    With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is H (sum
+    of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a spectrum of noise
+    that all loops have in common, known by `BANDS`. Of that the fit takes away as much as the parameters move at a harmonic,
+    its leverage there, which is given back. Errors that were widened before stay as much wider.
 
-    Args:
-        uncertainty: as if all residuals had one noise.
-        unknowns: of the fit.
-        minimum: of the fit.
-        sizes: residuals of each loop; what is behind them counts as one loop more, of independent ones.
+    `sizes` are the residuals of each loop; what is behind them counts as one loop more, of independent ones.
     """
     freedom = minimum.residual.size - len(unknowns.free)
     slopes = np.array([c.slope(number) for c, number in zip(unknowns.free, minimum.numbers, strict=True)])
@@ -171,12 +167,8 @@ def with_noise_of_each(
 def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:
     """Return the covariance of the values: noise of each loop's mean square and of the spectrum that they have in common.
 
-    Args:
-        residual: what is left, (n,).
-        bread: what each residual moves the values by, (n, n_free).
-        basis: orthonormal columns that span what the parameters move, (n, n_free).
-        sizes: residuals of each loop.
-        freedom: residuals less parameters.
+    The residual, (n,), is what is left; `bread`, (n, n_free), what each residual moves the values by; the columns of `basis`,
+    (n, n_free), are orthonormal and span what the parameters move.
     """
     ends = np.cumsum(sizes)
     loops = [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]

@@ -25,7 +25,7 @@ def reach_of(bins: int) -> float:
 
 
 def tip_of(distance: Array, deflection: Array, force: Array) -> tuple[float, float]:
-    """Return deflection [m] and force [N] at a turning point from samples, (n,) each; distances in phase are negative before it.
+    """Return deflection [m] and force [N] at a turning point from samples, (n,) each; before it distances are negative.
 
     The deflection takes the same parabola over the phase to both sides; the force one parabola over the deflection before the
     turning point and another behind it, which meet there.
