@@ -124,9 +124,8 @@ def all_trends() -> Trends:
 def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
     """Return log(estimate / catalogue) of every value, (50,), each row estimated without itself.
 
-    Args:
-        left_out: "part": the row alone, as for a rope size that the table has; "rope size": all rows with its rope, as for one
-            that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
+    "part": without the row alone, as for a rope size that the table has; "rope size": without all rows with its rope, as for
+    one that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
     """
     rows = [check.part for check in check_vendor_loops()]
     errors: dict[str, list[float]] = {}

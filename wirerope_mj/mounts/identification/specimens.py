@@ -183,7 +183,7 @@ def _scatter(nominal: Identification, each: Sequence[Identification], family: Fa
 
 
 def own_parameters(law: Law) -> dict[str, float]:
-    """Return a law's own parameters by the names of its isolator file: "stiffness[0]" of a list, "laws[0].alpha" in parallel."""
+    """Return a law's own parameters by the names of its file: "stiffness[0]" of a list, "laws[0].alpha" in parallel."""
     values: dict[str, float] = {}
     if len(law.components) > 1:
         each = [own_parameters(one) for one in law.components]

@@ -21,7 +21,7 @@ from wirerope_mj.mounts.isolator.parts import (
     Stiffening,
     require_law_in_metres,
 )
-from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
+from wirerope_mj.mounts.isolator.tables import AXES, PARTS, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop, Tabulated, on_bracket
@@ -205,17 +205,7 @@ class Isolator(Brief):
         if self.free:
             content["free"] = list(self.free)
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in (
-            "loop",
-            "rotation",
-            "stiffening",
-            "bracket",
-            "limits",
-            "geometry",
-            "provenance",
-            "spread",
-            "validity",
-        ):
+        for name in PARTS:
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:
@@ -224,12 +214,7 @@ class Isolator(Brief):
 
     @classmethod
     def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
-        """Return the isolator that a file's content describes.
-
-        Args:
-            content: the tables of the file.
-            where: what messages call the file.
-            folder: that of the file, for the points of a tabulated law in a CSV file beside it.
+        """Return the isolator that a file's content describes; messages call it `where`, points in a CSV file lie in `folder`.
 
         Raises:
             ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,

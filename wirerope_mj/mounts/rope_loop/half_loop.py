@@ -28,9 +28,7 @@ class Mesh:
 def mesh(shape: LoopShape, elements: int) -> Mesh:
     """Return the elements of a half loop; no element reaches over a jump of the natural curvature.
 
-    Args:
-        shape: of the half loop.
-        elements: their number, shared among the segments in proportion to their lengths, at least one for each.
+    They are shared among the segments in proportion to their lengths, at least one for each.
     """
     lengths = np.array([length for length, _ in shape.segments]) / shape.length
     bends = np.array([curvature for _, curvature in shape.segments]) * shape.length
@@ -53,12 +51,6 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
         value=value, slope=slope, weight=np.outer(0.5 * sizes, weights).ravel(), curvature=np.repeat(curvatures, per),
         natural=shape.start + np.concatenate([[0.0], np.cumsum(steps)]),
     )  # fmt: skip
-
-
-def default_elements(shape: LoopShape) -> int:
-    """Return the number of elements for a force to about 1e-6 of itself away from the taut rope: one for every 12 degrees."""
-    turned = sum(abs(length * curvature) for length, curvature in shape.segments)
-    return max(15, math.ceil(turned / math.radians(12.0)))
 
 
 # Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only.
@@ -89,20 +81,18 @@ class HalfLoop:
 
     def __init__(self, shape: LoopShape, elements: int | None = None) -> None:
         self.shape = shape
-        self.mesh: Mesh = mesh(shape, default_elements(shape) if elements is None else elements)
+        turned = sum(abs(length * curvature) for length, curvature in shape.segments)
+        # One for every 12 degrees has the force to about 1e-6 of itself away from the taut rope.
+        usual = max(15, math.ceil(turned / math.radians(12.0)))
+        self.mesh: Mesh = mesh(shape, usual if elements is None else elements)
         weighted = self.mesh.slope * self.mesh.weight[:, None]
         self._stiffness = weighted.T @ self.mesh.slope
         self._bent = weighted.T @ self.mesh.curvature
 
     def move(self, displacement: Array, turn: Array) -> HalfState:
-        """Return the equilibria after the clamped end has moved straight from the unloaded position.
+        """Return the equilibria after the clamped end has moved straight from the unloaded position: roll, axial [m], (m, 2).
 
-        Args:
-            displacement: of the end, roll and axial [m], (m, 2).
-            turn: of its direction [rad], (m,).
-
-        Raises:
-            ConvergenceError: no equilibrium on the path; says where.
+        Its direction turns by `turn` [rad], (m,). ConvergenceError says where on the path there is no equilibrium.
         """
         m = len(displacement)
         goal = np.column_stack([displacement / self.shape.length, turn])
@@ -128,10 +118,8 @@ class HalfLoop:
     def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
         """Return directions, forces and whether they are an equilibrium, by Newton's method from a guess.
 
-        Args:
-            direction: guess at the nodes [rad], (m, n).
-            force: guess, with the length of the rope as unit of length, (m, 2).
-            goal: of the end: displacement in lengths of the rope, change of direction [rad], (m, 3).
+        The guess is the direction at the nodes [rad], (m, n), and the force, (m, 2), with the length of the rope as unit of
+        length; the end goes to its displacement in lengths of the rope and change of direction [rad], (m, 3).
         """
         direction, force = direction.copy(), force.copy()
         direction[:, 0] = self.mesh.natural[0]

@@ -65,19 +65,13 @@ class LoopShape:
 
 
 def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopShape:
-    """Return the half loop of an isolator from its envelope.
+    """Return the half loop of an isolator from its envelope [m]: unloaded height over both bars, width over the ropes.
 
     The rope leaves both bars level and half way up their thickness, so that the centre line rises by `height` - `bar`; it
-    reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between
-    two straight level segments where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
+    reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between two
+    straight level segments where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
     quarter circles with a straight upright segment between them where it is not. The straight segments begin in the middle of
     the bar: no vendor states how much of them the bar holds.
-
-    Args:
-        height: unloaded, over both bars [m].
-        width: over the ropes [m].
-        bar: thickness of one bar [m].
-        rope: diameter [m].
 
     Raises:
         ValueError: an argument is not a finite number > 0, a bar is thinner than its rope, or no loop is left between them.

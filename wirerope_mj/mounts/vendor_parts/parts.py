@@ -1,7 +1,7 @@
 """The vendors' tables: parts with load, travel and stiffnesses in compression, at 45 degrees, and in shear or roll."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 
@@ -54,13 +54,8 @@ class ModeValues:
 
     def scaled(self, fraction: float) -> "ModeValues":
         """Return the values with a fraction of the loops: load and stiffnesses in proportion, the same travel."""
-
-        def times(value: float | None) -> float | None:
-            return None if value is None else fraction * value
-
-        return replace(
-            self, static_load=times(self.static_load), vibration=times(self.vibration), shock=times(self.shock)
-        )
+        stated = {name: getattr(self, name) for name in ("static_load", "vibration", "shock")}
+        return replace(self, **{name: fraction * value for name, value in stated.items() if value is not None})
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -123,14 +118,9 @@ def _part(
         name=cells[names.index("part")],
         series=series,
         loops=None if loops is None else round(loops),
-        rope=values["rope"],
-        height=values["height"],
-        width=values["width"],
-        bar=values.get("bar"),
+        **{key: values.get(key) for key in ("rope", "height", "width", "bar")},
         modes={
-            mode: ModeValues(
-                **{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")}
-            )
+            mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)})
             for mode in MODES
         },
     )

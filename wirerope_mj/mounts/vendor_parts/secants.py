@@ -165,11 +165,7 @@ def fit_secants(
 ) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
-    Args:
-        secants: at least two.
-        curve: of the elastic part.
-        yielding: yield deflection x_y of friction [m].
-        rule: how all else of the law follows.
+    `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule.
 
     Raises:
         ConvergenceError: the secants ask for friction or a spring that is not positive.

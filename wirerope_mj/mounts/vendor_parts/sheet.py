@@ -50,6 +50,11 @@ class StatedValue:
             return math.sqrt(stiffness / self.mass) / (2.0 * math.pi)
         return 1e-3 * stiffness
 
+    def beside(self, axis: str, stiffness: float) -> "ComparedValue":
+        """Return the value of the sheet beside the secant stiffness [N/m] of a law."""
+        vendor, fitted = self.shown(self.secant.stiffness), self.shown(stiffness)
+        return ComparedValue(axis=axis, name=self.name, unit=self.unit, vendor=vendor, fitted=fitted)
+
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedValue:
@@ -112,13 +117,10 @@ class DataSheet:
 def two_stiffnesses(
     travel: float, vibration: float, shock: float, amplitude: float | None = None
 ) -> tuple[StatedValue, ...]:
-    """Return a vibration stiffness and a shock stiffness [N/m] as stated values.
+    """Return a vibration stiffness and a shock stiffness [N/m] as stated values of an axis with a rated travel [m].
 
-    Args:
-        travel: rated [m].
-        vibration: secant of the steady loop of `amplitude`.
-        shock: secant of the virgin path at the travel.
-        amplitude: [m]; `VIBRATION_AMPLITUDE` of the travel by default.
+    They are the secants of the steady loop of an amplitude [m], `VIBRATION_AMPLITUDE` of the travel by default, and of the
+    virgin path at the travel.
     """
     small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
     return (
@@ -205,7 +207,11 @@ def _axis(table: TomlTable) -> AxisValues:
     """Return the values of one axis."""
     damping, hardening = table.optional_number("damping_target"), table.optional_number("hardening")
     compared, travel = table.texts("compared"), table.quantity("travel", LENGTH)
-    stated = [*_stiffnesses(table, travel), *_loads(table, travel), *_curve_points(table)]
+    amplitude = table.optional_quantity("vibration_amplitude", LENGTH)
+    vibration, shock = (table.optional_quantity(f"{name}_stiffness", STIFFNESS) for name in ("vibration", "shock"))
+    both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
+    stiffnesses = [value for value in both if value.secant.stiffness > 0.0]
+    stated = [*stiffnesses, *_loads(table, travel), *_curve_points(table)]
     table.require_empty()
     names = [value.name.replace(" ", "_") for value in stated]
     for name in compared:
@@ -217,13 +223,6 @@ def _axis(table: TomlTable) -> AxisValues:
     if sum(value.fitted for value in values) < 2:
         raise ModelError(f"{table.location} must state at least two stiffnesses or points to fit.")
     return AxisValues(travel=travel, stated=values, damping=damping, hardening=hardening or 1.0)
-
-
-def _stiffnesses(table: TomlTable, travel: float) -> list[StatedValue]:
-    amplitude = table.optional_quantity("vibration_amplitude", LENGTH)
-    vibration, shock = (table.optional_quantity(f"{name}_stiffness", STIFFNESS) for name in ("vibration", "shock"))
-    both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
-    return [value for value in both if value.secant.stiffness > 0.0]
 
 
 def _loads(table: TomlTable, travel: float) -> list[StatedValue]:
