@@ -33,17 +33,25 @@ class DoublePulse(StartedMotion):
     def __init__(
         self, *, peak: float, velocity: float, displacement: float, direction: str | Sequence[float], start: float = 0.0
     ) -> None:
-        object.__setattr__(self, "peak", ranges.level("peak", peak))
-        object.__setattr__(self, "peak_velocity", ranges.level("velocity", velocity))
-        object.__setattr__(self, "final_displacement", ranges.level("displacement", displacement))
+        self._set(peak=ranges.level("peak", peak), peak_velocity=ranges.level("velocity", velocity))
+        self._set(final_displacement=ranges.level("displacement", displacement))
         if len({math.copysign(1.0, value) for value in (self.peak, self.peak_velocity, self.final_displacement)}) > 1:
             raise ValueError(
                 "`peak`, `velocity` and `displacement` must have the same sign (negative: a shock against the direction), "
                 f"got {self.peak:.4g}, {self.peak_velocity:.4g} and {self.final_displacement:.4g}."
             )
         self._set(direction=checked_direction(direction), start=ranges.start("start", start))
-        self._check_second_pulse()
-        object.__setattr__(self, "duration", self.first_duration + self.second_duration)
+        if self.second_duration <= 0:
+            a, v, d, factor = abs(self.peak), abs(velocity), abs(displacement), self._travel_factor
+            raise ValueError(
+                f"no {self.kind} reaches {v:.6g} m/s with a peak of {a:.6g} m/s^2 and then stops at {d:.6g} m: the first pulse "
+                f"lasts {self.first_duration:.4g} s and ends {factor * v * v / a:.6g} m from the start, and the second one "
+                f"needs more room than that (its length would be {self.second_duration:.4g} s). "
+                f"The condition is displacement > {factor:.5g} velocity^2 / peak: "
+                f"`displacement` above {factor * v * v / a:.6g} m, `velocity` below {math.sqrt(a * d / factor):.6g} m/s "
+                f"or `peak` above {factor * v * v / d:.6g} m/s^2."
+            )
+        self._set(duration=self.first_duration + self.second_duration)
 
     def __repr__(self) -> str:
         """Return the call that makes this motion: the constructor's names, not those of the attributes."""
@@ -61,29 +69,14 @@ class DoublePulse(StartedMotion):
         """Length of the second pulse [s]."""
 
     @property
-    @abstractmethod
     def second_peak(self) -> float:
-        """Acceleration at the peak of the second pulse [m/s^2], of the sign opposite to `peak`."""
+        """Acceleration at the peak of the second pulse [m/s^2], of the sign opposite to `peak`: both have one area."""
+        return -self.peak * self.first_duration / self.second_duration
 
     @property
     @abstractmethod
     def _travel_factor(self) -> float:
         """Displacement at the end of the first pulse, times a / V^2."""
-
-    def _check_second_pulse(self) -> None:
-        """Raise ValueError if the first pulse alone already reaches the final displacement."""
-        if self.second_duration > 0:
-            return
-        a, v, d = abs(self.peak), abs(self.peak_velocity), abs(self.final_displacement)
-        factor = self._travel_factor
-        raise ValueError(
-            f"no {self.kind} reaches {v:.6g} m/s with a peak of {a:.6g} m/s^2 and then stops at {d:.6g} m: the first pulse "
-            f"lasts {self.first_duration:.4g} s and ends {factor * v * v / a:.6g} m from the start, and the second one "
-            f"needs more room than that (its length would be {self.second_duration:.4g} s). "
-            f"The condition is displacement > {factor:.5g} velocity^2 / peak: "
-            f"`displacement` above {factor * v * v / a:.6g} m, `velocity` below {math.sqrt(a * d / factor):.6g} m/s "
-            f"or `peak` above {factor * v * v / d:.6g} m/s^2."
-        )
 
     @property
     def middle(self) -> float:
@@ -149,11 +142,6 @@ class DoubleHalfSine(DoublePulse):
     def second_duration(self) -> float:
         """Length t2 of the second half-sine [s]."""
         return 2 * self.final_displacement / self.peak_velocity - self.first_duration
-
-    @property
-    def second_peak(self) -> float:
-        """Peak of the second half-sine, -a2 [m/s^2]."""
-        return -self.peak * self.first_duration / self.second_duration
 
     @property
     def _travel_factor(self) -> float:
@@ -229,11 +217,6 @@ class DoubleTriangle(DoublePulse):
         """Length T2 of the second triangle [s]."""
         room = 3 * self.final_displacement / self.peak_velocity - (2 - self.r1) * self.first_duration
         return room / (1 + self.r2)
-
-    @property
-    def second_peak(self) -> float:
-        """Peak a4 of the second triangle [m/s^2]."""
-        return -self.peak * self.first_duration / self.second_duration
 
     @property
     def instants(self) -> tuple[float, float, float, float]:

@@ -29,7 +29,8 @@ class Envelope:
 
     def derivatives(self, t: Array) -> tuple[Array, Array, Array]:
         """Return the factor and its first two derivatives at the times (n_t,)."""
-        up, up1, up2 = _step((t - self.start) / self.rise) if self.rise else _one(t)
+        one = np.ones_like(t), np.zeros_like(t), np.zeros_like(t)
+        up, up1, up2 = _step((t - self.start) / self.rise) if self.rise else one
         if not np.isfinite(self.stop):
             return up, up1 / (self.rise or 1.0), up2 / (self.rise or 1.0) ** 2
         down, down1, down2 = _step((self.stop - t) / self.fall)
@@ -47,14 +48,9 @@ class Envelope:
 
 
 def usual_ramp(name: str, given: float | None, *, lowest: float, duration: float) -> float:
-    """Return the length of a rise or fall [s]: the given one, checked, or the usual one.
+    """Return the length of a rise or fall called `name` [s]: the given one, checked, or the usual one.
 
-    Args:
-        name: name of the argument.
-        given: length asked for [s]; None: ten periods of the lowest frequency or a tenth of the duration, whichever is
-            shorter, but at least one period.
-        lowest: lowest frequency of the vibration [Hz].
-        duration: length of the vibration [s].
+    That is ten periods of the lowest frequency [Hz] or a tenth of the duration [s], the shorter one, but at least one period.
     """
     period = 1 / lowest
     if given is None:
@@ -80,10 +76,6 @@ def _step(s: Array) -> tuple[Array, Array, Array]:
     """Return the step from 0 to 1 and its derivatives with respect to s; it is held outside 0..1."""
     s = np.clip(s, 0.0, 1.0)
     return s**3 * (10 - s * (15 - 6 * s)), 30 * (s * (1 - s)) ** 2, 60 * s * (1 - s) * (1 - 2 * s)
-
-
-def _one(t: Array) -> tuple[Array, Array, Array]:
-    return np.ones_like(t), np.zeros_like(t), np.zeros_like(t)
 
 
 def random_phases(seed: int, count: int) -> Array:

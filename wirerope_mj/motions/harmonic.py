@@ -43,10 +43,11 @@ class Sine(StraightMotion):
     def __init__(
         self, *, frequency: float, acceleration: float, direction: str | Sequence[float], duration: float | None = None
     ) -> None:
-        object.__setattr__(self, "frequency", ranges.frequency("frequency", frequency))
-        object.__setattr__(self, "amplitude", ranges.level("acceleration", acceleration))
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "duration", math.inf if duration is None else ranges.length("duration", duration))
+        self._set(
+            frequency=ranges.frequency("frequency", frequency), amplitude=ranges.level("acceleration", acceleration)
+        )
+        self._set(direction=checked_direction(direction))
+        self._set(duration=math.inf if duration is None else ranges.length("duration", duration))
 
     @property
     def corners(self) -> Array:
@@ -144,12 +145,11 @@ class Sweep(StraightMotion):
         self._set(start=ranges.frequency("start", start), stop=ranges.frequency("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
-        object.__setattr__(self, "rate", ranges.sweep_rate("rate", rate))
+        self._set(rate=ranges.sweep_rate("rate", rate))
         quantity, amplitude = the_one_given(
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )
-        object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "amplitude", ranges.level(quantity, amplitude))
+        self._set(quantity=quantity, amplitude=ranges.level(quantity, amplitude))
         self._set(direction=checked_direction(direction), duration=self.course.duration)
 
     @cached_property

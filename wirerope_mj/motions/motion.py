@@ -28,14 +28,12 @@ class BaseMotion(ABC):
 
     At a corner the acceleration and the velocity have the value just after it (they are continuous from the right).
     Nothing is compensated in secret: a pulse leaves the base coasting at the pulse's velocity change.
-
-    Attributes:
-        duration: length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop,
-            of a sum from time zero; infinite for an endless sine. `end` is the instant after which it is over.
     """
 
     kind: ClassVar[str]  # name of the motion in stored files
 
+    # length of the motion [s]: of a pulse or a record from its own start, of a sweep from start to stop, of a sum from time
+    # zero; infinite for an endless sine. `end` is the instant after which it is over.
     duration: float
 
     def acceleration(self, time: ArrayLike) -> Array:
@@ -163,13 +161,9 @@ class StraightMotion(BaseMotion):
 
 
 class StartedMotion(StraightMotion):
-    """Base motion along one direction that begins at an instant of its own.
+    """Base motion along one direction that begins at an instant of its own."""
 
-    Attributes:
-        start: instant at which the motion begins [s].
-    """
-
-    start: float
+    start: float  # instant at which the motion begins [s]
 
     @property
     def end(self) -> float:

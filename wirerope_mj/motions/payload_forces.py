@@ -23,12 +23,9 @@ class PayloadForce(BaseMotion):
 
     It adds to base motions and other forces with `+`. The model names where it acts: a site `force/NAME` on what the mounts
     carry.
-
-    Attributes:
-        site: the site's name, what follows `force/`.
     """
 
-    site: str
+    site: str  #: the site's name, what follows `force/`
     start: float
     duration: float
 
@@ -83,26 +80,17 @@ class PayloadForce(BaseMotion):
 
 @dataclass(frozen=True, kw_only=True)
 class HarmonicForce(PayloadForce):
-    """Harmonic force and moment, (force, moment) sin(2 pi f t + phase).
-
-    Attributes:
-        frequency: frequency f [Hz].
-        force: amplitude of the force along the site's axes [N], (3,).
-        moment: amplitude of the moment about the site's axes [N m], (3,).
-        phase: phase at the start [rad].
-        start: instant at which it begins [s].
-        duration: length [s]; endless by default.
-    """
+    """Harmonic force and moment, (force, moment) sin(2 pi f t + phase)."""
 
     kind: ClassVar[str] = "harmonic-force"
 
     site: str
-    frequency: float
-    force: Sequence[float] = (0.0, 0.0, 0.0)
-    moment: Sequence[float] = (0.0, 0.0, 0.0)
-    phase: float = 0.0
-    start: float = 0.0
-    duration: float = math.inf
+    frequency: float  #: frequency f [Hz]
+    force: Sequence[float] = (0.0, 0.0, 0.0)  #: amplitude of the force along the site's axes [N], (3,)
+    moment: Sequence[float] = (0.0, 0.0, 0.0)  #: amplitude of the moment about the site's axes [N m], (3,)
+    phase: float = 0.0  #: phase at the start [rad]
+    start: float = 0.0  #: instant at which it begins [s]
+    duration: float = math.inf  #: length [s]; endless by default
 
     def __post_init__(self) -> None:
         self._check()
@@ -143,20 +131,14 @@ class HarmonicForce(PayloadForce):
 
 @dataclass(frozen=True, kw_only=True)
 class ForceTable(PayloadForce):
-    """Force and moment given at instants, straight between them; zero before the first and after the last.
-
-    Attributes:
-        times: instants since the start [s], increasing, (n,).
-        loads: force [N] and moment [N m] at them, (n, 6).
-        start: instant from which the times count [s].
-    """
+    """Force and moment given at instants, straight between them; zero before the first and after the last."""
 
     kind: ClassVar[str] = "force-table"
 
     site: str
-    times: Sequence[float] = field(repr=False)
-    loads: Sequence[Sequence[float]] = field(repr=False)
-    start: float = 0.0
+    times: Sequence[float] = field(repr=False)  #: instants since the start [s], increasing, (n,)
+    loads: Sequence[Sequence[float]] = field(repr=False)  #: force [N] and moment [N m] at them, (n, 6)
+    start: float = 0.0  #: instant from which the times count [s]
     duration: float = field(init=False)
 
     def __post_init__(self) -> None:
@@ -170,8 +152,8 @@ class ForceTable(PayloadForce):
             raise ValueError("`times` and `loads` must be finite.")
         if times[0] < 0.0 or (np.diff(times) <= 0.0).any():
             raise ValueError("`times` must increase from 0 on.")
-        object.__setattr__(self, "times", tuple(times.tolist()))
-        self._set(loads=tuple(tuple(row) for row in loads.tolist()), duration=float(times[-1]))
+        rows = tuple(tuple(row) for row in loads.tolist())
+        self._set(times=tuple(times.tolist()), loads=rows, duration=float(times[-1]))
 
     def _wrench(self, t: Array) -> Array:
         table = np.array(self.loads)

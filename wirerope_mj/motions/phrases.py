@@ -56,10 +56,8 @@ class Phrase:
 def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     """Parse a phrase into quantities, words with values, and directions.
 
-    Args:
-        text: numbers with units, a direction and words, in any order, separated by spaces: "15 g 11 ms z at 50 ms". A range is
-            written "5 to 50 Hz".
-        words: quantity of the number that follows each known word; "" for one without a unit.
+    They stand in any order, separated by spaces: "15 g 11 ms z at 50 ms"; a range is written "5 to 50 Hz". `words` has the
+    quantity of the number that follows each known word; "" for one without a unit.
 
     Raises:
         ValueError: a part of it is not understood, or said twice, or has been left open as `?`; says which.

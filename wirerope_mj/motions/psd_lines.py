@@ -35,13 +35,9 @@ _AMPLITUDE_UNITS = {"displacement": LENGTH_UNITS, "velocity": VELOCITY_UNITS, "a
 
 
 def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: str, least: int = 2) -> Points:
-    """Return points (frequency [Hz], level) as plain floats; frequencies rise, and both are positive.
+    """Return points (frequency [Hz], level) as plain floats, at least so many; frequencies rise, and both are positive.
 
-    Args:
-        name: name of the argument.
-        points: the points.
-        quantity: of the level, for messages.
-        least: number of points there must be.
+    Messages call the argument `name` and the level `quantity`.
     """
     plain: list[tuple[float, float]] = []
     if not isinstance(points, Iterable) or isinstance(points, str | bytes | Mapping):
@@ -68,11 +64,9 @@ def checked_points(name: str, points: Sequence[Sequence[float]], *, quantity: st
 
 
 def psd_level(psd: Sequence[Sequence[float]], frequencies: ArrayLike) -> Array:
-    """Return the level of a power spectral density at the frequencies [Hz], in the unit of its points.
+    """Return the level of a power spectral density at the frequencies [Hz], any shape, in the unit of its points.
 
-    Args:
-        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-        frequencies: frequencies [Hz], any shape.
+    Between the points (frequency [Hz], level) it is straight on logarithmic axes; it is zero outside.
     """
     f, levels = np.array(checked_points("psd", psd, quantity="level")).T
     at = np.asarray(frequencies, dtype=float)
@@ -85,10 +79,6 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
     """Return the integral of a power spectral density from zero to the frequencies [Hz], exact, any shape.
 
     Between two points, S = S1 (f/f1)^m, it is S1 f1 ((f/f1)^(m+1) - 1)/(m+1), or S1 f1 ln(f/f1) for m = -1.
-
-    Args:
-        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-        up_to: frequencies [Hz], any shape.
     """
     f, levels = np.array(checked_points("psd", psd, quantity="level")).T
     slopes = np.diff(np.log(levels)) / np.diff(np.log(f))
@@ -104,11 +94,7 @@ def psd_power(psd: Sequence[Sequence[float]], up_to: ArrayLike) -> Array:
 
 
 def psd_rms(psd: Sequence[Sequence[float]]) -> float:
-    """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz.
-
-    Args:
-        psd: points (frequency [Hz], level), between which it is straight on logarithmic axes; it is zero outside.
-    """
+    """Return the rms value of a stationary signal of that power spectral density, in the root of its unit times Hz."""
     points = checked_points("psd", psd, quantity="level")
     return math.sqrt(float(psd_power(points, points[-1][0])))
 
@@ -152,14 +138,10 @@ def table_lines(path: Path) -> tuple[str, Points]:
 
 
 def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Points:
-    """Return lines (frequency [Hz], amplitude) at equal steps through bands of constant amplitude.
+    """Return lines (frequency [Hz], amplitude) at equal steps [Hz] through bands of constant amplitude, in order of frequency.
 
-    Amplitude tables of shipboard vibration tests (MIL-STD-167-1A type I and the like) are such bands, passed one
-    frequency after the other: take the lines one by one for that. No table is built in.
-
-    Args:
-        bands: bands (first frequency [Hz], last frequency [Hz], amplitude), in order of frequency.
-        step: step between the frequencies [Hz].
+    Amplitude tables of shipboard vibration tests (MIL-STD-167-1A type I and the like) are such bands (first frequency, last
+    frequency, amplitude), passed one frequency after the other: take the lines one by one for that. No table is built in.
     """
     positive("step", step)
     lines: list[tuple[float, float]] = []

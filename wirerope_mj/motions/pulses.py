@@ -29,8 +29,7 @@ class Pulse(StartedMotion):
     start: float = 0.0  # instant at which the pulse begins [s]
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "peak", ranges.level("peak", self.peak))
-        object.__setattr__(self, "duration", ranges.length("duration", self.duration))
+        self._set(peak=ranges.level("peak", self.peak), duration=ranges.length("duration", self.duration))
         self._set(direction=checked_direction(self.direction), start=ranges.start("start", self.start))
 
     @property
@@ -83,7 +82,8 @@ class HalfSine(Pulse):
         return 2 * self.peak * self.duration / math.pi
 
     def _along(self, t: Array, order: int) -> Array:
-        phase = self._phase(t)
+        # pi t / D, held at 0 before the pulse and at pi after it
+        phase = np.minimum(np.maximum(math.pi * (t - self.start) / self.duration, 0.0), math.pi)
         if order == 2:
             return np.where((t >= self.start) & (t < self.end), self.peak * np.sin(phase), 0.0)
         if order == 1:
@@ -91,10 +91,6 @@ class HalfSine(Pulse):
             return self.velocity_change * np.sin(phase / 2) ** 2
         within = self.velocity_change / 2 * self.duration / math.pi * (phase - np.sin(phase))
         return within + self.velocity_change * np.maximum(t - self.end, 0.0)
-
-    def _phase(self, t: Array) -> Array:
-        """Return pi t / D, held at 0 before the pulse and at pi after it."""
-        return np.minimum(np.maximum(math.pi * (t - self.start) / self.duration, 0.0), math.pi)
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,34 +24,17 @@ from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
 from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
-_FACTORIES: dict[str, Callable[..., BaseMotion]] = {
-    HalfSine.kind: HalfSine,
-    Sawtooth.kind: Sawtooth,
-    Trapezoid.kind: Trapezoid,
-    VelocityStep.kind: VelocityStep,
-    Sine.kind: Sine,
-    Sweep.kind: Sweep,
-    DoubleHalfSine.kind: DoubleHalfSine,
-    DoubleTriangle.kind: DoubleTriangle,
-    ShockTableImpact.kind: ShockTableImpact,
-    DecayingSine.kind: DecayingSine,
-    VibrationLines.kind: VibrationLines,
-    RandomVibration.kind: RandomVibration,
-    Record.kind: load_record,
-    Scaled.kind: Scaled,
-    Turned.kind: Turned,
-    Unbalance.kind: Unbalance,
-    HarmonicForce.kind: HarmonicForce,
-    ForceTable.kind: ForceTable,
-}
+_KINDS: tuple[type[BaseMotion], ...] = (
+    HalfSine, Sawtooth, Trapezoid, VelocityStep, Sine, Sweep, DoubleHalfSine, DoubleTriangle, ShockTableImpact, DecayingSine,
+    VibrationLines, RandomVibration, Record, Scaled, Turned, Unbalance, HarmonicForce, ForceTable,
+)  # fmt: skip
+_FACTORIES: dict[str, Callable[..., BaseMotion]] = {one.kind: load_record if one is Record else one for one in _KINDS}
 
 
 def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = None) -> BaseMotion:
     """Return the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
 
-    Args:
-        stored: the parameters, as `to_dict` wrote them.
-        folder: where relative paths of records start; None: the current folder.
+    Relative paths of records start in `folder`, the current one by default.
 
     Raises:
         ModelError: the kind of motion is unknown, or a parameter is missing or unknown.

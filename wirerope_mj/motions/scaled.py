@@ -149,8 +149,8 @@ class Turned(_Changed):
             raise ValueError(
                 f"exactly one of `rotation` and `direction` must be given, got {'none' if rotation is None else 'both'}."
             )
-        object.__setattr__(self, "rotation", None if rotation is None else _checked_rotation(rotation))
-        object.__setattr__(self, "direction", None if direction is None else checked_direction(direction))
+        self._set(rotation=None if rotation is None else _checked_rotation(rotation))
+        self._set(direction=None if direction is None else checked_direction(direction))
         if direction is not None:
             _line(motion)  # raises if there is none
 

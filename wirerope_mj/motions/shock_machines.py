@@ -3,7 +3,7 @@
 import cmath
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -78,25 +78,23 @@ class DecayingSine(StartedMotion):
         impact_duration: float = 0.0,
         start: float = 0.0,
     ) -> None:
-        object.__setattr__(self, "frequency", ranges.frequency("frequency", frequency))
+        self._set(frequency=ranges.frequency("frequency", frequency))
         if not 0 < finite("damping", damping) < 1:
             raise ValueError(
                 f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
             )
-        object.__setattr__(self, "damping", float(damping))
         quantity, level = the_one_given({"velocity": velocity, "acceleration": acceleration})
-        object.__setattr__(self, "quantity", quantity)
-        object.__setattr__(self, "level", ranges.level(quantity, level))
-        object.__setattr__(self, "direction", checked_direction(direction))
-        object.__setattr__(self, "impact_duration", ranges.length("impact_duration", impact_duration, least=0.0))
-        object.__setattr__(self, "start", ranges.start("start", start))
+        self._set(damping=float(damping), quantity=quantity, level=ranges.level(quantity, level))
+        self._set(direction=checked_direction(direction))
+        self._set(impact_duration=ranges.length("impact_duration", impact_duration, least=0.0))
+        self._set(start=ranges.start("start", start))
         fading = -math.log(LEFT_AT_END) / (self.damping * self._omega)
         if fading > ranges.LONGEST:
             raise ValueError(
                 f"`damping` of {self.damping!r} lets the deck swing for {fading:.3g} s; it must come to rest within "
                 f"{ranges.LONGEST:g} s."
             )
-        object.__setattr__(self, "duration", self.impact_duration + fading)
+        self._set(duration=self.impact_duration + fading)
         if self.damping * self._omega * self.impact_duration > SLOWEST_BLOW:
             raise ValueError(
                 f"`impact_duration` of {self.impact_duration:.4g} s is no blow on this deck, whose oscillation fades within "
@@ -180,7 +178,7 @@ class DecayingSine(StartedMotion):
         return np.where(t >= self.start, self.velocity_change * value, 0.0)
 
 
-@dataclass(frozen=True, init=False)
+@dataclass(frozen=True, kw_only=True)
 class ShockTableImpact(StartedMotion):
     """Shock of a table that falls from a height, strikes its programmer and rebounds.
 
@@ -193,47 +191,31 @@ class ShockTableImpact(StartedMotion):
     when the table strikes. With `fall` the fall of sqrt(2 h/g) is played too, at acceleration -g along the direction, which
     is what a payload in a model with gravity g against the direction must feel to be weightless. Brakes and second impacts
     are left out.
-
-    Args:
-        drop_height: height h [m].
-        rebound: rebound velocity over impact velocity e, from 0 (the table stays) to 1.
-        pulse_duration: length D of the programmer's half-sine [s]; None: the velocity changes at once.
-        direction: direction of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the motion begins [s]: the impact, or the release if the fall is played.
-        fall: whether the fall before the impact is played.
-        gravity: acceleration of the fall g [m/s^2].
     """
 
     kind: ClassVar[str] = "shock-table-impact"
 
-    drop_height: float
-    rebound: float
-    pulse_duration: float | None
-    direction: Direction
-    start: float
-    fall: bool
-    gravity: float
-    duration: float
+    drop_height: float  #: height h [m]
+    rebound: float = 0.0  #: rebound velocity over impact velocity e, from 0 (the table stays) to 1
+    pulse_duration: float | None = (
+        None  #: length D of the programmer's half-sine [s]; None: the velocity changes at once
+    )
+    direction: Direction = "z"  #: of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector
+    start: float = 0.0  #: instant at which the motion begins [s]: the impact, or the release if the fall is played
+    fall: bool = False  #: whether the fall before the impact is played
+    gravity: float = STANDARD_GRAVITY  #: acceleration of the fall g [m/s^2]
+    duration: float = field(init=False)  #: of the fall, if it is played, and of the half-sine [s]
 
-    def __init__(
-        self,
-        *,
-        drop_height: float,
-        rebound: float = 0.0,
-        pulse_duration: float | None = None,
-        direction: str | Sequence[float] = "z",
-        start: float = 0.0,
-        fall: bool = False,
-        gravity: float = STANDARD_GRAVITY,
-    ) -> None:
-        object.__setattr__(self, "drop_height", ranges.level("drop_height", positive("drop_height", drop_height)))
-        object.__setattr__(self, "rebound", between("rebound", rebound, 0.0, 1.0))
-        length = None if pulse_duration is None else ranges.length("pulse_duration", pulse_duration)
+    def __post_init__(self) -> None:
+        length = self.pulse_duration
         self._set(
-            pulse_duration=length, direction=checked_direction(direction), start=ranges.start("start", start),
-            fall=bool(fall), gravity=positive("gravity", gravity),
+            drop_height=ranges.level("drop_height", positive("drop_height", self.drop_height)),
+            rebound=between("rebound", self.rebound, 0.0, 1.0),
+            pulse_duration=None if length is None else ranges.length("pulse_duration", length),
+            direction=checked_direction(self.direction), start=ranges.start("start", self.start),
+            fall=bool(self.fall), gravity=positive("gravity", self.gravity),
         )  # fmt: skip
-        self._set(duration=self.fall_duration + (length or 0.0))
+        self._set(duration=self.fall_duration + (self.pulse_duration or 0.0))
 
     @property
     def impact_velocity(self) -> float:

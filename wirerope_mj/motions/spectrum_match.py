@@ -43,12 +43,8 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
     """Return the message about the flank of a spectrum that is farthest beyond any motion; empty if there is none.
 
     Of all motions a steady sine at the frequency of one oscillator sets it the most apart from another: the amplifications
-    |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure.
-
-    Args:
-        frequencies: of the oscillators [Hz], rising, (n,).
-        target: asked for there [m/s^2], (n,).
-        damping: damping ratio of the oscillators.
+    |1 + 2 i zeta r| / |1 - r^2 + 2 i zeta r| of the two, r = sine's over oscillator's frequency, are the measure. The target is
+    [m/s^2], (n,), at rising frequencies [Hz], (n,).
     """
     ratio = frequencies[:, np.newaxis] / frequencies  # of sine i over oscillator j
     responses = np.abs((1 + 2j * damping * ratio) / (1 - ratio**2 + 2j * damping * ratio))
@@ -70,25 +66,15 @@ def too_steep(frequencies: Array, target: Array, damping: float) -> str:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SpectrumMatch(Brief):
-    """A motion and how well its response spectrum meets the target.
+    """A motion and how well its response spectrum meets the target."""
 
-    Attributes:
-        motion: the motion: lines between a rise from rest and a fall back to it.
-        points: of the target, frequency [Hz] and absolute acceleration [m/s^2].
-        frequencies: frequencies of the comparison [Hz], (n,), at least twelve to an octave.
-        target: absolute acceleration asked for [m/s^2], (n,).
-        achieved: absolute acceleration of the motion's response spectrum [m/s^2], (n,).
-        damping: damping ratio of the oscillators.
-        iterations: corrections that were made.
-    """
-
-    motion: VibrationLines
-    points: Points
-    frequencies: Array
-    target: Array
-    achieved: Array
-    damping: float
-    iterations: int
+    motion: VibrationLines  #: the motion: lines between a rise from rest and a fall back to it
+    points: Points  #: of the target, frequency [Hz] and absolute acceleration [m/s^2]
+    frequencies: Array  #: frequencies of the comparison [Hz], (n,), at least twelve to an octave
+    target: Array  #: absolute acceleration asked for [m/s^2], (n,)
+    achieved: Array  #: absolute acceleration of the motion's response spectrum [m/s^2], (n,)
+    damping: float  #: damping ratio of the oscillators
+    iterations: int  #: corrections that were made
 
     @property
     def mismatch(self) -> Array:
@@ -167,7 +153,7 @@ def match_spectrum(
     first, last = (usual_ramp(n, v, lowest=points[0][0], duration=length) for n, v in (("rise", rise), ("fall", fall)))
     check_room(length, first, last)
 
-    frequencies, wanted = _comparison(points, float(damping))
+    frequencies, wanted = _at(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * float(damping))))
     count = (length + 1 / frequencies[0]) * SAMPLES_PER_PERIOD * frequencies[-1]
     require_memory(
         f"matching a spectrum of {frequencies.size} lines over {length:.4g} s up to {frequencies[-1]:.4g} Hz",
@@ -179,22 +165,12 @@ def match_spectrum(
     phases = np.arctan2(amplitudes[1], amplitudes[0]) - 2 * np.pi * frequencies * ranges.start("start", start)
     motion = VibrationLines(
         acceleration=list(zip(frequencies.tolist(), np.hypot(*amplitudes).tolist(), strict=True)),
-        phases=phases.tolist(),
-        direction=direction,
-        duration=length,
-        rise=first,
-        fall=last,
-        start=start,
-    )
+        phases=phases.tolist(), direction=direction, duration=length, rise=first, fall=last, start=start,
+    )  # fmt: skip
     return SpectrumMatch(
         motion=motion, points=points, frequencies=frequencies, target=wanted, achieved=achieved, damping=float(damping),
         iterations=iterations,
     )  # fmt: skip
-
-
-def _comparison(points: Points, damping: float) -> tuple[Array, Array]:
-    """Return the frequencies of the comparison [Hz] and the target there [m/s^2], (n,)."""
-    return _at(points, max(LINES_PER_OCTAVE, math.log(2) / (SPACING_PER_DAMPING * damping)))
 
 
 def _at(points: Points, per_octave: float) -> tuple[Array, Array]:

@@ -17,7 +17,7 @@ from wirerope_mj.motions.psd_lines import ForceRows, Points, force_rows, psd_poi
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.shock_machines import DecayingSine
-from wirerope_mj.motions.spectrum_match import match_spectrum
+from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.motions.target_spectra import DesignSpectrum
 from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines
@@ -78,10 +78,6 @@ def _lasting(phrase: Phrase, direction: Direction, number: int) -> dict[str, Any
     return {"duration": phrase.one("time"), "seed": int(seed) + number, "direction": direction, **ramps}
 
 
-def _random(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
-    return RandomVibration(psd=points, **_lasting(phrase, direction, number))
-
-
 def _dwells(phrase: Phrase, direction: Direction, _: int, table: tuple[str, Points]) -> BaseMotion:
     """Pass the lines of an amplitude table one after the other, each from rest to rest."""
     length, dwells = phrase.one("time"), []
@@ -92,12 +88,8 @@ def _dwells(phrase: Phrase, direction: Direction, _: int, table: tuple[str, Poin
     return sum(dwells[1:], start=dwells[0])
 
 
-def _match(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
-    return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number)).motion
-
-
-def _required(phrase: Phrase, direction: Direction, number: int, points: Any) -> BaseMotion:
-    return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number)).enveloping
+def _matched(phrase: Phrase, direction: Direction, number: int, points: Any) -> SpectrumMatch:
+    return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number))
 
 
 def _shaft(kind: str) -> Make:
@@ -132,11 +124,6 @@ def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str
     site, rest = site_first(text, folder)
     rows, left = file_first(force_rows)(rest, folder)
     return (site, rows), left
-
-
-def _force_table(phrase: Phrase, _: Direction, __: int, begun: tuple[str, ForceRows]) -> BaseMotion:
-    site, (times, loads) = begun
-    return ForceTable(site=site, times=times, loads=loads, start=phrase.start)
 
 
 # kinds of motion that a phrase says, by name: of the base, then forces on the payload
@@ -179,7 +166,8 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
     "psd": SpokenMotion(
         example="transport.csv 30 s z seed 1",
         summary='random vibration: CSV file with "frequency [Hz], psd [g^2/Hz]", length, direction',
-        needs={"time": 1}, words=_LASTING, begins=file_first(psd_points), make=_random,
+        needs={"time": 1}, words=_LASTING, begins=file_first(psd_points),
+        make=lambda phrase, direction, n, points: RandomVibration(psd=points, **_lasting(phrase, direction, n)),
     ),
     "amplitude-table": SpokenMotion(
         example="levels.csv 10 s z",
@@ -190,13 +178,13 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
         example="floor.csv 20 s x damping 5 % seed 1",
         summary='earthquake-like: CSV file of a response spectrum, "frequency [Hz], acceleration [g]", length, direction',
         needs={"time": 1}, words=_LASTING | {"damping": "ratio"}, needed_words=("damping",),
-        begins=file_first(spectrum_points), make=_match,
+        begins=file_first(spectrum_points), make=lambda *said: _matched(*said).motion,
     ),
     "required-spectrum": SpokenMotion(
         example="rrs.csv 30 s x damping 5 % seed 1",
         summary="the same, its spectrum nowhere below the file's, as IEEE 344 and GR-63 ask: a file of a required spectrum",
         needs={"time": 1}, words=_LASTING | {"damping": "ratio"}, needed_words=("damping",),
-        begins=file_first(spectrum_points), make=_required,
+        begins=file_first(spectrum_points), make=lambda *said: _matched(*said).enveloping,
     ),
     "unbalance": SpokenMotion(
         example="engine 20 kg.mm 5 to 30 Hz 20 s x",
@@ -219,7 +207,10 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
     "force-table": SpokenMotion(
         example="engine start.csv at 1 s",
         summary='forces and moments of a table: site, CSV file with "time [s], fz [N], mx [N.m]" and the like',
-        needs={}, begins=_site_and_table, directed=False, make=_force_table,
+        needs={}, begins=_site_and_table, directed=False,
+        make=lambda phrase, _, __, begun: ForceTable(
+            site=begun[0], times=begun[1][0], loads=begun[1][1], start=phrase.start
+        ),
     ),
 }  # fmt: skip
 
@@ -227,10 +218,7 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
 def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> BaseMotion:
     """Make the base motion that a phrase says; along several axes, as in "xyz", the sum of one along each.
 
-    Args:
-        kind: one of `SPOKEN_MOTIONS`.
-        text: the phrase, such as "15 g 11 ms z at 50 ms".
-        folder: where the relative path of a file starts; None: the current folder.
+    `kind` is one of `SPOKEN_MOTIONS`; the relative path of a file starts in `folder`, the current one by default.
 
     Raises:
         ValueError: the phrase is not understood, or says too little or too much; ends with an example.

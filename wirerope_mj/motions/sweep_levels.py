@@ -26,7 +26,7 @@ _WEIGHTS = _STEP * _NODES * (1 + np.exp(-_S)) * np.exp(-_NODES)
 
 
 def oscillating_tail(u: Array, order: int) -> NDArray[np.complex128]:
-    """Return h1 (order 1) or h2 (order 2) of the integrals from u to infinity, without their fast factor e^(iu).
+    """Return h1 (order 1) or h2 (order 2) of the integrals from u > 0, (n,), to infinity, without their fast factor e^(iu).
 
         int e^(is) / s ds          = e^(iu) h1(u)    (so e^(iu) h1 = E1(-iu) = -Ci(u) + i (pi/2 - Si(u)))
         int e^(is) ln(s/u) / s ds  = e^(iu) h2(u)    (the integral of the first one over ln u)
@@ -37,10 +37,6 @@ def oscillating_tail(u: Array, order: int) -> NDArray[np.complex128]:
 
     which is expanded in -i/u where u is large and integrated by the double-exponential rule where it is not. Both
     tend to zero as u grows, which is what makes velocity and displacement of a sweep free of drift.
-
-    Args:
-        u: positive arguments, (n,).
-        order: which of the two.
     """
     large = u >= _SERIES_FROM
     if large.all():  # as in every sweep but the slowest; the rule's sum costs as much for no argument as for many
@@ -80,16 +76,11 @@ class Course:
 
     With w0 = 2 pi start, K = rate ln 2 / 60 and s = +1 (up) or -1 (down): w(t) = w0 e^(s K t), u = w/K, u0 = w0/K,
     phase = s (u - u0); from `duration` on the frequency stays at `stop`.
-
-    Args:
-        start: frequency at time 0 [Hz].
-        stop: frequency at the end [Hz].
-        rate: sweep rate [octaves/min].
     """
 
-    start: float
-    stop: float
-    rate: float
+    start: float  # frequency at time 0 [Hz]
+    stop: float  # frequency at the end [Hz]
+    rate: float  # sweep rate [octaves/min]
 
     @property
     def duration(self) -> float:

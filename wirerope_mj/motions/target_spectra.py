@@ -106,16 +106,11 @@ class DesignSpectrum:
     f2 on; that of the double triangle 0.67 to 1.21 v0 (1.26 with `r2=0.6`) and 0.94 to 1.03 a0 (1.11). The farther apart the
     corners, the lower all of these; neither pulse is an envelope. Far above f2 both fall to the pulse's own peak, 0.6 a0, as
     the spectrum of every pulse does.
-
-    Attributes:
-        displacement: spectral displacement d0 of the low branch [m].
-        velocity: spectral pseudo-velocity v0 of the middle branch [m/s].
-        acceleration: spectral acceleration a0 of the high branch [m/s^2].
     """
 
-    displacement: float
-    velocity: float
-    acceleration: float
+    displacement: float  #: spectral displacement d0 of the low branch [m]
+    velocity: float  #: spectral pseudo-velocity v0 of the middle branch [m/s]
+    acceleration: float  #: spectral acceleration a0 of the high branch [m/s^2]
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -143,12 +138,9 @@ class DesignSpectrum:
     def double_half_sine(
         self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0
     ) -> DoubleHalfSine:
-        """Make the double half-sine that stands for the spectrum.
+        """Make the double half-sine that stands for the spectrum; its first pulse begins at `start` [s].
 
-        Args:
-            direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-            factors: first peak over a0, velocity over v0 and final displacement over d0.
-            start: instant at which the first pulse begins [s].
+        `factors` are first peak over a0, velocity over v0 and final displacement over d0.
         """
         return DoubleHalfSine(**self._levels(factors), direction=direction, start=start)
 
@@ -163,12 +155,7 @@ class DesignSpectrum:
     ) -> DoubleTriangle:
         """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
 
-        Args:
-            direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-            factors: first peak over a0, velocity over v0 and final displacement over d0.
-            start: instant at which the first pulse begins [s].
-            r1: where the first peak lies in its triangle, from 0 to 1.
-            r2: where the second peak lies in its triangle, from 0 to 1; sources give 0.4 and 0.6.
+        `r1` and `r2` say where in their triangles, from 0 to 1; for r2 sources give 0.4 and 0.6.
         """
         return DoubleTriangle(**self._levels(factors), direction=direction, start=start, r1=r1, r2=r2)
 

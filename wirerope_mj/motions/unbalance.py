@@ -28,33 +28,22 @@ class Unbalance(PayloadForce):
         reciprocating:   F = U  (k^2 w^2 cos k phi + k a sin k phi) along the line
 
     which is minus mass times acceleration of the eccentric mass; that mass itself is part of the body's.
-
-    Attributes:
-        unbalance: mass times eccentricity, or reciprocating mass times amplitude, U [kg m].
-        frequency: speed of the shaft [Hz]; at the start where it runs up, >= 0 then.
-        axis: shaft about which it rotates, `"x"`, `"y"`, `"z"` or a 3-vector, site axes; None with `line`.
-        line: line along which it reciprocates, so too; None with `axis`.
-        order: multiple of the shaft's speed.
-        final_frequency: speed at the end of the run-up [Hz]; None: constant speed.
-        run_up: length of the run-up [s]; the final speed stays after it.
-        phase: k phi at the start [rad].
-        start: instant at which it begins [s].
-        duration: length [s]; endless by default.
     """
 
     kind: ClassVar[str] = "unbalance"
 
     site: str
-    unbalance: float
-    frequency: float
+    unbalance: float  #: mass times eccentricity, or reciprocating mass times amplitude, U [kg m]
+    frequency: float  #: speed of the shaft [Hz]; at the start where it runs up, >= 0 then
+    #: shaft about which it rotates, `"x"`, `"y"`, `"z"` or a 3-vector, site axes; None with `line`
     axis: Direction | None = None
-    line: Direction | None = None
-    order: float = 1.0
-    final_frequency: float | None = None
-    run_up: float = 0.0
-    phase: float = 0.0
-    start: float = 0.0
-    duration: float = math.inf
+    line: Direction | None = None  #: line along which it reciprocates, so too; None with `axis`
+    order: float = 1.0  #: multiple of the shaft's speed
+    final_frequency: float | None = None  #: speed at the end of the run-up [Hz]; None: constant speed
+    run_up: float = 0.0  #: length of the run-up [s]; the final speed stays after it
+    phase: float = 0.0  #: k phi at the start [rad]
+    start: float = 0.0  #: instant at which it begins [s]
+    duration: float = math.inf  #: length [s]; endless by default
 
     def __post_init__(self) -> None:
         self._check()
@@ -77,8 +66,7 @@ class Unbalance(PayloadForce):
             raise ValueError("`run_up` needs `final_frequency`.")
         fastest = max(values["frequency"], values.get("final_frequency", 0.0))
         ranges.frequency("order` times `frequency", values["order"] * fastest, least=0.0)
-        for name, value in values.items():
-            object.__setattr__(self, name, value)
+        self._set(**values)
         for name in ("axis", "line"):
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, checked_direction(getattr(self, name), name))

@@ -81,7 +81,9 @@ class VibrationLines(AsCall, StartedMotion):
         self._set(quantity=quantity, lines=lines, direction=checked_direction(direction))
         if phases is not None and seed is not None:
             raise ValueError("at most one of `phases` and `seed` can be given, got both.")
-        object.__setattr__(self, "phases", None if phases is None else _checked_phases(phases, len(lines)))
+        if phases is not None and len(phases) != len(lines):
+            raise ValueError(f"`phases` must hold one phase for each of the {len(lines)} lines, got {len(phases)}.")
+        self._set(phases=None if phases is None else tuple(finite("phases", phase) for phase in phases))
         self._set(seed=None if seed is None else integer("seed", seed, least=0), start=ranges.start("start", start))
         self._set_ramps(duration, rise, fall)
 
@@ -175,9 +177,3 @@ class VibrationLines(AsCall, StartedMotion):
         if order == 1 and np.any(first):
             value += first * self._oscillation(t, 0)
         return value
-
-
-def _checked_phases(phases: Sequence[float], count: int) -> tuple[float, ...]:
-    if len(phases) != count:
-        raise ValueError(f"`phases` must hold one phase for each of the {count} lines, got {len(phases)}.")
-    return tuple(finite("phases", phase) for phase in phases)

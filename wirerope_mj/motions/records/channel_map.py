@@ -31,22 +31,14 @@ _EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" o
 
 @dataclass(frozen=True, kw_only=True)
 class ChannelPhrase:
-    """What a column of a file is, as far as its phrase says.
+    """What a column of a file is, as far as its phrase says."""
 
-    Attributes:
-        subject: "base", "body/NAME", "point/NAME" or "mount/NAME".
-        quantity: None where only the unit in the file's header can say.
-        axis: of the world; of a mount x is roll, y shear, z axial.
-        sign: -1.0 for a sensor that points the other way.
-        unit: None where the file's header says it.
-        absolute: of a displacement of a body or a point: whether it is that in space and not that relative to the base.
-    """
-
-    subject: str
-    quantity: Quantity | None
-    axis: Axis
-    sign: float
-    unit: str | None
+    subject: str  # "base", "body/NAME", "point/NAME" or "mount/NAME"
+    quantity: Quantity | None  # None where only the unit in the file's header can say
+    axis: Axis  # of the world; of a mount x is roll, y shear, z axial
+    sign: float  # -1.0 for a sensor that points the other way
+    unit: str | None  # None where the file's header says it
+    # of a displacement of a body or a point: whether it is that in space and not that relative to the base
     absolute: bool
 
     def quantity_of(self, unit: str) -> Quantity | None:
@@ -67,12 +59,7 @@ def quantity_of(unit: str, *, mount: bool) -> Quantity | None:
 def parse_channel(column: str, phrase: str) -> ChannelPhrase:
     """Parse what a column is: a subject, then in any order an axis with its sign, a quantity, a unit, "absolute".
 
-    Args:
-        column: name, for messages.
-        phrase: for instance "point/rack_top z g"; a name with spaces stands in quotation marks.
-
-    Raises:
-        ValueError: the phrase says no subject or no axis, says one twice, or holds an unknown word.
+    A name with spaces stands in quotation marks. ValueError says what is missing, said twice or unknown.
     """
     try:
         subject, *words = shlex.split(phrase)
@@ -109,13 +96,10 @@ def parse_channel(column: str, phrase: str) -> ChannelPhrase:
     quantity, unit, word = found.get("quantity"), found.get("unit"), found["axis"]
     axis = word.lstrip("+-")
     parsed = ChannelPhrase(
-        subject=subject,
-        quantity=next((one for one in UNITS if one == quantity), None),
+        subject=subject, quantity=next((one for one in UNITS if one == quantity), None),
         axis=_OF_MOUNT.get(axis) or ("x" if axis == "x" else "y" if axis == "y" else "z"),
-        sign=-1.0 if word.startswith("-") else 1.0,
-        unit=unit,
-        absolute=found.get("reference") == "absolute",
-    )
+        sign=-1.0 if word.startswith("-") else 1.0, unit=unit, absolute=found.get("reference") == "absolute",
+    )  # fmt: skip
     if unit is not None and parsed.quantity_of(unit) is None:
         stated = quantity or f"anything measured at {_called(subject)}"
         raise _refused(column, phrase, f"has the unit {unit}, which is none of {stated}")

@@ -57,8 +57,8 @@ def reading_warnings(reading: Reading, *, corrected: bool) -> Iterator[str]:
     """Yield warnings about accelerations as they were measured; `corrected`: a baseline is taken off later."""
     if reading.time.size < _FEWEST:
         return
-    yield from _implausible(reading)
     rate = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0])
+    yield from _implausible(reading, rate)
     for axis, a in zip("xyz", reading.samples.T, strict=True):
         low, high = float(a.min()), float(a.max())
         if high > low:
@@ -90,23 +90,25 @@ def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iter
             large = abs(gained) / length >= _OFFSET * float(np.abs(a).max())
             drifts = abs(gained) > max(_SLOW, _DRIFT * own) and not large
             yield from _strays(course, gained / length if drifts else 0.0, speed, travel)
-        elif abs(gained) > max(_SLOW, _GAIN * own, _noise_gain(a, step)):
-            yield (
-                _pushed(axis, rest, gained, baseline)
-                if baseline in ("mean", "velocity")
-                else (
+            continue
+        rms = (
+            float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP
+        )  # four deviations of what white noise adds up to
+        if abs(gained) > max(_SLOW, _GAIN * own, 4.0 * rms * step * float(np.sqrt(a.size))):
+            if baseline in ("mean", "velocity"):
+                constant = "mean" if baseline == "mean" else "final velocity"
+                yield (
+                    f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {constant} holds '
+                    f"the pulse too, and {-gained:.3g} m/s of its velocity are spread over the record. "
+                    'baseline="rest" (--baseline rest) takes off the level at rest alone.'
+                )
+            else:
+                yield (
                     f"{course}it stands off zero by {rest:.4g} m/s^2 where it rests, which makes {gained:.3g} m/s of it. "
                     'Correct it with baseline="rest" or "highpass" (--baseline).'
                 )
-            )
         elif speed > LARGEST_SPEED:  # it coasts after its pulse, wherever that takes it
             yield f"{course}its unit is another one, by a factor of 9.81 or 1000. Say the right one with `unit` (--unit)."
-
-
-def _noise_gain(a: Array, step: float) -> float:
-    """Return four standard deviations of what the noise of a signal adds up to, if it is white [m/s]."""
-    rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP
-    return 4.0 * rms * step * float(np.sqrt(a.size))
 
 
 def _strays(course: str, steady: float, speed: float, travel: float) -> Iterator[str]:
@@ -122,18 +124,7 @@ def _strays(course: str, steady: float, speed: float, travel: float) -> Iterator
     yield f'{course}{reason}. Correct it with baseline="velocity", "mean" or "highpass" (--baseline).'
 
 
-def _pushed(axis: str, rest: float, gained: float, baseline: str) -> str:
-    """Return the warning about a correction that takes the record's pulse for an offset."""
-    constant = "mean" if baseline == "mean" else "final velocity"
-    return (
-        f'along {axis} the quiet part stands at {rest:.4g} m/s^2 after baseline="{baseline}": the {constant} holds the pulse '
-        f'too, and {-gained:.3g} m/s of its velocity are spread over the record. baseline="rest" (--baseline rest) takes '
-        "off the level at rest alone."
-    )
-
-
-def _implausible(reading: Reading) -> Iterator[str]:
-    rate = (reading.time.size - 1) / float(reading.time[-1] - reading.time[0])
+def _implausible(reading: Reading, rate: float) -> Iterator[str]:
     peak = max(float(reading.samples.max()), -float(reading.samples.min()))
     units = " and ".join(reading.units)
     if peak > LARGEST_PEAK:
@@ -148,18 +139,17 @@ def _implausible(reading: Reading) -> Iterator[str]:
             f"its peak is {peak:.3g} m/s^2, less than most sensors' noise: are the values in another unit than {units}, by a "
             'factor of 1000 or 9.81? Say the right one, for instance unit="g" (--unit).'
         )
-    elif peak < _WEAK and all(unit.startswith("mm") for unit in reading.units) and _are_pulses(reading.samples):
+    elif (
+        peak < _WEAK
+        and all(unit.startswith("mm") for unit in reading.units)
+        and all(is_pulse(a, offset_of(a)) for a in reading.samples.T if a.any())
+    ):
         yield (
             f"its peak is {peak:.3g} m/s^2, little for a shock: if the values are in m/s^2 and not in {units}, say "
             'unit="m/s^2" (--unit).'
         )
     if not SMALLEST_RATE <= rate <= LARGEST_RATE:
         yield f"it has {rate:.4g} samples a second: is its time in another unit than the header says, s for ms or ms for s?"
-
-
-def _are_pulses(samples: Array) -> bool:
-    """Return whether there are pulses and no vibrations in samples (n, 3)."""
-    return all(is_pulse(a, offset_of(a)) for a in samples.T if a.any())
 
 
 def _wrong_unit(axis: str, rest: float | None, units: tuple[str, ...], corrected: bool) -> Iterator[str]:

@@ -31,29 +31,18 @@ _OFFSET = 0.02  # level at rest, as a fraction of a channel's range, from which 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredChannel:
-    """What one sensor measured.
+    """What one sensor measured."""
 
-    Attributes:
-        subject: "base", "body/NAME", "point/NAME" or "mount/NAME".
-        quantity: "acceleration", "velocity" or "displacement"; of a mount "deflection" or "force".
-        axis: "x", "y" or "z" of the world; of a mount x is roll, y shear, z axial, with the signs of its response.
-        time: instants on the run's clock [s], evenly spaced, (n,).
-        values: in SI, with the sign of the axis, (n,).
-        saturated: samples at which the sensor was at the end of its range: the true value lies beyond, (n,).
-        absolute: of a displacement of a body or a point: that in space; else relative to the base.
-        column: of the file.
-        unit: in which the file gives it.
-    """
-
-    subject: str
-    quantity: Quantity
-    axis: Axis
-    time: Array = field(repr=False)
-    values: Array = field(repr=False)
+    subject: str  #: "base", "body/NAME", "point/NAME" or "mount/NAME"
+    quantity: Quantity  #: "acceleration", "velocity" or "displacement"; of a mount "deflection" or "force"
+    axis: Axis  #: "x", "y" or "z" of the world; of a mount x is roll, y shear, z axial, with the signs of its response
+    time: Array = field(repr=False)  #: instants on the run's clock [s], evenly spaced, (n,)
+    values: Array = field(repr=False)  #: in SI, with the sign of the axis, (n,)
+    #: samples at which the sensor was at the end of its range: the true value lies beyond, (n,)
     saturated: NDArray[np.bool_] = field(repr=False)
-    absolute: bool = False
-    column: str
-    unit: str
+    absolute: bool = False  #: of a displacement of a body or a point: that in space; else relative to the base
+    column: str  #: of the file
+    unit: str  #: in which the file gives it
 
     @property
     def key(self) -> str:
@@ -69,22 +58,14 @@ class MeasuredChannel:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Measured(Summarised):
-    """A test's measured channels; made by `load_measured`.
+    """A test's measured channels; made by `load_measured`."""
 
-    Attributes:
-        name: of the test: its file's name without the ending, or as it was given.
-        channels: in the order of the map.
-        warnings: what had to be done to the samples, and what looks wrong about them.
-        path: of the file.
-        phrases: what each column is, by column, as `load_measured` takes them.
-        start, clock, baseline, gaps: as `load_measured` takes them.
-    """
-
-    name: str
-    channels: tuple[MeasuredChannel, ...]
-    warnings: tuple[str, ...] = ()
-    path: Path
-    phrases: Mapping[str, str]
+    name: str  #: of the test: its file's name without the ending, or as it was given
+    channels: tuple[MeasuredChannel, ...]  #: in the order of the map
+    warnings: tuple[str, ...] = ()  #: what had to be done to the samples, and what looks wrong about them
+    path: Path  #: of the file
+    phrases: Mapping[str, str]  #: what each column is, by column, as `load_measured` takes them
+    #: as `load_measured` takes them
     start: float = 0.0
     clock: float = 1.0
     baseline: str = "none"
@@ -197,9 +178,8 @@ def load_measured(
         values = samples * (phrase.sign * UNITS[known][unit])
         tops = list(flat_tops(values)) if np.ptp(values) else []
         rest = level_at_rest(values)
-        messages += _warnings(
-            f'in column "{column}"', values, tops, 1.0 / float(time[1] - time[0]), known, baseline, rest
-        )
+        where, rate = f'in column "{column}"', 1.0 / float(time[1] - time[0])
+        messages += _warnings(where, values, tops, rate, known, baseline, rest)
         saturated = np.isin(values, [extreme for extreme, _ in tops])
         level = offset_of(values) if rest is None else rest
         values -= {"none": 0.0, "rest": level, "mean": float(values.mean())}[baseline]
@@ -207,17 +187,10 @@ def load_measured(
             array.flags.writeable = False
         found.append(
             MeasuredChannel(
-                subject=phrase.subject,
-                quantity=known,
-                axis=phrase.axis,
-                time=time,
-                values=values,
-                saturated=saturated,
-                absolute=phrase.absolute,
-                column=column,
-                unit=unit,
+                subject=phrase.subject, quantity=known, axis=phrase.axis, time=time, values=values, saturated=saturated,
+                absolute=phrase.absolute, column=column, unit=unit,
             )  # fmt: skip
-        )
+        )  # fmt: skip
     _require_distinct(found)
     for message in messages:
         warnings.warn(f"{file}: {message}", RecordWarning, stacklevel=2)

@@ -43,21 +43,14 @@ def axes_of(directions: Iterable[Direction]) -> Array:
     return np.array([unit_vector(direction) for direction in directions])
 
 
-def resting_value(a: Array) -> float | None:
-    """Return the value at which a signal (n,) rests between its events, None if it does not."""
-    middle = float(np.median(a))
-    band = max(_BAND * float(np.ptp(a)), _NEAR * abs(middle))
-    ratio = np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size
-    return middle if ratio >= _RESTS else None
-
-
 def quiet_level(a: Array) -> float | None:
     """Return the mean of the quiet part of a signal (n,), which it begins or ends with; None if there is no such part.
 
     A level that is neither at the beginning nor at the end is the top of a pulse.
     """
-    middle = resting_value(a)
-    if middle is None:
+    middle = float(np.median(a))
+    band = max(_BAND * float(np.ptp(a)), _NEAR * abs(middle))
+    if np.count_nonzero((a >= middle - band) & (a <= middle + band)) / a.size < _RESTS:
         return None
     off = np.abs(a - middle)
     spread = float(np.median(off[:: max(1, off.size // _ENOUGH)]))

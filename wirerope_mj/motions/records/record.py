@@ -195,9 +195,16 @@ def load_record(
         reading = resampled(reading, rate)
     time, samples = reading.time, reading.samples
     time -= time[0]
-    _require_start(time, start)
+    step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
+    if digit > _EVEN * step:
+        raise ValueError(
+            f"`start` is so far from 0 that its last digit, {digit:.2g} s, is large beside the {step:.6g} s between samples, "
+            f"got {start!r}."
+        )
     time += start  # in a second step, so that the first instant is `start` to the last digit
-    _require_scale(samples, scale)
+    peak = max(float(samples.max()), -float(samples.min()))
+    if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
+        raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
     samples *= scale
     time, samples = without_baseline(time, samples, baseline, highpass)
     messages = (*reading.warnings, *motion_warnings(time, samples, baseline))
@@ -241,23 +248,6 @@ def record_channels(path: str | Path) -> tuple[str, ...]:
     """
     file = Path(path).absolute()
     return uff_channels(file) if is_uff(file) else table_channels(file)
-
-
-def _require_scale(samples: Array, scale: float) -> None:
-    """Raise ValueError if a factor makes numbers of a record that it would not be allowed to hold."""
-    peak = max(float(samples.max()), -float(samples.min()))
-    if peak * abs(scale) > LARGEST * STANDARD_GRAVITY:
-        raise ValueError(f"`scale` makes {abs(scale):.3g} times a peak of {peak:.4g} m/s^2, got {scale!r}.")
-
-
-def _require_start(time: Array, start: float) -> None:
-    """Raise ValueError if instants [s] from 0 on cannot be told from each other so late or so early."""
-    step, digit = float(time[-1]) / (time.size - 1), float(np.spacing(abs(start)))
-    if digit > _EVEN * step:
-        raise ValueError(
-            f"`start` is so far from 0 that its last digit, {digit:.2g} s, is large beside the {step:.6g} s between samples, "
-            f"got {start!r}."
-        )
 
 
 def _checked_cutoff(baseline: str, highpass: float | None) -> float | None:

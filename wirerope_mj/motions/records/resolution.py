@@ -27,15 +27,9 @@ _FAST, _ERRORS = 2.4, 4.0
 def resolution_warnings(
     where: str, a: Array, rest: float, rate: float, *, unit: str = "m/s^2", played: bool = True
 ) -> Iterator[str]:
-    """Yield warnings about a signal (n,) that rests at a value.
+    """Yield warnings about a signal (n,) at a rate [Hz] that rests at a value and, if `played`, drives a base.
 
-    Args:
-        where: how a sentence about it begins: "along x".
-        a: the signal.
-        rest: its value at rest.
-        rate: of its samples [Hz].
-        unit: of its values.
-        played: whether it drives a base, in straight lines between samples.
+    `where` is how a sentence about it begins, "along x"; a base is driven in straight lines between the samples.
     """
     alone = _lone_samples(a)
     if alone:

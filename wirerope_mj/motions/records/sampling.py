@@ -89,20 +89,16 @@ def _burg(a: Array, order: int) -> Array:
 
 
 def even(path: Path, reading: Reading, *, gaps: str) -> Reading:
-    """Return the record at equal intervals, with a warning of what had to be done for it.
+    """Return the record of a file at equal intervals, with a warning of what had to be done for it.
 
-    Args:
-        path: of the file, for messages.
-        reading: as measured.
-        gaps: "refuse": a gap is an error; "fill": it is filled with a straight line.
-
-    Raises:
-        RecordError: there is a gap, or a time stamp far from all others.
+    RecordError says where there is a gap, unless `gaps` is "fill": with straight lines, or a time stamp far from all others.
     """
     time = reading.time
     step = float(time[-1] - time[0]) / (time.size - 1)
     if _largest_miss(time, step) <= max(_ROUNDED * step, _printed(time, step)):
-        return replace(reading, time=_even_time(float(time[0]), step, time.size))
+        even_time = step * np.arange(float(time.size))
+        even_time += time[0]
+        return replace(reading, time=even_time)
     intervals = np.diff(time)
     usual = float(np.quantile(intervals, 0.5, method="lower"))
     _require_few(path, time, intervals, usual)
@@ -137,13 +133,6 @@ def _largest_miss(time: Array, step: float) -> float:
         even_block = time[0] + step * np.arange(first, first + block.size)
         largest = max(largest, float(np.abs(block - even_block).max()))
     return largest
-
-
-def _even_time(first: float, step: float, count: int) -> Array:
-    time = np.arange(count, dtype=float)
-    time *= step
-    time += first
-    return time
 
 
 def resampled(reading: Reading, rate: float) -> Reading:
@@ -252,15 +241,10 @@ def _curved(reading: Reading, time: Array, usual: float) -> Reading:
 
 
 def without_baseline(time: Array, samples: Array, baseline: str, highpass: float | None) -> tuple[Array, Array]:
-    """Return instants and samples without a constant (`baseline`), or without what is slower than a cutoff [Hz].
+    """Return instants [s], (n,), and accelerations, (n, 3), without a constant, or without what is slower than a cutoff [Hz].
 
-    The samples are changed in place, unless they are filtered: a record is then longer, by rest at both ends.
-
-    Args:
-        time: equally spaced instants [s], (n,).
-        samples: acceleration [m/s^2], (n, 3).
-        baseline: one of `BASELINES`.
-        highpass: cutoff of the high-pass filter [Hz], where its gain is one half.
+    `baseline` is one of `BASELINES`; the filter has the gain one half at its cutoff `highpass`. Samples are changed in place,
+    unless they are filtered: a record is then longer, by rest at both ends.
 
     Raises:
         ValueError: the cutoff is half the sampling rate or more, or lower than can be meant.

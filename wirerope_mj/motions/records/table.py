@@ -37,12 +37,7 @@ def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False
     """Yield the columns' numbers block by block, (n, n_columns); the first of them is time.
 
     Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
-    commas, nothing says which number belongs to which column.
-
-    Args:
-        header: of the file.
-        columns: indices of the columns.
-        missing: whether cells behind the time may be empty or NaN; both are NaN then.
+    commas, nothing says which number belongs to which column. If `missing`, cells behind the time may be empty or NaN.
 
     Raises:
         RecordError: a row has another number of cells than the header, or a cell is no number or not finite.
@@ -57,7 +52,7 @@ def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False
                     warnings.simplefilter("ignore", UserWarning)  # empty lines, and no line at all at the end
                     block = np.loadtxt(
                         rows, delimiter=header.delimiter, comments=None, usecols=columns, ndmin=2, max_rows=_BLOCK,
-                        converters=_number_or_nan if missing else None,
+                        converters=(lambda cell: parse_number(cell) if cell.strip() else math.nan) if missing else None,
                     )  # fmt: skip
             except ValueError:
                 name_bad_line(header, columns, missing=missing)
@@ -124,10 +119,6 @@ def _full_rows(header: Header, lines: Iterable[str]) -> Iterator[str]:
         yield with_points(header, line)
 
 
-def _number_or_nan(cell: str) -> float:
-    return parse_number(cell) if cell.strip() else math.nan
-
-
 def table_channels(path: Path) -> tuple[str, ...]:
     """Return the names of all columns but the time."""
     return _opened(path)[0].names[1:]
@@ -138,11 +129,8 @@ def read_record_table(
 ) -> Reading:
     """Return the accelerations in the columns of a table: a CSV, MATLAB, XLSX or Parquet file.
 
-    Args:
-        path: of the file.
-        channels: columns and their directions; None: the columns named x, y and z.
-        unit: of the accelerations, in place of what the header says; None: the header's.
-        fill: whether empty cells and NaN are filled with straight lines; else they are an error.
+    Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and
+    NaN are filled with straight lines; else they are an error.
     """
     header, numbers = _opened(path)
     directions = _axis_columns(header) if channels is None else _named_columns(header, channels)

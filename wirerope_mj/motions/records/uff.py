@@ -37,6 +37,7 @@ _SI = 1  # code of the system of units
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
 
+Histories = list[tuple[int, dict[str, Any]]]  # number and header of each
 
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
 _DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
@@ -67,10 +68,8 @@ def uff_channels(path: Path) -> tuple[str, ...]:
 def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | None) -> Reading:
     """Return the time histories of acceleration in a universal file.
 
-    Args:
-        path: of the file.
-        channels: names as `uff_channels` gives them, and their directions; None: all, along their own directions.
-        unit: of the accelerations, in place of what the file says; None: the ordinate's label, then dataset 164.
+    Without `channels`, named as by `uff_channels`, they are all, along their own directions; without a `unit` it is that of the
+    ordinate's label, then that of dataset 164.
     """
     histories, systems = _histories(path, unit)
     chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
@@ -97,8 +96,13 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
     Histories of acceleration, and those of unknown kind, are called as `uff_channels` does; others have their quantity behind
     that, as in `12:z displacement`.
     """
-    histories, systems = _all_histories(path)
-    names_there = [_name_with_quantity(head) for _, head in histories]
+    _, heads, systems = _datasets(path)
+    histories = [(n, head) for n, head in heads if _is_in_time(head)]
+    if not histories:
+        raise RecordError(f"{path}: this universal file holds no complete time history (dataset 58, function type 1).")
+    kinds = [int(head.get("ordinate_spec_data_type", 0)) for _, head in histories]
+    pairs = zip(histories, kinds, strict=True)
+    names_there = [f"{_name(head)} {_MEASURED.get(kind, ('',))[0]}".strip() for (_, head), kind in pairs]
     columns, units, time = list[Array](), list[str | None](), np.zeros(0)
     for name in names:
         if names_there.count(name) != 1:
@@ -106,7 +110,8 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
                 f'there is no history "{name}"' if name not in names_there else f'several histories are called "{name}"'
             )
             raise RecordError(f"{path}: {fault}; the file holds {', '.join(names_there)}.")
-        number, head = histories[names_there.index(name)]
+        place = names_there.index(name)
+        (number, head), kind = histories[place], kinds[place]
         clock, values = _values(path, number, name)
         if columns and not _same_clock(time, clock):
             raise RecordError(f"{path}: {name} is sampled at other instants than {names[0]}. Read them as two tests.")
@@ -114,15 +119,10 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
         columns.append(values)
         label = _label(head, "ordinate")
         unit: str | None = _SPELLED.get(label, label) or None
-        kind = int(head.get("ordinate_spec_data_type", 0))
         if unit is None and kind in _MEASURED and systems and int(systems[-1]["units_code"]) == _SI:
             unit = _MEASURED[kind][1]
         units.append(unit)
     return Reading(time, np.column_stack(columns), ()), tuple(units)
-
-
-def _name_with_quantity(head: Mapping[str, Any]) -> str:
-    return " ".join([_name(head), _MEASURED.get(int(head.get("ordinate_spec_data_type", 0)), ("",))[0]]).strip()
 
 
 def _open(path: Path) -> Any:
@@ -131,7 +131,7 @@ def _open(path: Path) -> Any:
     return pyuff.UFF(str(path))
 
 
-def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
+def _histories(path: Path, unit: str | None) -> tuple[Histories, list[dict[str, Any]]]:
     """Return number and header of each history of acceleration, and the datasets 164 with their system of units."""
     kinds, heads, systems = _datasets(path)
     histories = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
@@ -146,16 +146,7 @@ def _histories(path: Path, unit: str | None) -> tuple[list[tuple[int, dict[str, 
     return histories, systems
 
 
-def _all_histories(path: Path) -> tuple[list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
-    """Return number and header of each time history of any quantity, and the datasets 164."""
-    _, heads, systems = _datasets(path)
-    histories = [(n, head) for n, head in heads if _is_in_time(head)]
-    if not histories:
-        raise RecordError(f"{path}: this universal file holds no complete time history (dataset 58, function type 1).")
-    return histories, systems
-
-
-def _datasets(path: Path) -> tuple[list[int], list[tuple[int, dict[str, Any]]], list[dict[str, Any]]]:
+def _datasets(path: Path) -> tuple[list[int], Histories, list[dict[str, Any]]]:
     """Return the types of all datasets, number and header of each dataset 58, and the datasets 164."""
     try:
         file = _open(path)
@@ -225,7 +216,7 @@ def _name(head: Mapping[str, Any]) -> str:
     return f"{node}:{end}" if end else f"{node}"
 
 
-def _all_of_one_node(path: Path, histories: list[tuple[int, dict[str, Any]]]) -> dict[int, Direction]:
+def _all_of_one_node(path: Path, histories: Histories) -> dict[int, Direction]:
     """Return all histories along the directions that the file gives them; they must be of one node and at most three."""
     names = [_name(head) for _, head in histories]
     ends = [name.partition(":")[2] for name in names]
@@ -239,9 +230,7 @@ def _all_of_one_node(path: Path, histories: list[tuple[int, dict[str, Any]]]) ->
     return {n: _VECTORS.get(end, end) for (n, _), end in zip(histories, ends, strict=True)}
 
 
-def _named(
-    path: Path, histories: list[tuple[int, dict[str, Any]]], channels: Mapping[str, Direction]
-) -> dict[int, Direction]:
+def _named(path: Path, histories: Histories, channels: Mapping[str, Direction]) -> dict[int, Direction]:
     numbers: dict[str, list[int]] = {}
     for n, head in histories:
         numbers.setdefault(_name(head), []).append(n)

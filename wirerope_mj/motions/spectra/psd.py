@@ -28,23 +28,15 @@ LEAST_SAMPLES = 8
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PowerSpectralDensity(Summarised):
-    """Mean square per frequency of a stationary acceleration, one-sided, (n_f,), or (n_f, k) for k of them side by side.
+    """Mean square per frequency of a stationary acceleration, one-sided, (n_f,), or (n_f, k) for k of them side by side."""
 
-    Attributes:
-        frequency: [Hz], (n_f,), evenly spaced from 0.
-        density: [(m/s^2)^2/Hz].
-        resolution: distance of the frequencies, one over the length of a segment [Hz].
-        duration: length of the record after what was discarded [s].
-        segments: number of half-overlapping segments that were averaged.
-        degrees_of_freedom: of the chi-squared distribution that every density has about its true value: 2 for each segment,
-            less what their overlap shares.
-    """
-
-    frequency: Array
-    density: Array
-    resolution: float
-    duration: float
-    segments: int
+    frequency: Array  #: [Hz], (n_f,), evenly spaced from 0
+    density: Array  #: [(m/s^2)^2/Hz]
+    resolution: float  #: distance of the frequencies, one over the length of a segment [Hz]
+    duration: float  #: length of the record after what was discarded [s]
+    segments: int  #: number of half-overlapping segments that were averaged
+    #: of the chi-squared distribution that every density has about its true value: 2 for each segment, less what their
+    #: overlap shares
     degrees_of_freedom: float
 
     def _summary(self) -> tuple[str, dict[str, str]]:

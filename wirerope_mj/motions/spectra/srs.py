@@ -69,21 +69,15 @@ class ShockResponseSpectrum(Summarised):
     """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency: those of ISO 18431-4.
 
     All are magnitudes, (n_f,) for one acceleration, (n_f, k) for k of them side by side.
-
-    Attributes:
-        frequencies: of the oscillators [Hz], (n_f,).
-        acceleration: absolute acceleration of the mass [m/s^2].
-        displacement: of the mass from the base [m]; times 2 pi f the pseudo-velocity of either sign and phase, times its square
-            the equivalent static acceleration.
-        velocity: of the mass relative to the base [m/s].
-        q: amplification at resonance, 1 / (2 zeta); infinite = undamped.
     """
 
-    frequencies: Array
-    acceleration: Extremes
+    frequencies: Array  #: of the oscillators [Hz], (n_f,)
+    acceleration: Extremes  #: absolute acceleration of the mass [m/s^2]
+    #: of the mass from the base [m]; times 2 pi f the pseudo-velocity of either sign and phase, times its square the
+    #: equivalent static acceleration
     displacement: Extremes
-    velocity: Extremes
-    q: float
+    velocity: Extremes  #: of the mass relative to the base [m/s]
+    q: float  #: amplification at resonance, 1 / (2 zeta); infinite = undamped
 
     @property
     def positive(self) -> Array:
@@ -183,12 +177,10 @@ def shock_response_spectrum(
         phase.transpose(2, 1, 0).reshape(EXTREMES, wanted.size, *values.shape[1:]) for phase in (primary, residual)
     )
     return ShockResponseSpectrum(
-        frequencies=wanted,
-        acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
+        frequencies=wanted, acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
         displacement=Extremes.of(during, after, DISPLACEMENT, step**2),
-        velocity=Extremes.of(during, after, VELOCITY, step),
-        q=float(q),
-    )
+        velocity=Extremes.of(during, after, VELOCITY, step), q=float(q),
+    )  # fmt: skip
 
 
 def _frequencies(frequencies: npt.ArrayLike | None, step: float, samples: int) -> Array:

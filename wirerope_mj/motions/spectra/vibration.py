@@ -28,21 +28,13 @@ _NEAR = 40.0
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class VibrationSpectrum(Brief):
-    """Responses of oscillators of quality `q` to stationary random vibration of the base.
+    """Responses of oscillators of quality `q` to stationary random vibration of the base."""
 
-    Attributes:
-        frequencies: natural frequencies [Hz], (n,).
-        acceleration: rms of the absolute acceleration [m/s^2], (n,).
-        deflection: rms of the deflection relative to the base [m], (n,).
-        moments: of the deflection's density W, the integrals of f^k W for k = 0, 1, 2 and 4 [m^2 Hz^k], (n, 4).
-        q: quality, 1/(2 damping ratio).
-    """
-
-    frequencies: Array
-    acceleration: Array
-    deflection: Array
-    moments: Array
-    q: float
+    frequencies: Array  #: natural frequencies [Hz], (n,)
+    acceleration: Array  #: rms of the absolute acceleration [m/s^2], (n,)
+    deflection: Array  #: rms of the deflection relative to the base [m], (n,)
+    moments: Array  #: of the deflection's density W, the integrals of f^k W for k = 0, 1, 2 and 4 [m^2 Hz^k], (n, 4)
+    q: float  #: quality, 1/(2 damping ratio)
 
     @property
     def pseudo_velocity(self) -> Array:
@@ -104,12 +96,9 @@ def vibration_response_spectrum(
         raise ValueError("`frequencies` must be finite numbers > 0, (n,).")
     integrals = np.array([_integrals(points, float(f), quality) for f in at])
     return VibrationSpectrum(
-        frequencies=at,
-        acceleration=np.sqrt(integrals[:, -1]),
-        deflection=np.sqrt(integrals[:, 0]),
-        moments=integrals[:, :-1],
-        q=quality,
-    )
+        frequencies=at, acceleration=np.sqrt(integrals[:, -1]), deflection=np.sqrt(integrals[:, 0]),
+        moments=integrals[:, :-1], q=quality,
+    )  # fmt: skip
 
 
 def equivalent_psd(
@@ -155,12 +144,9 @@ def equivalent_psd(
         density = np.exp(np.interp(np.log(grid), np.log(at), np.log(levels)))
         moments = squared @ (weights * density).T
         spectrum = VibrationSpectrum(
-            frequencies=at,
-            acceleration=np.full(at.size, math.nan),
-            deflection=np.sqrt(moments[:, 0]),
-            moments=moments,
+            frequencies=at, acceleration=np.full(at.size, math.nan), deflection=np.sqrt(moments[:, 0]), moments=moments,
             q=quality,
-        )
+        )  # fmt: skip
         found = spectrum.fatigue_damage(b, duration, method=method)
         error = float(np.abs(found / wanted - 1.0).max())
         if error < _EQUAL:

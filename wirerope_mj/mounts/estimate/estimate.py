@@ -30,47 +30,31 @@ MOST_LOOPS = 1000  # Loops of an isolator at the most
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """Errors of the estimates of known parts, as factors - 1: 0.2 is 20 % above, or as much below (1 / 1.2).
+    """Errors of the estimates of known parts, as factors - 1: 0.2 is 20 % above, or as much below (1 / 1.2)."""
 
-    Attributes:
-        within: for 80 % of the vendor's parts, each estimated without itself.
-        worst: for the worst of them.
-        other: for 80 % of another vendor's parts; None where it states no such value.
-    """
-
-    within: float
-    worst: float
-    other: float | None
+    within: float  # for 80 % of the vendor's parts, each estimated without itself
+    worst: float  # for the worst of them
+    other: float | None  # for 80 % of another vendor's parts; None where it states no such value
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoopEstimate:
-    """Estimated values of an isolator.
+    """Estimated values of an isolator."""
 
-    Attributes:
-        height, width, rope, bar: geometry [m].
-        loops: their number.
-        bar_assumed: whether the bar was not given, and taken from the vendor's parts of this rope.
-        bar_length: over which the loops are spread [m], None if not given.
-        values: those that a data sheet would state.
-        bands: error of each value, by the names of `values.flat()`.
-        left_out: what the estimate of each known part left out: itself, or all parts with its rope.
-        vibration_bending_stiffness: EI of the rope in small vibration [N m^2].
-        rotation: stiffness about x (roll), y (shear) and z (axial) for small vibration, about mid-height [N m/rad], (3,);
-            without `bar_length` only about y, the others NaN. No vendor states any: it has no band of its own.
-    """
-
+    # geometry [m]
     height: float
     width: float
     rope: float
     bar: float
-    loops: int
-    bar_assumed: bool
-    bar_length: float | None
-    values: LoopValues
-    bands: dict[str, Band]
-    left_out: LeftOut
-    vibration_bending_stiffness: float
+    loops: int  # their number
+    bar_assumed: bool  # whether the bar was not given, and taken from the vendor's parts of this rope
+    bar_length: float | None  # over which the loops are spread [m], None if not given
+    values: LoopValues  # those that a data sheet would state
+    bands: dict[str, Band]  # error of each value, by the names of `values.flat()`
+    left_out: LeftOut  # what the estimate of each known part left out: itself, or all parts with its rope
+    vibration_bending_stiffness: float  # EI of the rope in small vibration [N m^2]
+    # stiffness about x (roll), y (shear) and z (axial) for small vibration, about mid-height [N m/rad], (3,); without
+    # `bar_length` only about y, the others NaN. No vendor states any: it has no band of its own.
     rotation: Array
 
 
@@ -117,26 +101,15 @@ def estimate_loop(
     shape = loop_shape(height=height, width=width, bar=thickness, rope=rope)
     stiffness = values.vibration["compression"] / (loops * RopeLoop(shape).stiffness()[1, 1])
     rotation = rotational_stiffness(
-        shape,
-        bending_stiffness=stiffness,
-        positions=loop_positions(loops, bar_length or 1.0),
-        axial=values.vibration["compression"],
-        roll=values.vibration["shear"],
-    )
+        shape, bending_stiffness=stiffness, positions=loop_positions(loops, bar_length or 1.0),
+        axial=values.vibration["compression"], roll=values.vibration["shear"],
+    )  # fmt: skip
     return LoopEstimate(
-        height=height,
-        width=width,
-        rope=rope,
-        bar=thickness,
-        loops=loops,
-        bar_assumed=bar is None,
-        bar_length=bar_length,
-        values=values,
-        bands=error_bands(left_out),
-        left_out=left_out,
+        height=height, width=width, rope=rope, bar=thickness, loops=loops, bar_assumed=bar is None,
+        bar_length=bar_length, values=values, bands=error_bands(left_out), left_out=left_out,
         vibration_bending_stiffness=float(stiffness),
         rotation=rotation if bar_length is not None else np.array([math.nan, rotation[1], math.nan]),
-    )
+    )  # fmt: skip
 
 
 def error_bands(left_out: LeftOut) -> dict[str, Band]:
@@ -181,13 +154,9 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     part = VendorPart(
         name=title,
         series=Series(file="", source=_source(estimate), damping=ENIDINE.damping, damping_range=ENIDINE.damping_range),
-        loops=estimate.loops,
-        rope=estimate.rope,
-        height=estimate.height,
-        width=estimate.width,
-        bar=estimate.bar,
+        loops=estimate.loops, rope=estimate.rope, height=estimate.height, width=estimate.width, bar=estimate.bar,
         modes=modes,
-    )
+    )  # fmt: skip
     fitted = fit_part(part, scales=1)
     provenance = Provenance(
         kind="estimated",

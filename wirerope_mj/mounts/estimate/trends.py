@@ -20,20 +20,14 @@ SAME_ROPE = 0.02  # Relative difference of two rope diameters that are one size 
 
 @dataclass(frozen=True, kw_only=True)
 class LoopValues:
-    """Estimated values of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well.
+    """Estimated values of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well."""
 
-    Attributes:
-        bending_stiffness: EI of the rope over the compression travel [N m^2].
-        travel: largest deflection [m], by mode.
-        vibration, shock: stiffness [N/m], by mode; the table's vibration stiffness in shear is its shock stiffness.
-        static_load: largest static load in compression [N].
-    """
-
-    bending_stiffness: float
-    travel: dict[str, float]
+    bending_stiffness: float  # EI of the rope over the compression travel [N m^2]
+    travel: dict[str, float]  # largest deflection [m], by mode
+    # stiffness [N/m], by mode; the table's vibration stiffness in shear is its shock stiffness
     vibration: dict[str, float]
     shock: dict[str, float]
-    static_load: float
+    static_load: float  # largest static load in compression [N]
 
     def flat(self) -> dict[str, float]:
         """Return the values that a vendor states, by name."""
@@ -130,9 +124,8 @@ def all_trends() -> Trends:
 def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
     """Return log(estimate / catalogue) of every value, (50,), each row estimated without itself.
 
-    Args:
-        left_out: "part": the row alone, as for a rope size that the table has; "rope size": all rows with its rope, as for one
-            that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
+    "part": without the row alone, as for a rope size that the table has; "rope size": without all rows with its rope, as for
+    one that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
     """
     rows = [check.part for check in check_vendor_loops()]
     errors: dict[str, list[float]] = {}
@@ -142,12 +135,9 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
             height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops
         )
         stated = LoopValues(
-            bending_stiffness=1.0,
-            travel=dict(row.travel),
-            vibration=dict(row.vibration),
-            shock=dict(row.shock),
+            bending_stiffness=1.0, travel=dict(row.travel), vibration=dict(row.vibration), shock=dict(row.shock),
             static_load=row.static_load["compression"],
-        )
+        )  # fmt: skip
         for name, value in predicted.flat().items():
             errors.setdefault(name, []).append(float(np.log(value / stated.flat()[name])))
     return {name: np.array(values) for name, values in errors.items()}

@@ -14,23 +14,17 @@ ENIDINE: Series = next(series for series in SERIES if series.file == "enidine_wr
 
 @dataclass(frozen=True, kw_only=True)
 class VendorLoop:
-    """One isolator of the table, SI units.
-
-    Attributes:
-        rope: diameter [m].
-        loops: their number.
-        width, height: of the unloaded isolator [m].
-        bar: thickness of one bar [m].
-        static_load, travel, vibration, shock: largest static load [N], largest deflection [m], stiffness of small vibration
-            and mean stiffness over the travel [N/m], by mode: compression, 45, and shear, which stands for roll as well.
-    """
+    """One isolator of the table, SI units."""
 
     name: str
-    rope: float
-    loops: int
+    rope: float  # diameter [m]
+    loops: int  # their number
+    # of the unloaded isolator [m]
     width: float
     height: float
-    bar: float
+    bar: float  # thickness of one bar [m]
+    # largest static load [N], largest deflection [m], stiffness of small vibration and mean stiffness over the travel [N/m],
+    # by mode: compression, 45, and shear, which stands for roll as well
     static_load: Mapping[str, float]
     travel: Mapping[str, float]
     vibration: Mapping[str, float]
@@ -68,34 +62,21 @@ def _loop(part: VendorPart) -> VendorLoop | None:
 
 @dataclass(frozen=True, kw_only=True)
 class Secants:
-    """Force over deflection of a loop at three deflections from the unloaded position [N/m].
+    """Force over deflection of a loop at three deflections from the unloaded position [N/m]."""
 
-    Attributes:
-        compression: straight down.
-        roll: straight across the bars.
-        diagonal: straight at 45 degrees between both; the force is the component along that line.
-    """
-
-    compression: float
-    roll: float
-    diagonal: float
+    compression: float  # straight down
+    roll: float  # straight across the bars
+    diagonal: float  # straight at 45 degrees between both; the force is the component along that line
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoopCheck:
-    """One isolator of a vendor beside the elastica; errors are prediction over catalogue - 1.
+    """One isolator of a vendor beside the elastica; errors are prediction over catalogue - 1."""
 
-    Attributes:
-        part: row of the table.
-        bending_stiffness: EI of the rope [N m^2] that gives the catalogue's shock stiffness in compression.
-        roll_error: of the shock stiffness in roll, which the catalogue has in one table with shear.
-        diagonal_error: of the shock stiffness at 45 degrees.
-    """
-
-    part: VendorLoop
-    bending_stiffness: float
-    roll_error: float
-    diagonal_error: float
+    part: VendorLoop  # row of the table
+    bending_stiffness: float  # EI of the rope [N m^2] that gives the catalogue's shock stiffness in compression
+    roll_error: float  # of the shock stiffness in roll, which the catalogue has in one table with shear
+    diagonal_error: float  # of the shock stiffness at 45 degrees
 
 
 def loop_secants(shape: LoopShape, *, compression: float, roll: float, diagonal: float) -> Secants:
@@ -122,8 +103,6 @@ def _check(part: VendorLoop) -> LoopCheck:
     stiffness = part.shock["compression"] / (part.loops * secants.compression)
     scale = stiffness * part.loops
     return LoopCheck(
-        part=part,
-        bending_stiffness=stiffness,
-        roll_error=scale * secants.roll / part.shock["shear"] - 1.0,
+        part=part, bending_stiffness=stiffness, roll_error=scale * secants.roll / part.shock["shear"] - 1.0,
         diagonal_error=scale * secants.diagonal / part.shock["45"] - 1.0,
-    )
+    )  # fmt: skip

@@ -4,7 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import get_args
+from itertools import product
+from typing import Any, get_args
 
 import numpy as np
 
@@ -26,47 +27,31 @@ USUAL: tuple[type[Law], ...] = (EnhancedDryFriction, BoucWen, SymmetricBoucWen, 
 
 @dataclass(frozen=True, kw_only=True)
 class LawRow:
-    """Fit of one law.
+    """Fit of one law."""
 
-    Attributes:
-        law: its name.
-        free: number of its free parameters.
-        criterion: Bayesian information criterion, N ln(S / N) + p ln N, of all loops; infinite if the law could not be fitted.
-        behind: criterion minus that of the best law.
-        errors: root mean square of force minus measured force over half of the force range, of the fit to all loops at each
-            amplitude, (n_amplitudes,): the `residuals` of an identification.
-        errors_left_out: the same, each of the fit to all other amplitudes, (n_amplitudes,); NaN where there is none.
-        converged: whether all searches ended by themselves.
-        message: how the fit to all loops ended, or why there is none.
-        fit: that fit; None if there is none.
-        why_not_left_out: why there is no fit to all other amplitudes for one of them; empty if there is.
-    """
-
-    law: str
-    free: int
+    law: str  # its name
+    free: int  # number of its free parameters
+    # Bayesian information criterion, N ln(S / N) + p ln N, of all loops; infinite if the law could not be fitted
     criterion: float
-    behind: float
+    behind: float  # criterion minus that of the best law
+    # root mean square of force minus measured force over half of the force range, of the fit to all loops at each amplitude,
+    # (n_amplitudes,): the `residuals` of an identification
     errors: Array
+    # the same, each of the fit to all other amplitudes, (n_amplitudes,); NaN where there is none
     errors_left_out: Array
-    converged: bool
-    message: str
-    fit: Identification | None
-    why_not_left_out: str = ""
+    converged: bool  # whether all searches ended by themselves
+    message: str  # how the fit to all loops ended, or why there is none
+    fit: Identification | None  # that fit; None if there is none
+    why_not_left_out: str = ""  # why there is no fit to all other amplitudes for one of them; empty if there is
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class LawComparison(Brief):
-    """Several laws on the same loops.
+    """Several laws on the same loops."""
 
-    Attributes:
-        rows: one for each law, best criterion first.
-        amplitudes: the different amplitudes [m], smallest first, (n_amplitudes,).
-        weights: of the fits, as in `identify`.
-    """
-
-    rows: tuple[LawRow, ...]
-    amplitudes: Array
-    weights: str
+    rows: tuple[LawRow, ...]  # one for each law, best criterion first
+    amplitudes: Array  # the different amplitudes [m], smallest first, (n_amplitudes,)
+    weights: str  # of the fits, as in `identify`
 
     @property
     def best(self) -> LawRow:
@@ -208,24 +193,15 @@ def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights
 
 @dataclass(frozen=True, kw_only=True)
 class MethodRow:
-    """Fit by one method from one start.
+    """Fit by one method from one start."""
 
-    Attributes:
-        method: "three-stage", "time" or "frequency".
-        iterations: steps of the searches, all stages together.
-        evaluations: of a residual, Jacobians included.
-        error: root mean square of force minus measured force, each loop's over its half force range [-].
-        converged: whether the last search ended by itself.
-        message: how it ended.
-    """
-
-    method: str
+    method: str  # "three-stage", "time" or "frequency"
     start: str
-    iterations: int
-    evaluations: int
-    error: float
-    converged: bool
-    message: str
+    iterations: int  # steps of the searches, all stages together
+    evaluations: int  # of a residual, Jacobians included
+    error: float  # root mean square of force minus measured force, each loop's over its half force range [-]
+    converged: bool  # whether the last search ended by itself
+    message: str  # how it ended
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -262,24 +238,24 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
     require_loops(loops)
     if not isinstance(starts, Mapping) or not starts or not all(isinstance(law, Law) for law in starts.values()):
         raise ValueError(f"`starts` must hold at least one law by a name, such as {{'guess': law}}, got {starts!r}.")
-    return MethodComparison(
-        rows=tuple(
-            _method_row(loops, name, start, method, weights)
-            for name, start in starts.items()
-            for method in get_args(Method)
-        )
-    )
-
-
-def _method_row(loops: Sequence[Loop], name: str, start: Law, method: Method, weights: str) -> MethodRow:
-    try:
-        fit = identify(loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False)
-    except ValueError as failure:
-        return MethodRow(
-            method=method, start=name, iterations=0, evaluations=0, error=float("inf"), converged=False,
-            message=str(failure),
-        )  # fmt: skip
-    return MethodRow(
-        method=method, start=name, iterations=sum(stage.iterations for stage in fit.stages),
-        evaluations=fit.evaluations, error=fit.residual, converged=fit.converged, message=fit.message,
-    )  # fmt: skip
+    rows = []
+    for (name, start), method in product(starts.items(), get_args(Method)):
+        try:
+            fit = identify(
+                loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False
+            )
+        except ValueError as failure:
+            ended: dict[str, Any] = {
+                "iterations": 0,
+                "evaluations": 0,
+                "error": math.inf,
+                "converged": False,
+                "message": str(failure),
+            }
+        else:
+            ended = {
+                "iterations": sum(stage.iterations for stage in fit.stages), "evaluations": fit.evaluations,
+                "error": fit.residual, "converged": fit.converged, "message": fit.message,
+            }  # fmt: skip
+        rows.append(MethodRow(method=method, start=name, **ended))
+    return MethodComparison(rows=tuple(rows))

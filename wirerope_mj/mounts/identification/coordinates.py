@@ -9,17 +9,12 @@ from wirerope_mj.mounts.laws import Law
 
 @dataclass(frozen=True, kw_only=True)
 class Scales:
-    """Sizes of the measured loops.
+    """Sizes of the measured loops."""
 
-    Attributes:
-        deflection, least: the largest and the least amplitude [m].
-        force: half the largest force range [N].
-        below, above: how far a stop's sides that close were deflected [m]; 0 of one that does not.
-    """
-
-    deflection: float
-    least: float
-    force: float
+    deflection: float  # the largest amplitude [m]
+    least: float  # the least amplitude [m]
+    force: float  # half the largest force range [N]
+    # how far a stop's sides that close were deflected [m]; 0 of one that does not
     below: float = 0.0
     above: float = 0.0
 
@@ -31,23 +26,16 @@ SEEN = 0.02
 
 @dataclass(frozen=True)
 class Coordinate:
-    """One number that is searched for.
+    """One number that is searched for."""
 
-    Attributes:
-        name: as tables print it.
-        lower, upper: bounds of its value; a coordinate with a lower bound > 0 is searched for by its logarithm.
-        scale: size of its value, for one that may be zero.
-        linear: whether the force is proportional to it, all others given.
-        stiffness: whether it belongs to the elastic part, which the first of the thesis' three stages fits.
-    """
-
-    name: str
+    name: str  # as tables print it
     unit: str
+    # bounds of its value; a coordinate with a lower bound > 0 is searched for by its logarithm
     lower: float
     upper: float
-    scale: float = 1.0
-    linear: bool = False
-    stiffness: bool = False
+    scale: float = 1.0  # size of its value, for one that may be zero
+    linear: bool = False  # whether the force is proportional to it, all others given
+    stiffness: bool = False  # whether it belongs to the elastic part, which the first of the thesis' three stages fits
 
     @property
     def logarithmic(self) -> bool:
@@ -70,16 +58,10 @@ class Coordinate:
 
 @dataclass(frozen=True, kw_only=True)
 class Family:
-    """Coordinates of the laws of one class.
+    """Coordinates of the laws of one class."""
 
-    Attributes:
-        coordinates: the numbers, from the sizes of the measured loops.
-        make: the law of their values.
-        read: the values of a law.
-        usual: values of coordinates that are given unless they are asked for, or a start has others.
-    """
-
-    coordinates: Callable[[Scales], list[Coordinate]]
-    make: Callable[[dict[str, float]], Law]
-    read: Callable[[Law], dict[str, float]]
+    coordinates: Callable[[Scales], list[Coordinate]]  # the numbers, from the sizes of the measured loops
+    make: Callable[[dict[str, float]], Law]  # the law of their values
+    read: Callable[[Law], dict[str, float]]  # the values of a law
+    # values of coordinates that are given unless they are asked for, or a start has others
     usual: Mapping[str, float] = field(default_factory=dict)

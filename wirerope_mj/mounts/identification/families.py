@@ -17,6 +17,7 @@ from wirerope_mj.mounts.laws import (
     AsymmetricBoucWen,
     BoucWen,
     EnhancedDryFriction,
+    Hysteresis,
     Law,
     Masing,
     Ozdemir,
@@ -58,12 +59,6 @@ def _elastic(s: Scales, *names: str) -> list[Coordinate]:
     return rows
 
 
-def _asymmetry(s: Scales) -> Coordinate:
-    # exp(10) between the ends of the travel is beyond any isolator.
-    x = s.deflection
-    return Coordinate("c_ln_b", "1/m", -5.0 / x, 5.0 / x, scale=1.0 / x, stiffness=True)
-
-
 def _read_normalised(law: Law) -> dict[str, float]:
     assert isinstance(law, BoucWen | Ozdemir | SymmetricBoucWen)
     form = law.normalised
@@ -79,9 +74,12 @@ def _read_normalised(law: Law) -> dict[str, float]:
     return values
 
 
-def _make_asymmetric(values: dict[str, float]) -> Law:
-    rest = {key: value for key, value in values.items() if key != "c_ln_b"}
-    return AsymmetricBoucWen.from_normalised(**rest, b=math.e, c=values["c_ln_b"])
+def _of_springs(kind: type[Hysteresis], *names: str, sigma: bool = True) -> Family:
+    return Family(
+        coordinates=lambda s: [*_hysteresis(s, sigma=sigma), *_elastic(s, *names)],
+        make=lambda values: kind.from_normalised(**values),
+        read=_read_normalised,
+    )
 
 
 def _vaiana_rosati(s: Scales) -> list[Coordinate]:
@@ -174,24 +172,21 @@ def masing_family(elements: int) -> Family:
 
 # The laws that cyclic tests can fix: rate-independent, without wear.
 FAMILIES: dict[type[Law], Family] = {
-    BoucWen: Family(
-        coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k")],
-        make=lambda values: BoucWen.from_normalised(**values),
-        read=_read_normalised,
-    ),
-    Ozdemir: Family(
-        coordinates=lambda s: [*_hysteresis(s, sigma=False), *_elastic(s, "k")],
-        make=lambda values: Ozdemir.from_normalised(**values),
-        read=_read_normalised,
-    ),
-    SymmetricBoucWen: Family(
-        coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k1", "k2", "k3")],
-        make=lambda values: SymmetricBoucWen.from_normalised(**values),
-        read=_read_normalised,
-    ),
+    BoucWen: _of_springs(BoucWen, "k"),
+    Ozdemir: _of_springs(Ozdemir, "k", sigma=False),
+    SymmetricBoucWen: _of_springs(SymmetricBoucWen, "k1", "k2", "k3"),
     AsymmetricBoucWen: Family(
-        coordinates=lambda s: [*_hysteresis(s), *_elastic(s, "k1", "k2", "k3"), _asymmetry(s)],
-        make=_make_asymmetric,
+        coordinates=lambda s: [
+            *_hysteresis(s),
+            *_elastic(s, "k1", "k2", "k3"),
+            # exp(10) between the ends of the travel is beyond any isolator.
+            Coordinate(
+                "c_ln_b", "1/m", -5.0 / s.deflection, 5.0 / s.deflection, scale=1.0 / s.deflection, stiffness=True
+            ),
+        ],
+        make=lambda values: AsymmetricBoucWen.from_normalised(
+            **{key: value for key, value in values.items() if key != "c_ln_b"}, b=math.e, c=values["c_ln_b"]
+        ),
         read=_read_normalised,
     ),
     EnhancedDryFriction: Family(

@@ -127,14 +127,9 @@ def identify(
     family = scales_family(law, names) if names else family_of(law, elements)
     coordinates = family.coordinates(replace(scales_of(measured), **sides))
     unknowns = unknowns_of(
-        Parallel if names else law,
-        beside_known(family, beside),
-        coordinates,
-        dict(fixed or {}),
-        free,
-        constraint,
+        Parallel if names else law, beside_known(family, beside), coordinates, dict(fixed or {}), free, constraint,
         start,
-    )
+    )  # fmt: skip
     require_amplitudes(measured, unknowns, data)
     full = joined(loop_residual(measured, data), extra_residuals)
     starts = [("given", family.read(start))] if start is not None else []
@@ -211,16 +206,7 @@ def _result(
     if bounded := [p.name for p in uncertainty.parameters.values() if p.at_bound]:
         message += f"; at its bound: {', '.join(bounded)}"
     return Identification(
-        law=law,
-        parameters=uncertainty.parameters,
-        residual=float(np.sqrt(np.mean(residuals**2))),
-        residuals=residuals,
-        converged=minimum.converged,
-        message=message,
-        non_identifiable=uncertainty.non_identifiable,
-        uncertainty=uncertainty,
-        stages=best.stages,
-        evaluations=evaluations,
-        started=best.started,
-        loops=tuple(loops),
-    )
+        law=law, parameters=uncertainty.parameters, residual=float(np.sqrt(np.mean(residuals**2))), residuals=residuals,
+        converged=minimum.converged, message=message, non_identifiable=uncertainty.non_identifiable,
+        uncertainty=uncertainty, stages=best.stages, evaluations=evaluations, started=best.started, loops=tuple(loops),
+    )  # fmt: skip

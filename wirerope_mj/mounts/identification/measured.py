@@ -27,25 +27,16 @@ OPEN_ENDED = 0.2
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredLoop:
-    """One closed cycle.
+    """One closed cycle."""
 
-    Attributes:
-        deflection: path [m], (n_t,), monotone between its turning points.
-        force: measured force [N], (n_t,).
-        weight: divisor of this loop's residual [N].
-        history: turning points from the unloaded device to the first of the measured cycles [m], (n,).
-        elapsed: time since the cycle began over its period, (n_t,).
-        averaged: cycles whose mean was measured; 0: the loop counts as steady.
-        period: of the cycle [s]; None where the record has no time.
-    """
-
-    deflection: Array
-    force: Array
-    weight: float
+    deflection: Array  # path [m], (n_t,), monotone between its turning points
+    force: Array  # measured force [N], (n_t,)
+    weight: float  # divisor of this loop's residual [N]
+    # turning points from the unloaded device to the first of the measured cycles [m], (n,)
     history: Array = field(default_factory=lambda: np.zeros(0))
-    elapsed: Array = field(default_factory=lambda: np.zeros(0))
-    averaged: int = 0
-    period: float | None = None
+    elapsed: Array = field(default_factory=lambda: np.zeros(0))  # time since the cycle began over its period, (n_t,)
+    averaged: int = 0  # cycles whose mean was measured; 0: the loop counts as steady
+    period: float | None = None  # of the cycle [s]; None where the record has no time
 
     @property
     def amplitude(self) -> float:

@@ -37,17 +37,11 @@ class ProfilePoint:
 
 @dataclass(frozen=True, kw_only=True)
 class Survey:
-    """Uncertainty of a fit by its profiles.
+    """Uncertainty of a fit by its profiles."""
 
-    Attributes:
-        uncertainty: of the best, errors as wide as what fits as well, other sets of values named.
-        better: values of a better fit, if moving a value has shown one.
-        evaluations: residuals computed.
-    """
-
-    uncertainty: Uncertainty
-    better: dict[str, float] | None
-    evaluations: int
+    uncertainty: Uncertainty  # of the best, errors as wide as what fits as well, other sets of values named
+    better: dict[str, float] | None  # values of a better fit, if moving a value has shown one
+    evaluations: int  # residuals computed
 
 
 def survey(
@@ -60,7 +54,16 @@ def survey(
     uncertainty, spread = uncertainty_of(unknowns, best, noise), noise_of(unknowns, best, noise)
     if not EXACT < spread < np.inf:
         return Survey(uncertainty=uncertainty, better=None, evaluations=0)
-    points, reaches, evaluations = _profiled(unknowns, residual, best, uncertainty, spread)
+    reaches: dict[str, float] = {}
+    points: list[ProfilePoint] = []
+    evaluations = 0
+    for index, c in enumerate(unknowns.free):
+        for side in (-ERRORS, ERRORS) if _identified(uncertainty.parameters[c.name]) else ():
+            profile = _Profile(unknowns, residual, best, uncertainty, spread, index)
+            reach = profile.reach(side * uncertainty.parameters[c.name].standard_error)
+            reaches[c.name] = max(reaches.get(c.name, 0.0), reach)
+            points += profile.points
+            evaluations += profile.evaluations
     deepest = min(points, key=lambda point: point.rise, default=None)
     if deepest is not None and deepest.rise < -BETTER:
         return Survey(uncertainty=uncertainty, better=unknowns.values(deepest.numbers), evaluations=evaluations)
@@ -79,25 +82,6 @@ def survey(
             reach = abs(p.value - values[name]) + np.sqrt(ERRORS**2 - rise) * p.standard_error
             reaches[name] = max(reaches.get(name, 0.0), reach)
     return Survey(uncertainty=_widened(uncertainty, reaches, others), better=None, evaluations=evaluations)
-
-
-def _profiled(
-    unknowns: Unknowns, residual: Residual, best: Minimum, uncertainty: Uncertainty, spread: float
-) -> tuple[list[ProfilePoint], dict[str, float], int]:
-    """Return the fits that moving each identified value has shown, how far each could be moved, residuals computed."""
-    reaches: dict[str, float] = {}
-    points: list[ProfilePoint] = []
-    evaluations = 0
-    for index, c in enumerate(unknowns.free):
-        if not _identified(uncertainty.parameters[c.name]):
-            continue
-        for side in (-ERRORS, ERRORS):
-            profile = _Profile(unknowns, residual, best, uncertainty, spread, index)
-            reach = profile.reach(side * uncertainty.parameters[c.name].standard_error)
-            reaches[c.name] = max(reaches.get(c.name, 0.0), reach)
-            points += profile.points
-            evaluations += profile.evaluations
-    return points, reaches, evaluations
 
 
 def _identified(p: Parameter) -> bool:

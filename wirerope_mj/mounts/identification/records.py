@@ -32,9 +32,7 @@ _OTHER_UNITS = 100.0
 def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[Loop]]:
     """Return the loops by file, or raise RecordError that names the file which cannot be used.
 
-    Args:
-        files: records.
-        stop: whether the device is a bare bump stop, which may have no force in some of them.
+    A bare bump stop may have no force in some of them.
     """
     tests: dict[Path, list[Loop]] = {}
     for path in files:
@@ -143,16 +141,11 @@ def identified_isolator(
     known: Isolator | None = None,
     whole: Isolator | None = None,
 ) -> Isolator:
-    """Return an isolator with the law of an identification on an axis.
+    """Return an isolator called `name` with the law of an identification on the axis that was tested.
 
-    Args:
-        result: of the identification.
-        name: of the isolator.
-        axis: "roll", "shear" or "axial", the axis that was tested.
-        files: records that were fitted.
-        given: what was given to the fit, one text each.
-        known: isolator whose law on the axis was known; its limits, geometry and other axes stay.
-        whole: isolator to which the axis is added, or whose axis is replaced; all else of it stays, too.
+    `files` are the records that were fitted, `given` is what was given to the fit, one text each. `known` is an isolator
+    whose law on the axis was known: its limits, geometry and other axes stay; `whole` is one to which the axis is added, or
+    whose axis is replaced: all else of it stays, too.
     """
     fits = fitted_loops(result)
     sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)

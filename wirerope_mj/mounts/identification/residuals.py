@@ -18,11 +18,8 @@ THIN = 0.01
 def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residual:
     """Return the residual of all loops: force of the law minus measured, each loop without its mean, over its weight.
 
-    The mean is what a drifting zero of the load cell adds; the law's own is lost with it.
-
-    Args:
-        loops: as they were measured.
-        data: "loops" for all samples, "skeleton" for the forces at the turning points alone.
+    The mean is what a drifting zero of the load cell adds; the law's own is lost with it. Data are "loops", all samples, or
+    "skeleton", the forces at the turning points alone.
     """
 
     def whole(law: Law) -> Array:

@@ -84,58 +84,36 @@ OF_DEFLECTION, OF_ACCELERATION = 8.4, 2.0
 
 @dataclass(frozen=True, kw_only=True)
 class ScaleRow:
-    """A number of scales of friction that was tried.
+    """A number of scales of friction that was tried."""
 
-    Attributes:
-        count: of scales.
-        free: number of free parameters.
-        criterion: Bayesian information criterion of all loops; infinite if there is no fit.
-        left_out: error at the amplitude left out over its force's root mean square, geometric mean over the amplitudes [-].
-        why_not: why there is no fit; empty if there is.
-    """
-
-    count: int
-    free: int
-    criterion: float
+    count: int  # of scales
+    free: int  # number of free parameters
+    criterion: float  # Bayesian information criterion of all loops; infinite if there is no fit
+    # error at the amplitude left out over its force's root mean square, geometric mean over the amplitudes [-]
     left_out: float
-    why_not: str = ""
+    why_not: str = ""  # why there is no fit; empty if there is
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Identification(Summarised):
-    """A law found from cyclic tests.
+    """A law found from cyclic tests."""
 
-    Attributes:
-        law: the law.
-        parameters: coordinates of the search, by name, in normalised form: value, unit, standard error, whether at a bound.
-        residual: root mean square of force minus measured force, each loop's over its half force range [-].
-        residuals: the same for each loop, smallest amplitude first, (n_loops,).
-        converged: whether the search ended by itself.
-        message: how it ended.
-        non_identifiable: a message for each combination of parameters that the data do not identify.
-        uncertainty: covariance, correlation and singular values.
-        stages: those of the best start.
-        evaluations: of the residual in all.
-        started: "given" or "grid": the best start.
-        loops: as they were fitted, smallest first.
-        scales: names of the scales of friction, in the order of the law's components; empty for one scale.
-        scale_rows: numbers of scales that were tried, if the data were to say how many.
-    """
-
-    law: Law
+    law: Law  #: the law
+    #: coordinates of the search, by name, in normalised form: value, unit, standard error, whether at a bound
     parameters: dict[str, Parameter]
-    residual: float
-    residuals: Array
-    converged: bool
-    message: str
-    non_identifiable: tuple[str, ...]
-    uncertainty: Uncertainty
-    stages: tuple[Stage, ...]
-    evaluations: int
-    started: str
-    loops: tuple[MeasuredLoop, ...]
+    residual: float  #: root mean square of force minus measured force, each loop's over its half force range [-]
+    residuals: Array  #: the same for each loop, smallest amplitude first, (n_loops,)
+    converged: bool  #: whether the search ended by itself
+    message: str  #: how it ended
+    non_identifiable: tuple[str, ...]  #: a message for each combination of parameters that the data do not identify
+    uncertainty: Uncertainty  #: covariance, correlation and singular values
+    stages: tuple[Stage, ...]  #: those of the best start
+    evaluations: int  #: of the residual in all
+    started: str  #: "given" or "grid": the best start
+    loops: tuple[MeasuredLoop, ...]  #: as they were fitted, smallest first
+    #: names of the scales of friction, in the order of the law's components; empty for one scale
     scales: tuple[str, ...] = ()
-    scale_rows: tuple[ScaleRow, ...] = ()
+    scale_rows: tuple[ScaleRow, ...] = ()  #: numbers of scales that were tried, if the data were to say how many
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         ended = "converged" if self.converged else "NOT CONVERGED"
@@ -216,19 +194,12 @@ class Identification(Summarised):
 
 @dataclass(frozen=True, kw_only=True)
 class FittedLoop:
-    """One measured loop and the law's.
+    """One measured loop and the law's."""
 
-    Attributes:
-        deflection: path [m], (n_t,).
-        measured: force [N], (n_t,), without the zero of the load cell.
-        fitted: force of the law [N], (n_t,).
-        zero: of the load cell, taken out [N]: the mean of measured minus fitted.
-    """
-
-    deflection: Array
-    measured: Array
-    fitted: Array
-    zero: float
+    deflection: Array  # path [m], (n_t,)
+    measured: Array  # force [N], (n_t,), without the zero of the load cell
+    fitted: Array  # force of the law [N], (n_t,)
+    zero: float  # of the load cell, taken out [N]: the mean of measured minus fitted
 
     @property
     def amplitude(self) -> float:

@@ -46,9 +46,7 @@ def require_scales(kind: type[Law], scales: Any, *, start: Law | None, beside: L
 def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
     """Build the family of laws with several scales: `Parallel` sets of one class, the spring in the first of them.
 
-    Args:
-        kind: class of the sets.
-        names: of the scales, the largest first; coordinates end with them, as "n_small".
+    The scales are named, the largest first; coordinates end with their names, as "n_small".
     """
     one, pairs = FAMILIES[kind], [(f"x_y_{a}/{b}", b) for a, b in pairwise(names)]
 
@@ -66,20 +64,10 @@ def scales_family(kind: type[Law], names: tuple[str, ...]) -> Family:
         x_y = {names[0]: values[f"x_y_{names[0]}"]}
         for (ratio, name), above in zip(pairs, names, strict=False):
             x_y[name] = x_y[above] / values[ratio]
-        return Parallel(
-            laws=tuple(
-                one.make(
-                    {
-                        "z_max": values[f"z_max_{name}"],
-                        "x_y": x_y[name],
-                        "sigma": values["sigma"],
-                        "n": values[f"n_{name}"],
-                    }
-                    | (spring if name == names[0] else bare)
-                )
-                for name in names
-            )
-        )
+        own = {name: {"z_max": values[f"z_max_{name}"], "x_y": x_y[name], "n": values[f"n_{name}"]} for name in names}
+        springs = [spring if name == names[0] else bare for name in names]
+        laws = (one.make(own[a] | {"sigma": values["sigma"]} | b) for a, b in zip(names, springs, strict=True))
+        return Parallel(laws=tuple(laws))
 
     def read(law: Law) -> dict[str, float]:
         parts = law.components

@@ -35,17 +35,11 @@ REFUSED = 1e3  # Residual of a law that cannot be evaluated on the loops, in uni
 
 @dataclass(frozen=True, kw_only=True)
 class Unknowns:
-    """The coordinates of a law, some of them fixed.
+    """The coordinates of a law, some of them fixed."""
 
-    Attributes:
-        family: how the law is made.
-        coordinates: all coordinates.
-        fixed: values of those that do not move.
-    """
-
-    family: Family
-    coordinates: Sequence[Coordinate]
-    fixed: Mapping[str, float]
+    family: Family  # how the law is made
+    coordinates: Sequence[Coordinate]  # all coordinates
+    fixed: Mapping[str, float]  # values of those that do not move
 
     @property
     def free(self) -> list[Coordinate]:
@@ -96,20 +90,14 @@ class _StalledError(Exception):
 
 
 class _Residuals:
-    """The residual and its Jacobian along a search: counts evaluations, and ends a search that creeps.
-
-    Attributes:
-        evaluations: of the residual so far.
-        steps: the minimum so far at each step.
-        freedom: samples left over for the noise.
-    """
+    """The residual and its Jacobian along a search: counts evaluations, and ends a search that creeps."""
 
     def __init__(self, unknowns: Unknowns, residual: Residual, begin: Array) -> None:
         self._unknowns, self._residual = unknowns, residual
         self._size = residual(unknowns.law(begin)).size
         self.evaluations = 0
-        self.steps: list[Minimum] = []
-        self.freedom = max(self._size - begin.size, 1)
+        self.steps: list[Minimum] = []  # the minimum so far at each step
+        self.freedom = max(self._size - begin.size, 1)  # samples left over for the noise
         self._latest = (begin, self._value(begin))
 
     def residual(self, numbers: Array) -> Array:
@@ -193,15 +181,10 @@ class Stage:
 def run_stages(
     unknowns: Unknowns, loops: Sequence[MeasuredLoop], full: Residual, values: Mapping[str, float], method: Method
 ) -> tuple[Minimum, tuple[Stage, ...]]:
-    """Return the end of a search from `values` in the residual `full`, and its stages.
+    """Return the end of a search from `values` in the residual `full`, which counts, and its stages.
 
-    Args:
-        unknowns: coordinates of the law.
-        loops: as they were measured.
-        full: the residual that counts.
-        values: the start.
-        method: "three-stage": stiffness from mid-lines, hysteresis from areas, everything from forces; "time": the last of
-            these at once; "frequency": everything from the Fourier coefficients of the forces.
+    By the method "three-stage": stiffness from mid-lines, hysteresis from areas, everything from forces; "time": the last of
+    these at once; "frequency": everything from the Fourier coefficients of the forces.
     """
     stages: list[Stage] = []
 

@@ -24,40 +24,25 @@ STEP = 1e-6
 
 @dataclass(frozen=True, kw_only=True)
 class SpecimenRow:
-    """One parameter of the law over the specimens.
+    """One parameter of the law over the specimens."""
 
-    Attributes:
-        parameter: its name, as in an isolator file.
-        nominal: value of the fit to all loops together.
-        mean: mean of the specimens' values.
-        deviation: their standard deviation.
-        fit_error: the component of it that the noise of the tests alone makes: root mean square of the fits' standard errors.
-        values: one for each specimen.
-    """
-
-    parameter: str
-    nominal: float
-    mean: float
-    deviation: float
+    parameter: str  # its name, as in an isolator file
+    nominal: float  # value of the fit to all loops together
+    mean: float  # mean of the specimens' values
+    deviation: float  # their standard deviation
+    # the component of it that the noise of the tests alone makes: root mean square of the fits' standard errors
     fit_error: float
-    values: tuple[float, ...]
+    values: tuple[float, ...]  # one for each specimen
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SpecimenFits(Brief):
-    """Fits to several specimens of one isolator, and the scatter of their parameters.
+    """Fits to several specimens of one isolator, and the scatter of their parameters."""
 
-    Attributes:
-        nominal: fit to the loops of all specimens.
-        each: fit to the loops of each.
-        rows: one for each parameter of the law that differs from specimen to specimen.
-        covariance: of these parameters over the specimens (n - 1 in the denominator), in the order of the rows.
-    """
-
-    nominal: Identification
-    each: tuple[Identification, ...]
-    rows: tuple[SpecimenRow, ...]
-    covariance: Array
+    nominal: Identification  # fit to the loops of all specimens
+    each: tuple[Identification, ...]  # fit to the loops of each
+    rows: tuple[SpecimenRow, ...]  # one for each parameter of the law that differs from specimen to specimen
+    covariance: Array  # of these parameters over the specimens (n - 1 in the denominator), in the order of the rows
 
     @property
     def law(self) -> Law:
@@ -187,23 +172,18 @@ def _scatter(nominal: Identification, each: Sequence[Identification], family: Fa
     covariance = np.atleast_2d(np.cov(values, rowvar=False))
     rows = tuple(
         SpecimenRow(
-            parameter=name,
-            nominal=centre[name],
-            mean=float(values[:, index].mean()),
+            parameter=name, nominal=centre[name], mean=float(values[:, index].mean()),
             deviation=float(np.sqrt(covariance[index, index])),
             fit_error=float(np.sqrt(np.mean([error[name] ** 2 for error in errors]))),
             values=tuple(float(value) for value in values[:, index]),
         )
         for index, name in enumerate(names)
-    )
+    )  # fmt: skip
     return SpecimenFits(nominal=nominal, each=tuple(each), rows=rows, covariance=covariance)
 
 
 def own_parameters(law: Law) -> dict[str, float]:
-    """Return a law's own parameters by the names of its isolator file.
-
-    Those of a list are named "stiffness[0]" and so on, those of several laws in parallel "laws[0].alpha".
-    """
+    """Return a law's own parameters by the names of its file: "stiffness[0]" of a list, "laws[0].alpha" in parallel."""
     values: dict[str, float] = {}
     if len(law.components) > 1:
         each = [own_parameters(one) for one in law.components]

@@ -5,9 +5,7 @@ given, those follow from linear least squares in one step (variable projection, 
 hundred shapes has points near the best fit whatever the sizes are.
 """
 
-import itertools
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations, pairwise, product
 
 import numpy as np
@@ -42,7 +40,7 @@ def grid_starts(
         c.name: [fixed[c.name]] if c.name in fixed else _grid_values(c, amplitudes) for c in coordinates if not c.linear
     }
     fits = []
-    for point in itertools.product(*axes.values()):
+    for point in product(*axes.values()):
         shape = dict(zip(axes, point, strict=True))
         values, cost = _stretched(family, coordinates, thin, shape, fixed)
         if np.isfinite(cost):
@@ -129,29 +127,21 @@ _SIGMAS = (0.5, 1.0)
 _ASYMMETRIES = (-1.0, -0.3, 0.0, 0.3, 1.0)  # times one over the largest amplitude
 
 
-@dataclass(frozen=True, kw_only=True)
-class _Point:
-    """One point of the grid: mean squares left, its values by coordinate."""
-
-    cost: float
-    values: dict[str, float]
+_Point = tuple[float, dict[str, float]]  # of the grid: mean squares left, its values by coordinate
 
 
 def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Sequence[str]) -> list[dict[str, float]]:
     """Return the values of the best point of the grid for each n and sigma, best first: searches from two may end in others.
 
-    Args:
-        unknowns: coordinates of a law of several scales.
-        loops: as they were measured.
-        names: of the scales, the largest first.
+    The scales are named, the largest first.
     """
     thin = [ScaleLoop.of(loop.thinned(SAMPLES)) for loop in loops]
     fixed = unknowns.fixed
     exponents = sorted({fixed[f"n_{name}"] for name in names if f"n_{name}" in fixed}) or _EXPONENTS
     sigmas = [fixed["sigma"]] if "sigma" in fixed else _SIGMAS
     bends = [_with_bend(unknowns, thin, names, n, sigma) for n, sigma in product(exponents, sigmas)]
-    best = [min(points, key=lambda point: point.cost) for points in bends]
-    return [point.values | dict(fixed) for point in sorted(best, key=lambda point: point.cost)]
+    best = [min(points, key=lambda point: point[0]) for points in bends]
+    return [values | dict(fixed) for _, values in sorted(best, key=lambda point: point[0])]
 
 
 def _with_bend(
@@ -169,7 +159,11 @@ def _with_bend(
     ]
     measured = np.concatenate([(loop.force - loop.force.mean()) / loop.weight for loop in loops])
     points = []
-    for asymmetry in _asymmetries(unknowns, max(amplitudes)):
+    asymmetries = [0.0]
+    if any(c.name == "c_ln_b" for c in unknowns.coordinates):
+        tried = [one / max(amplitudes) for one in _ASYMMETRIES]
+        asymmetries = [unknowns.fixed["c_ln_b"]] if "c_ln_b" in unknowns.fixed else tried
+    for asymmetry in asymmetries:
         scale_columns = [_column(loops, shape, asymmetry) for shape in shapes]
         spring_columns = [
             _column(loops, [_spring(loop, _POWERS[c.name]) for loop in loops], asymmetry) for c in springs
@@ -184,18 +178,11 @@ def _with_bend(
             values |= {f"x_y_{a}/{b}": float(x_y[i] / x_y[i + 1]) for i, (a, b) in enumerate(pairwise(names))}
             values |= {f"n_{name}": n for name in names}
             values |= {c.name: float(value) for c, value in zip(springs, linear[len(names) :], strict=True)}
-            points.append(_Point(cost=cost, values=values))
+            points.append((cost, values))
     return points
 
 
 _POWERS: Mapping[str, int] = {"k": 1, "k1": 1, "k2": 2, "k3": 3}
-
-
-def _asymmetries(unknowns: Unknowns, largest: float) -> list[float]:
-    """Return the values of c ln b on the grid; 0 of a law that has none."""
-    if all(c.name != "c_ln_b" for c in unknowns.coordinates):
-        return [0.0]
-    return [unknowns.fixed["c_ln_b"]] if "c_ln_b" in unknowns.fixed else [one / largest for one in _ASYMMETRIES]
 
 
 def _spring(loop: ScaleLoop, power: int) -> Array:

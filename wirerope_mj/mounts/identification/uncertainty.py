@@ -23,43 +23,29 @@ AT_BOUND = 1e-6  # Fraction of a coordinate's range within which it stands at it
 
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
-    """One coordinate after a fit.
-
-    Attributes:
-        value: fitted, or given.
-        standard_error: of the value; a third of the distance at which the residual has risen as it does three errors away,
-            where that is more than the Jacobian says; 0 if it was fixed, infinite if the data do not identify it at all.
-        fixed: whether it was given.
-        at_bound: whether it stands at the end of its range.
-    """
+    """One coordinate after a fit."""
 
     name: str
     unit: str
-    value: float
+    value: float  # fitted, or given
+    # of the value; a third of the distance at which the residual has risen as it does three errors away, where that is more
+    # than the Jacobian says; 0 if it was fixed, infinite if the data do not identify it at all
     standard_error: float
-    fixed: bool
-    at_bound: bool
+    fixed: bool  # whether it was given
+    at_bound: bool  # whether it stands at the end of its range
 
 
 @dataclass(frozen=True, kw_only=True)
 class Uncertainty:
-    """Uncertainty of a fit.
+    """Uncertainty of a fit."""
 
-    Attributes:
-        parameters: all coordinates, by name.
-        covariance: of the free coordinates' values, (n, n).
-        correlation: the same without sizes, (n, n).
-        free: names of the free coordinates, in the order of the matrices.
-        singular_values: of the Jacobian over the noise, largest first, (n,): one over each is a combination's standard error.
-        non_identifiable: a message for each combination of parameters that the data do not identify.
-    """
-
-    parameters: dict[str, Parameter]
-    covariance: Array
-    correlation: Array
-    free: tuple[str, ...]
+    parameters: dict[str, Parameter]  # all coordinates, by name
+    covariance: Array  # of the free coordinates' values, (n, n)
+    correlation: Array  # the same without sizes, (n, n)
+    free: tuple[str, ...]  # names of the free coordinates, in the order of the matrices
+    # of the Jacobian over the noise, largest first, (n,): one over each is a combination's standard error
     singular_values: Array
-    non_identifiable: tuple[str, ...]
+    non_identifiable: tuple[str, ...]  # a message for each combination of parameters that the data do not identify
 
 
 def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = None) -> Uncertainty:
@@ -148,16 +134,12 @@ def with_noise_of_each(
 ) -> Uncertainty:
     """Return the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
 
-    With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is
-    H (sum of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a
-    spectrum of noise that all loops have in common, known by `BANDS`. Of that the fit takes away as much as the
-    parameters move at a harmonic, its leverage there, which is given back. Errors that were widened before stay as much wider.
+    With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is H (sum
+    of J_i^T V_i J_i) H (Huber 1967; White 1980; Newey and West 1987). V_i is the loop's mean square times a spectrum of noise
+    that all loops have in common, known by `BANDS`. Of that the fit takes away as much as the parameters move at a harmonic,
+    its leverage there, which is given back. Errors that were widened before stay as much wider.
 
-    Args:
-        uncertainty: as if all residuals had one noise.
-        unknowns: of the fit.
-        minimum: of the fit.
-        sizes: residuals of each loop; what is behind them counts as one loop more, of independent ones.
+    `sizes` are the residuals of each loop; what is behind them counts as one loop more, of independent ones.
     """
     freedom = minimum.residual.size - len(unknowns.free)
     slopes = np.array([c.slope(number) for c, number in zip(unknowns.free, minimum.numbers, strict=True)])
@@ -185,12 +167,8 @@ def with_noise_of_each(
 def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:
     """Return the covariance of the values: noise of each loop's mean square and of the spectrum that they have in common.
 
-    Args:
-        residual: what is left, (n,).
-        bread: what each residual moves the values by, (n, n_free).
-        basis: orthonormal columns that span what the parameters move, (n, n_free).
-        sizes: residuals of each loop.
-        freedom: residuals less parameters.
+    The residual, (n,), is what is left; `bread`, (n, n_free), what each residual moves the values by; the columns of `basis`,
+    (n, n_free), are orthonormal and span what the parameters move.
     """
     ends = np.cumsum(sizes)
     loops = [slice(end - size, end) for size, end in zip(sizes, ends, strict=True)]

@@ -21,7 +21,7 @@ from wirerope_mj.mounts.isolator.parts import (
     Stiffening,
     require_law_in_metres,
 )
-from wirerope_mj.mounts.isolator.tables import AXES, read_tables, write_toml
+from wirerope_mj.mounts.isolator.tables import AXES, PARTS, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
 from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop, Tabulated, on_bracket
@@ -32,43 +32,28 @@ COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axe
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Isolator(Brief):
-    """A device between two sites: one restoring-force law for each axis, limits and provenance.
+    """A device between two sites: one restoring-force law for each axis, limits and provenance."""
 
-    Attributes:
-        name: what the vendor or the laboratory calls it.
-        roll: law across the bars (x); None = no force on this axis, as for the next two.
-        shear: law along the bars (y).
-        axial: law from the base's bar to the payload's bar (z), deflection positive in tension.
-        coupling: None for independent axes; "biaxial": roll and shear share one hysteretic force, see
-            `BiaxialBoucWen`; "loop": roll and axial share one and an elastic energy, as in a loop of rope,
-            see `wirerope_mj.mounts.laws.LoopBoucWen`.
-        free: axes without a law along which the device is meant to let its payload go; of others a model warns.
-        loop: the elastic energy of the coupling "loop".
-        rotation: stiffness against turning; None = the mount turns freely.
-        stiffening: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it.
-        bracket: what it is bolted to, in series with its axes; None = rigid. `conditioned` is the isolator on it.
-        limits: rated static load and travel.
-        geometry: unloaded envelope, for drawing.
-        provenance: where the parameters come from.
-        spread: scatter of the parameters.
-        validity: cycles that the laws were identified from, by axis.
-    """
-
-    name: str
-    roll: Law | None = None
-    shear: Law | None = None
-    axial: Law | None = None
+    name: str  #: what the vendor or the laboratory calls it
+    roll: Law | None = None  #: law across the bars (x); None = no force on this axis, as for the next two
+    shear: Law | None = None  #: law along the bars (y)
+    axial: Law | None = None  #: law from the base's bar to the payload's bar (z), deflection positive in tension
+    #: None for independent axes; "biaxial": roll and shear share one hysteretic force, see `BiaxialBoucWen`; "loop": roll and
+    #: axial share one and an elastic energy, as in a loop of rope, see `wirerope_mj.mounts.laws.LoopBoucWen`
     coupling: str | None = None
+    #: axes without a law along which the device is meant to let its payload go; of others a model warns
     free: tuple[str, ...] = ()
-    loop: LoopCoupling | None = None
-    rotation: Rotation | None = None
+    loop: LoopCoupling | None = None  #: the elastic energy of the coupling "loop"
+    rotation: Rotation | None = None  #: stiffness against turning; None = the mount turns freely
+    #: factor on all forces for the cycles gone through; None = none, `conditioned` is the isolator with it
     stiffening: Stiffening | None = None
+    #: what it is bolted to, in series with its axes; None = rigid. `conditioned` is the isolator on it.
     bracket: Bracket | None = None
-    limits: Limits = Limits()
-    geometry: Geometry | None = None
-    provenance: Provenance = Provenance()
-    spread: Spread | None = None
-    validity: Validity = Validity()
+    limits: Limits = Limits()  #: rated static load and travel
+    geometry: Geometry | None = None  #: unloaded envelope, for drawing
+    provenance: Provenance = Provenance()  #: where the parameters come from
+    spread: Spread | None = None  #: scatter of the parameters
+    validity: Validity = Validity()  #: cycles that the laws were identified from, by axis
 
     def __post_init__(self) -> None:
         if not isinstance(self.name, str) or not self.name.strip():
@@ -220,17 +205,7 @@ class Isolator(Brief):
         if self.free:
             content["free"] = list(self.free)
         content |= {axis: law.to_dict() for axis, law in self.axes.items() if law is not None}
-        for name in (
-            "loop",
-            "rotation",
-            "stiffening",
-            "bracket",
-            "limits",
-            "geometry",
-            "provenance",
-            "spread",
-            "validity",
-        ):
+        for name in PARTS:
             part = getattr(self, name)
             table = {} if part is None else part.to_dict()
             if table:
@@ -239,12 +214,7 @@ class Isolator(Brief):
 
     @classmethod
     def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
-        """Return the isolator that a file's content describes.
-
-        Args:
-            content: the tables of the file.
-            where: what messages call the file.
-            folder: that of the file, for the points of a tabulated law in a CSV file beside it.
+        """Return the isolator that a file's content describes; messages call it `where`, points in a CSV file lie in `folder`.
 
         Raises:
             ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,

@@ -92,14 +92,10 @@ class Stiffening(_Part):
     Source: M. Fu and Z. Yang, Stiffness hardening effect of wire rope isolators under small cyclic loads, Materials 17 (2024)
     4983, abstract: under small cycles at a large preload the stiffness grows with the logarithm of the number of cycles, by
     about 10 to 30 % after 50.
-
-    Attributes:
-        after_50: ratio by which the stiffness has grown after 50 cycles, 0 to 1; published 0.1 to 0.3.
-        cycles: cycles that the isolator has gone through when the run starts, >= 1; at 1 nothing changes.
     """
 
-    after_50: float
-    cycles: float = 1.0
+    after_50: float  #: ratio by which the stiffness has grown after 50 cycles, 0 to 1; published 0.1 to 0.3
+    cycles: float = 1.0  #: cycles that the isolator has gone through when the run starts, >= 1; at 1 nothing changes
 
     def __post_init__(self) -> None:
         if not 0.0 <= finite("after_50", self.after_50) <= 1.0:
@@ -228,20 +224,13 @@ class Rotation(_Part):
 
 @dataclass(frozen=True, kw_only=True)
 class Provenance(_Part):
-    """Origin of the parameters.
+    """Origin of the parameters."""
 
-    Attributes:
-        kind: "catalogue", "identified", "published", "estimated" or "illustrative".
-        source: the document or measurement that the figures were taken from.
-        fitted_to: which figures the parameters reproduce, and how.
-        assumed: values that no source gives, one sentence each.
-        check_45: what the fitted axes give at 45 degrees against the vendor's figures there, by name; not fitted.
-    """
-
-    kind: str = "illustrative"
-    source: str = ""
-    fitted_to: str = ""
-    assumed: tuple[str, ...] = ()
+    kind: str = "illustrative"  #: "catalogue", "identified", "published", "estimated" or "illustrative"
+    source: str = ""  #: the document or measurement that the figures were taken from
+    fitted_to: str = ""  #: which figures the parameters reproduce, and how
+    assumed: tuple[str, ...] = ()  #: values that no source gives, one sentence each
+    #: what the fitted axes give at 45 degrees against the vendor's figures there, by name; not fitted
     check_45: dict[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -38,11 +38,8 @@ _COLUMNS = ("deflection", "force", "upper", "lower")
 def curve_in_si(table: Mapping[str, Any], location: str, folder: Path | None) -> dict[str, Any]:
     """Return the parameters of a tabulated law, all in SI, from those of a file.
 
-    `deflection_mm = [...]` is `deflection` in other units, and `points = "curve.csv"` stands for the columns of that file,
-    in `folder`.
-
-    Raises:
-        ModelError: a quantity is given twice, or the file of points is wrong; names the location or file, line and rule.
+    `deflection_mm = [...]` is `deflection` in other units, and `points = "curve.csv"` stands for the columns of that file, in
+    `folder`. ModelError names location or file, line and rule of a quantity given twice or of a wrong file of points.
     """
     values: dict[str, Any] = {}
     for key, value in table.items():
@@ -117,7 +114,7 @@ def _scaled(value: Any, factor: float | None) -> Any:
 
 AXES = ("roll", "shear", "axial")  # Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)
 _KEYS = ("name", "coupling", "free")
-_PARTS = {
+PARTS = {
     "loop": LoopCoupling,
     "rotation": Rotation,
     "stiffening": Stiffening,
@@ -132,9 +129,9 @@ _PARTS = {
 
 def read_tables(content: dict[str, Any], where: str, folder: Path | None = None) -> dict[str, Any]:
     """Return the arguments of an Isolator from the content of a file in `folder`; ModelError names where, table, key, rule."""
-    _require_keys(content, ("name",), (*_KEYS, *AXES, *_PARTS), f"{where}:", "the file")
+    _require_keys(content, ("name",), (*_KEYS, *AXES, *PARTS), f"{where}:", "the file")
     arguments: dict[str, Any] = {key: content[key] for key in _KEYS if key in content}
-    for name in (*AXES, *_PARTS):
+    for name in (*AXES, *PARTS):
         if name not in content:
             continue
         table, location = content[name], f"{where}: [{name}]"
@@ -192,7 +189,7 @@ def _read_part(name: str, table: dict[str, Any], location: str) -> Any:
     if name == "validity":  # a table for each axis
         _require_keys(table, (), AXES, location, "the validity")
         table = {axis: _range(one, f"{location[:-1]}.{axis}]") for axis, one in table.items()}
-    return _make(_PARTS[name], table, location, f"the {name}")
+    return _make(PARTS[name], table, location, f"the {name}")
 
 
 def _range(table: Any, location: str) -> MeasuredRange:

@@ -18,13 +18,11 @@ def static_utilisation(force: Sequence[float] | Array, rated: float | None) -> f
 
 
 def static_load_unjudged(force: Sequence[float] | Array, rated: float | None) -> str:
-    """Return why a rated static load says nothing of the load of a mount, as text; empty where it judges it.
+    """Return why a rated static load [N] says nothing of the load of a mount, as text; empty where it judges it.
 
     The rating holds for compression: a mount that hangs, or carries more across its axis than along it, is not judged.
-
-    Args:
-        force: restoring force at rest, roll, shear, axial [N], (3,); axial negative in compression.
-        rated: static load in compression [N]; None or NaN = not rated.
+    `force` is the restoring force at rest, roll, shear, axial [N], (3,), axial negative in compression; None or NaN: not
+    rated.
     """
     if rated is None or math.isnan(rated):
         return "no static load is rated"
@@ -62,23 +60,14 @@ def travel_utilisation(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str,
 
 
 def largest_utilisation(reached: Array, rated: Array) -> Array:
-    """Return the largest utilisation over the ratings, (...); NaN where nothing is rated.
-
-    Args:
-        reached: travel in the order of RATINGS [m], (..., 4).
-        rated: rated travel [m], (..., 4); NaN where none is stated.
-    """
+    """Return the largest of travels over rated ones [m], (..., 4) each in the order of RATINGS; NaN where nothing is rated."""
     return np.asarray(np.fmax.reduce(reached / rated, axis=-1))
 
 
 def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *, fraction: float = 1.0) -> str:
     """Return a message of the first axis that went beyond a fraction of what its law holds for, "" if none did.
 
-    Args:
-        axes: laws by axis.
-        lowest: deflections [m], (3,).
-        highest: the same.
-        fraction: of the deflections up to which a law holds.
+    Deflections [m] are (3,), at the lowest and at the highest.
     """
     for (axis, law), low, high in zip(axes.items(), lowest, highest, strict=True):
         for sign, reached, end in zip((-1.0, 1.0), (-low, high), law.travel_ends if law else (), strict=False):
@@ -98,13 +87,8 @@ _ROUNDING = 1e-9
 def falling_from(law: Law, lowest: float, highest: float) -> dict[float, float]:
     """Return the deflection from which on the force falls on further loading, by side (-1.0, 1.0) [m].
 
-    Each side is run through from the unloaded device, as a shock does. A law that depends on the rate, and one that cannot go
-    there, are left out, as are sides on which the force grows all the way.
-
-    Args:
-        law: of one axis.
-        lowest: end of the stroke below zero [m], <= 0.
-        highest: end of the stroke above zero [m], >= 0.
+    Each side is run through from the unloaded device to the end of the stroke [m], as a shock does. A law that depends on the
+    rate, and one that cannot go there, are left out, as are sides on which the force grows all the way.
     """
     found: dict[float, float] = {}
     if not law.rate_independent:

@@ -16,19 +16,12 @@ Pair = tuple[float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class MeasuredRange:
-    """Cycles that were measured along one axis, each as its lowest and highest value.
+    """Cycles that were measured along one axis, each as its lowest and highest value."""
 
-    Attributes:
-        amplitude: half-ranges of the deflection [m], >= 0.
-        deflection: ends of the deflection [m].
-        frequency: of the cycles [Hz], >= 0; None where the records have no time.
-        rate: largest deflection rates of the cycles [m/s], >= 0; None in the same way.
-    """
-
-    amplitude: Pair
-    deflection: Pair
-    frequency: Pair | None = None
-    rate: Pair | None = None
+    amplitude: Pair  # half-ranges of the deflection [m], >= 0
+    deflection: Pair  # ends of the deflection [m]
+    frequency: Pair | None = None  # of the cycles [Hz], >= 0; None where the records have no time
+    rate: Pair | None = None  # largest deflection rates of the cycles [m/s], >= 0; None in the same way
 
     def __post_init__(self) -> None:
         for item in fields(self):
@@ -66,10 +59,7 @@ class MeasuredRange:
     def outside(self, lowest: float, highest: float, *, small: bool) -> str:
         """Return how a motion between two deflections [m] leaves the range, as text; "" where it does not.
 
-        Args:
-            lowest: end of the motion [m].
-            highest: end of the motion [m].
-            small: whether motions smaller than what was measured count.
+        If `small`, motions smaller than what was measured count.
         """
         half = 0.5 * (highest - lowest)
         room = SLACK * self.amplitude[1]
@@ -111,12 +101,8 @@ class Validity:
     ) -> dict[str, str]:
         """Return how a mount's motion leaves the ranges, as text by axis; nothing of the axes that stay inside.
 
-        Small motions count along axes that move at least a tenth as far as the mount's farthest one.
-
-        Args:
-            lowest: deflections along roll, shear and axial [m], (3,).
-            highest: the same.
-            small: whether motions smaller than what was measured count at all.
+        Deflections are those along roll, shear and axial [m], (3,). If `small`, small motions count along axes that move at
+        least a tenth as far as the mount's farthest one.
         """
         halves = {
             item.name: 0.5 * float(high - low) for item, low, high in zip(fields(self), lowest, highest, strict=True)

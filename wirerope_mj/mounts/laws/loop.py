@@ -75,25 +75,19 @@ class ReversalTangents(NamedTuple):
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Loop(Summarised):
-    """Force over deflection along a path, or over one cycle of a cyclic test.
+    """Force over deflection along a path, or over one cycle of a cyclic test."""
 
-    Attributes:
-        deflection: path [m], (n_t,).
-        force: restoring force [N], (n_t,).
-        hysteretic_state: z [N], (n_t,); zero for a law without one, NaN for a measured loop, whose z nobody knows.
-        work: work done on the isolator since the first sample [J], (n_t,), integrated along the law's own segments
-            where the loop comes from a law.
-        cycles: cycles run before this one was kept, itself included; 0 for a plain trace and where it is not known.
-        closure: distance between the last force and the first over the force range; NaN for a plain trace.
-        internal_states: the law's internal states, (n_t, n_states); no columns where they are not known.
-    """
-
-    deflection: Array
-    force: Array
-    hysteretic_state: Array
+    deflection: Array  #: path [m], (n_t,)
+    force: Array  #: restoring force [N], (n_t,)
+    hysteretic_state: Array  #: z [N], (n_t,); zero for a law without one, NaN for a measured loop, whose z nobody knows
+    #: work done on the isolator since the first sample [J], (n_t,), integrated along the law's own segments where the loop
+    #: comes from a law
     work: Array
+    #: cycles run before this one was kept, itself included; 0 for a plain trace and where it is not known
     cycles: int = 0
+    #: distance between the last force and the first over the force range; NaN for a plain trace
     closure: float = float("nan")
+    #: the law's internal states, (n_t, n_states); no columns where they are not known
     internal_states: Array = field(default_factory=lambda: np.zeros((0, 0)), repr=False)
 
     def _summary(self) -> tuple[str, dict[str, str]]:

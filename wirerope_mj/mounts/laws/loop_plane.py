@@ -42,16 +42,13 @@ class LoopCoupling:
         U(c) + U_u(c) Du + U_w(c) Dw + U_uw(c) Du Dw
 
     so that its force is the gradient of one potential, and continuous, everywhere: no closed path draws work from it.
-
-    Attributes:
-        roll, compression, tension: ends of the box [m], all positive.
-        coefficients: c_ij [J], I rows of J numbers.
     """
 
+    #: ends of the box [m], all positive
     roll: float
     compression: float
     tension: float
-    coefficients: Sequence[Sequence[float]]
+    coefficients: Sequence[Sequence[float]]  #: c_ij [J], I rows of J numbers
 
     def __post_init__(self) -> None:
         for name in ("roll", "compression", "tension"):
@@ -151,18 +148,13 @@ class LoopBoucWen(PlaneLaw):
 
     Where both axes have friction on several scales, as many laws in parallel, every scale has its own ellipse: the law is the
     sum of those of the pairs, and U is there once. Sums of such laws draw no work either.
-
-    Attributes:
-        roll: BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction, or several in parallel.
-        axial: the same, or AsymmetricBoucWen, or as many in parallel.
-        loop: the elastic energy.
     """
 
     kernel: ClassVar[int] = LOOP
 
-    roll: Law
-    axial: Law
-    loop: LoopCoupling
+    roll: Law  # BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction, or several in parallel
+    axial: Law  # the same, or AsymmetricBoucWen, or as many in parallel
+    loop: LoopCoupling  # the elastic energy
 
     def __post_init__(self) -> None:
         if not isinstance(self.loop, LoopCoupling):

@@ -54,19 +54,15 @@ class OnBracket(Law):
 
     so that it has no states but the law's, and K adds nothing fast. d is found to rounding, T by a forward difference over
     10 nm to 1e-6 of itself. It lives in memory alone: an isolator file holds the law and, in [bracket], K.
-
-    Attributes:
-        law: Bouc-Wen's, Ni's, Ozdemir's, the enhanced dry friction, the tabulated one, Vaiana and Rosati's, or some in
-            parallel.
-        stiffness: K [N/m].
     """
 
     name: ClassVar[str] = "on-bracket"
     kernel: ClassVar[int] = ON_BRACKET
     force_powers: ClassVar[Mapping[str, float]] = {}
 
+    # Bouc-Wen's, Ni's, Ozdemir's, the enhanced dry friction, the tabulated one, Vaiana and Rosati's, or some in parallel
     law: Law
-    stiffness: float
+    stiffness: float  # K [N/m]
 
     def __post_init__(self) -> None:
         refused = [one.name for one in self.law.components if one.kernel not in _BEHIND]

@@ -23,29 +23,18 @@ ODD = (BOUC_WEN, SYMMETRIC_BOUC_WEN)  # Kernels of the Bouc-Wen laws that are od
 
 @dataclass(frozen=True, kw_only=True)
 class PlaneTrace:
-    """Forces, states and work of a law in the plane along a path.
+    """Forces, states and work of a law in the plane along a path."""
 
-    Attributes:
-        deflection: path [m], (n_t, 2), roll and shear, or roll and axial.
-        force: restoring force [N], (n_t, 2).
-        hysteretic_state: z [N], (n_t, 2), summed over the scales.
-        work: work done on the isolator since the first sample [J], (n_t,).
-    """
-
-    deflection: Array
-    force: Array
-    hysteretic_state: Array
-    work: Array
+    deflection: Array  # path [m], (n_t, 2), roll and shear, or roll and axial
+    force: Array  # restoring force [N], (n_t, 2)
+    hysteretic_state: Array  # z [N], (n_t, 2), summed over the scales
+    work: Array  # work done on the isolator since the first sample [J], (n_t,)
 
 
 class PlaneLaw(ABC):
-    """Two laws, of roll and of another axis, whose hysteretic forces are the components of one vector.
+    """Two laws, of roll and of another axis, whose hysteretic forces are the components of one vector."""
 
-    Attributes:
-        kernel: number of the kernel along a line in the plane, in `wirerope_mj.mounts.laws.plane_kernels`.
-    """
-
-    kernel: ClassVar[int]
+    kernel: ClassVar[int]  # number of the kernel along a line in the plane, in `wirerope_mj.mounts.laws.plane_kernels`
 
     @property
     @abstractmethod
@@ -147,13 +136,11 @@ class BiaxialBoucWen(PlaneLaw):
 
     Source: the invariant form of Casciati (1989), each axis scaled first; Park, Wen and Ang's products |xdot z_x| + |ydot z_y|
     are not invariant.
-
-    Attributes:
-        roll, shear: BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction.
     """
 
     kernel: ClassVar[int] = BIAXIAL
 
+    # BoucWen, Ozdemir, SymmetricBoucWen or EnhancedDryFriction
     roll: Law
     shear: Law
 

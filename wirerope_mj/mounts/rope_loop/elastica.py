@@ -17,19 +17,12 @@ LARGEST_REACH = 0.95
 
 @dataclass(frozen=True, kw_only=True)
 class LoopState:
-    """A loop of EI = 1 N m^2 held at deflections; multiply by EI [N m^2] and by the number of loops.
+    """A loop of EI = 1 N m^2 held at deflections; multiply by EI [N m^2] and by the number of loops."""
 
-    Attributes:
-        energy: of bending [J], of the shape of the deflections.
-        roll_force: restoring force, +k x for a spring [N].
-        axial_force: the same; positive in tension [N].
-        moment: restoring moment about the middle of the payload's bar, about the shear axis [N m].
-    """
-
-    energy: Array
-    roll_force: Array
-    axial_force: Array
-    moment: Array
+    energy: Array  # of bending [J], of the shape of the deflections
+    roll_force: Array  # restoring force, +k x for a spring [N]
+    axial_force: Array  # the same; positive in tension [N]
+    moment: Array  # restoring moment about the middle of the payload's bar, about the shear axis [N m]
 
 
 class RopeLoop:
@@ -40,13 +33,11 @@ class RopeLoop:
         self._half = HalfLoop(shape, elements)
 
     def state(self, roll: npt.ArrayLike, axial: npt.ArrayLike, turn: npt.ArrayLike = 0.0) -> LoopState:
-        """Return energy, force and moment for EI = 1 N m^2, each of the common shape of the arguments.
+        """Return energy, force and moment for EI = 1 N m^2 at deflections [m] and turns [rad], of their common shape.
 
-        Args:
-            roll: deflection of the payload's bar minus the base's, across the bars [m].
-            axial: the same along the axial axis [m], positive in tension.
-            turn: of the payload's bar about the shear axis, through its middle [rad], right-handed: it lowers the end of
-                the bar on the side of positive roll.
+        Deflections are the payload's bar minus the base's, roll across the bars, axial positive in tension. The payload's bar
+        turns about the shear axis, through its middle, right-handed: that lowers the end of the bar on the side of positive
+        roll.
 
         Raises:
             ValueError: the rope is taut (`LARGEST_REACH`), or an argument is not finite.
@@ -111,22 +102,17 @@ def rotational_stiffness(
 ) -> Array:
     """Return the rotational stiffness of an isolator about its own axes x (roll), y (shear) and z (axial) [N m/rad], (3,).
 
-    It belongs to a small turn of the payload about the unloaded isolator's middle: half way between the bars, in the middle of
-    their length. There turns and deflections do not act on each other, so that the forces of the three axes and these moments
-    can be put at one point, where both of a mount's sites lie.
+    It belongs to a small turn of the payload about the unloaded isolator's middle: half way between the bars, in the middle
+    of their length. There turns and deflections do not act on each other, so that the forces of the three axes and these
+    moments can be put at one point, where both of a mount's sites lie.
 
         about x: k_axial mean(y_i^2)     about z: k_roll mean(y_i^2)
         about y: n EI (K_tt + h K_ut + h^2 K_uu / 4), with the elastica's matrix K of one loop at the payload's bar (roll u,
                  turn t) and the distance h of the two clamps: the bar turns and moves sideways by h / 2 times the turn
 
-    The torsion of single loops about x and z is left out: it is small against loops that are spread out.
-
-    Args:
-        shape: of the half loop.
-        bending_stiffness: EI of the rope [N m^2]: that of small vibration for small vibration.
-        positions: of the loops along the bars, from their middle [m], (n,).
-        axial: stiffness of all loops [N/m] where it is known; otherwise the elastica's.
-        roll: the same across the bars; it also takes the place of the elastica's in the moment about z alone.
+    The torsion of single loops about x and z is left out: it is small against loops that are spread out. EI is the bending
+    stiffness of the rope [N m^2], y_i the positions of the loops along the bars from their middle [m], (n,). Stiffnesses of
+    all loops along the axis and across the bars [N/m] take the place of the elastica's where they are known, except about y.
 
     Raises:
         ValueError: an argument is out of range.

@@ -28,17 +28,11 @@ _POINTS = 9
 
 @dataclass(frozen=True, kw_only=True)
 class CouplingFit:
-    """A coupling energy and how well it has the forces of the elastica.
+    """A coupling energy and how well it has the forces of the elastica."""
 
-    Attributes:
-        coupling: the polynomial.
-        force_error: largest error of a coupling force over the box, over the largest coupling force there [-].
-        whole_force_error: the same error over the largest force of the whole loop in the box [-].
-    """
-
-    coupling: LoopCoupling
-    force_error: float
-    whole_force_error: float
+    coupling: LoopCoupling  # the polynomial
+    force_error: float  # largest error of a coupling force over the box, over the largest coupling force there [-]
+    whole_force_error: float  # the same error over the largest force of the whole loop in the box [-]
 
 
 def fit_coupling(
@@ -51,20 +45,12 @@ def fit_coupling(
     tension: float,
     terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
 ) -> CouplingFit:
-    """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as a polynomial, and its error.
+    """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers, and its error.
 
     The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box; the error is
-    measured at 10 x 10 others, its edges included.
-
-    Args:
-        shape: of the half loop.
-        bending_stiffness: EI of the rope [N m^2].
-        loops: their number.
-        roll: end of the box on both sides [m].
-        compression: end of the box in compression [m].
-        tension: end of the box in tension [m]; it ends where the rope of a half loop at full roll would be stretched to more
-            than 85 % of its length (`SLACK_REACH`).
-        terms: I and J.
+    measured at 10 x 10 others, its edges included. The box ends at roll, compression and tension [m], where the rope of a
+    half loop at full roll would be stretched to more than 85 % of its length (`SLACK_REACH`) before; `bending_stiffness` is
+    EI [N m^2].
 
     Raises:
         ValueError: an argument is not a finite number > 0, or full roll leaves no tension.
@@ -127,24 +113,20 @@ TENSION = 0.5
 class AxisCurves:
     """Shape of a loop's elastic force along one axis while the other one rests; the stiffness k is left open.
 
-        axial  F = k exp(asymmetry x) (x + axial_cubic x^3),  x positive in tension
+        axial  F = k exp(asymmetry x) (x + axial_cubic x^3)
         roll   F = k (x + roll_cubic x^3)
 
-    Attributes:
-        asymmetry: exponent lambda = c ln b of Ni's F2 [1/m].
-        axial_cubic: k3 / k1 of the axial law [1/m^2].
-        roll_cubic: k3 / k1 of the roll law [1/m^2].
-        asymmetry_deviation: standard deviation of the asymmetry [1/m]: half of what it changes if the bars hold the rope on
-            their whole thickness instead of in their middle, which no vendor states.
-        misfit: largest relative difference of the axial secants from the loop's own [-].
-        axial_stiffness, roll_stiffness: of one loop of EI = 1 N m^2 at rest [N/m].
+    x is positive in tension.
     """
 
-    asymmetry: float
-    axial_cubic: float
-    roll_cubic: float
+    asymmetry: float  # exponent lambda = c ln b of Ni's F2 [1/m]
+    axial_cubic: float  # k3 / k1 of the axial law [1/m^2]
+    roll_cubic: float  # k3 / k1 of the roll law [1/m^2]
+    # standard deviation of the asymmetry [1/m]: half of what it changes if the bars hold the rope on their whole thickness
+    # instead of in their middle, which no vendor states
     asymmetry_deviation: float
-    misfit: float
+    misfit: float  # largest relative difference of the axial secants from the loop's own [-]
+    # of one loop of EI = 1 N m^2 at rest [N/m]
     axial_stiffness: float
     roll_stiffness: float
 
@@ -152,15 +134,10 @@ class AxisCurves:
 def axis_curves(
     *, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None
 ) -> AxisCurves:
-    """Return the curves of an isolator's loop from its envelope.
+    """Return the curves of an isolator's loop from its envelope and its rated travels [m].
 
-    Args:
-        height: unloaded, over both bars [m].
-        width: over the ropes [m].
-        bar: thickness of one bar [m].
-        rope: diameter [m].
-        compression: rated travel [m], as far as the axial curve is followed; in tension to `TENSION` of it.
-        roll: rated travel [m]; None where it is not known: as far as the compression.
+    The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not
+    known.
 
     Raises:
         ValueError: no loop has these measures, or its rope is taut within the travel.
@@ -169,16 +146,14 @@ def axis_curves(
     loop = RopeLoop(shape, ELEMENTS)
     asymmetry, cubic, misfit = _axial(loop, compression)
     stiffness = loop.stiffness()
+    x = np.linspace(0.1, 1.0, 10) * (compression if roll is None else roll)
+    growth = loop.state(x, 0.0).roll_force / x / stiffness[0, 0] - 1.0  # of the secants, by least squares
     clamped = _axial(RopeLoop(_held(shape, 0.5 * bar), ELEMENTS), compression)[0]
     return AxisCurves(
-        asymmetry=asymmetry,
-        axial_cubic=cubic,
-        roll_cubic=_roll(loop, compression if roll is None else roll),
-        asymmetry_deviation=0.5 * abs(clamped - asymmetry),
-        misfit=misfit,
-        axial_stiffness=float(stiffness[1, 1]),
+        asymmetry=asymmetry, axial_cubic=cubic, roll_cubic=float(growth @ x**2 / (x**2 @ x**2)),
+        asymmetry_deviation=0.5 * abs(clamped - asymmetry), misfit=misfit, axial_stiffness=float(stiffness[1, 1]),
         roll_stiffness=float(stiffness[0, 0]),
-    )
+    )  # fmt: skip
 
 
 def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
@@ -193,13 +168,6 @@ def _axial(loop: RopeLoop, compression: float) -> tuple[float, float, float]:
     fit = scipy.optimize.least_squares(misses, [0.3, 0.1])
     exponent, cubic = fit.x.tolist()
     return exponent / compression, cubic / compression**2, float(np.abs(fit.fun).max())
-
-
-def _roll(loop: RopeLoop, travel: float) -> float:
-    """Return the cubic term of roll, by least squares of the secants."""
-    x = np.linspace(0.1, 1.0, 10) * travel
-    growth = loop.state(x, 0.0).roll_force / x / loop.stiffness()[0, 0] - 1.0
-    return float(growth @ x**2 / (x**2 @ x**2))
 
 
 def _held(shape: LoopShape, length: float) -> LoopShape:

@@ -16,29 +16,19 @@ DEGREE = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Mesh:
-    """Shape functions of one half loop; lengths in units of the half loop's length.
+    """Shape functions of one half loop; lengths in units of the half loop's length."""
 
-    Attributes:
-        value: shape functions at the points of Gauss, (q, n).
-        slope: their derivatives, (q, n).
-        weight: weights of the points, (q,).
-        curvature: natural curvature at the points, (q,).
-        natural: natural direction at the nodes [rad], (n,).
-    """
-
-    value: Array
-    slope: Array
-    weight: Array
-    curvature: Array
-    natural: Array
+    value: Array  # shape functions at the points of Gauss, (q, n)
+    slope: Array  # their derivatives, (q, n)
+    weight: Array  # weights of the points, (q,)
+    curvature: Array  # natural curvature at the points, (q,)
+    natural: Array  # natural direction at the nodes [rad], (n,)
 
 
 def mesh(shape: LoopShape, elements: int) -> Mesh:
     """Return the elements of a half loop; no element reaches over a jump of the natural curvature.
 
-    Args:
-        shape: of the half loop.
-        elements: their number, shared among the segments in proportion to their lengths, at least one for each.
+    They are shared among the segments in proportion to their lengths, at least one for each.
     """
     lengths = np.array([length for length, _ in shape.segments]) / shape.length
     bends = np.array([curvature for _, curvature in shape.segments]) * shape.length
@@ -58,18 +48,9 @@ def mesh(shape: LoopShape, elements: int) -> Mesh:
         value[rows, columns], slope[rows, columns] = at_points, slopes * (2.0 / size)
     steps = np.repeat(sizes * curvatures, DEGREE) / DEGREE
     return Mesh(
-        value=value,
-        slope=slope,
-        weight=np.outer(0.5 * sizes, weights).ravel(),
-        curvature=np.repeat(curvatures, per),
+        value=value, slope=slope, weight=np.outer(0.5 * sizes, weights).ravel(), curvature=np.repeat(curvatures, per),
         natural=shape.start + np.concatenate([[0.0], np.cumsum(steps)]),
-    )
-
-
-def default_elements(shape: LoopShape) -> int:
-    """Return the number of elements for a force to about 1e-6 of itself away from the taut rope: one for every 12 degrees."""
-    turned = sum(abs(length * curvature) for length, curvature in shape.segments)
-    return max(15, math.ceil(turned / math.radians(12.0)))
+    )  # fmt: skip
 
 
 # Change of the directions [rad] after which one more step of Newton, which squares it, leaves rounding only.
@@ -83,19 +64,12 @@ _TURN = 0.5  # Largest change of a direction in one step [rad]: more may jump to
 
 @dataclass(frozen=True, kw_only=True)
 class HalfState:
-    """Equilibria of m half loops with EI = 1 N m^2; moved by the payload's bar, which they pull back.
+    """Equilibria of m half loops with EI = 1 N m^2; moved by the payload's bar, which they pull back."""
 
-    Attributes:
-        direction: of the rope at the nodes [rad], (m, n).
-        energy: of bending [J], (m,).
-        force: on the clamped end in the payload's bar that holds it there, roll and axial [N], (m, 2).
-        moment: bending moment at that end [N m], positive where the rope turns more than unloaded, (m,).
-    """
-
-    direction: Array
-    energy: Array
-    force: Array
-    moment: Array
+    direction: Array  # of the rope at the nodes [rad], (m, n)
+    energy: Array  # of bending [J], (m,)
+    force: Array  # on the clamped end in the payload's bar that holds it there, roll and axial [N], (m, 2)
+    moment: Array  # bending moment at that end [N m], positive where the rope turns more than unloaded, (m,)
 
 
 class HalfLoop:
@@ -107,20 +81,18 @@ class HalfLoop:
 
     def __init__(self, shape: LoopShape, elements: int | None = None) -> None:
         self.shape = shape
-        self.mesh: Mesh = mesh(shape, default_elements(shape) if elements is None else elements)
+        turned = sum(abs(length * curvature) for length, curvature in shape.segments)
+        # One for every 12 degrees has the force to about 1e-6 of itself away from the taut rope.
+        usual = max(15, math.ceil(turned / math.radians(12.0)))
+        self.mesh: Mesh = mesh(shape, usual if elements is None else elements)
         weighted = self.mesh.slope * self.mesh.weight[:, None]
         self._stiffness = weighted.T @ self.mesh.slope
         self._bent = weighted.T @ self.mesh.curvature
 
     def move(self, displacement: Array, turn: Array) -> HalfState:
-        """Return the equilibria after the clamped end has moved straight from the unloaded position.
+        """Return the equilibria after the clamped end has moved straight from the unloaded position: roll, axial [m], (m, 2).
 
-        Args:
-            displacement: of the end, roll and axial [m], (m, 2).
-            turn: of its direction [rad], (m,).
-
-        Raises:
-            ConvergenceError: no equilibrium on the path; says where.
+        Its direction turns by `turn` [rad], (m,). ConvergenceError says where on the path there is no equilibrium.
         """
         m = len(displacement)
         goal = np.column_stack([displacement / self.shape.length, turn])
@@ -146,10 +118,8 @@ class HalfLoop:
     def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
         """Return directions, forces and whether they are an equilibrium, by Newton's method from a guess.
 
-        Args:
-            direction: guess at the nodes [rad], (m, n).
-            force: guess, with the length of the rope as unit of length, (m, 2).
-            goal: of the end: displacement in lengths of the rope, change of direction [rad], (m, 3).
+        The guess is the direction at the nodes [rad], (m, n), and the force, (m, 2), with the length of the rope as unit of
+        length; the end goes to its displacement in lengths of the rope and change of direction [rad], (m, 3).
         """
         direction, force = direction.copy(), force.copy()
         direction[:, 0] = self.mesh.natural[0]
@@ -203,11 +173,9 @@ class HalfLoop:
         strain = direction @ self.mesh.slope.T - self.mesh.curvature
         _, _, pulls, _ = self._ends(direction, np.zeros((len(direction), 2)))
         return HalfState(
-            direction=direction,
-            energy=0.5 * (strain**2 @ self.mesh.weight) / length,
-            force=force / length**2,
+            direction=direction, energy=0.5 * (strain**2 @ self.mesh.weight) / length, force=force / length**2,
             moment=self._unbalanced(direction, force, pulls)[:, -1] / length,
-        )
+        )  # fmt: skip
 
     def _lost(self, displacement: Array, turn: float, done: float) -> str:
         """Return a message on where the path had to end."""

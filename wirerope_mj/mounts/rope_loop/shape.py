@@ -18,16 +18,12 @@ class LoopShape:
     It begins in the base's bar at roll = `arm`, goes out of the bar in the direction `start` and ends in the payload's bar
     at the same distance `arm` from that bar's middle. Both ends are clamped. Angles are counted from the roll axis towards
     the axial axis.
-
-    Attributes:
-        segments: length [m] and natural curvature [1/m] of each segment, from the base's bar to the payload's bar.
-        start: direction of the rope where it leaves the base's bar [rad].
-        arm: distance of the clamped ends from the middle of their bars [m].
     """
 
+    # length [m] and natural curvature [1/m] of each segment, from the base's bar to the payload's bar
     segments: tuple[tuple[float, float], ...]
-    start: float = 0.0
-    arm: float = 0.0
+    start: float = 0.0  # direction of the rope where it leaves the base's bar [rad]
+    arm: float = 0.0  # distance of the clamped ends from the middle of their bars [m]
 
     def __post_init__(self) -> None:
         if not self.segments or not all(
@@ -69,19 +65,13 @@ class LoopShape:
 
 
 def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopShape:
-    """Return the half loop of an isolator from its envelope.
+    """Return the half loop of an isolator from its envelope [m]: unloaded height over both bars, width over the ropes.
 
     The rope leaves both bars level and half way up their thickness, so that the centre line rises by `height` - `bar`; it
-    reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between
-    two straight level segments where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
+    reaches (`width` - `rope`) / 2 to the side. The roundest line through these points is a stadium: a half circle between two
+    straight level segments where the loop is wider than high (all 50 parts of Enidine's table with known bars are), and two
     quarter circles with a straight upright segment between them where it is not. The straight segments begin in the middle of
     the bar: no vendor states how much of them the bar holds.
-
-    Args:
-        height: unloaded, over both bars [m].
-        width: over the ropes [m].
-        bar: thickness of one bar [m].
-        rope: diameter [m].
 
     Raises:
         ValueError: an argument is not a finite number > 0, a bar is thinner than its rope, or no loop is left between them.

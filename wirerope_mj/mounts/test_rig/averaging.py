@@ -25,15 +25,10 @@ def reach_of(bins: int) -> float:
 
 
 def tip_of(distance: Array, deflection: Array, force: Array) -> tuple[float, float]:
-    """Return deflection [m] and force [N] at a turning point.
+    """Return deflection [m] and force [N] at a turning point from samples, (n,) each; before it distances are negative.
 
-    The deflection takes the same parabola over the phase to both sides; the force one parabola over the deflection before
-    the turning point and another behind it, which meet there.
-
-    Args:
-        distance: in phase from the turning point, negative before it, (n,).
-        deflection: of the samples [m], (n,).
-        force: of the samples [N], (n,).
+    The deflection takes the same parabola over the phase to both sides; the force one parabola over the deflection before the
+    turning point and another behind it, which meet there.
     """
     tip = _value([np.abs(distance), distance**2], deflection)
     before, after = (np.where(side, deflection - tip, 0.0) for side in (distance < 0.0, distance > 0.0))
@@ -56,19 +51,12 @@ _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a cho
 
 @dataclass(frozen=True)
 class PhasedCycle:
-    """One cycle's samples.
+    """One cycle's samples."""
 
-    Attributes:
-        samples: their indices in the record, (n,).
-        phase: of each, 0 to 1; in a run 0.5 is the turning point between, (n,).
-        tips: phases of turning points that are not samples themselves.
-        middle: time of phase 0.5 over the period.
-    """
-
-    samples: npt.NDArray[np.int64]
-    phase: Array
-    tips: tuple[float, ...]
-    middle: float = 0.5
+    samples: npt.NDArray[np.int64]  # their indices in the record, (n,)
+    phase: Array  # of each, 0 to 1; in a run 0.5 is the turning point between, (n,)
+    tips: tuple[float, ...]  # phases of turning points that are not samples themselves
+    middle: float = 0.5  # time of phase 0.5 over the period
 
     def of(self, values: Array) -> Array:
         """Return a series at `POINTS` even phases."""
@@ -109,16 +97,10 @@ def whole_record(trace: Trace) -> PhasedCycle:
 def mean_loop(
     cycles: list[PhasedCycle], x: Array, f: Array, count: int, gap: float, location: str, *, stop: bool = False
 ) -> RecordedLoop:
-    """Return the mean of cycles over bins of phase, whose first and last bin are one.
+    """Return the mean of cycles over bins of phase, whose first and last bin are one; `count` cycles were run.
 
-    Args:
-        cycles: whose mean is taken.
-        x: deflections of the record [m], (n_t,).
-        f: its forces without drift [N], (n_t,).
-        count: cycles that were run.
-        gap: between the forces at the ends of the last one [N].
-        location: they stand, as text.
-        stop: whether the device is a bump stop, which need not have force or area.
+    Deflections x [m] and forces f [N] without drift are those of the record, (n_t,); `gap` is that between the forces at the
+    ends of the last cycle [N]. `location` says where the cycles stand; a bump stop need not have force or area.
     """
     phase = np.concatenate([cycle.phase for cycle in cycles])
     bins = min(POINTS, *(round((cycle.phase.size - 1) / np.ptp(cycle.phase)) for cycle in cycles))

@@ -112,7 +112,8 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
     trace = find_turning_points(x, np.arange(x.size, dtype=np.float64) if time is None else time)
     if trace.turns.size == 0 or is_noise(x, trace.noise):
         raise ValueError(f"{whole}: {no_cycle_text(x)}")
-    if trace.strokes.size <= 3 and _ends_meet(trace):
+    step = float(np.abs(np.diff(trace.smooth)).max())
+    if 2 <= trace.strokes.size <= 3 and abs(float(x[-1] - x[0])) <= 1.5 * step + 4.0 * trace.noise:  # its ends meet
         require_unclipped(x, f, whole, stop=stop)
         loop = mean_loop([whole_record(trace)], x, f, 1, abs(float(f[-1] - f[0])), whole, stop=stop)
         return [loop if time is None else replace(loop, period=float(np.ptp(time)))]
@@ -129,13 +130,6 @@ def _steady(x: Array, f: Array, time: Array | None, locate: Locate, stop: bool) 
     if abs(float(trace.smooth[0])) > _UNLOADED * np.ptp(x):  # how the device came there is not in the record
         return [replace(loop, averaged=0) for loop in loops]
     return _led_there(trace, runs, loops)
-
-
-def _ends_meet(trace: Trace) -> bool:
-    """Return whether a record ends where it began, or one step before."""
-    x = trace.deflection
-    step = float(np.abs(np.diff(trace.smooth)).max())
-    return trace.strokes.size >= 2 and abs(float(x[-1] - x[0])) <= 1.5 * step + 4.0 * trace.noise
 
 
 def _runs(trace: Trace) -> list[tuple[int, int]]:

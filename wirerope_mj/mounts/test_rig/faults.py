@@ -34,12 +34,7 @@ class Hum:
 
 
 def hum_in(time: Array, force: Array) -> Hum | None:
-    """Return the largest line of the mains that stands out of a force's spectrum, None if none does.
-
-    Args:
-        time: instants [s], (n,), uniform to a thousandth of a step.
-        force: (n,) [N].
-    """
+    """Return the largest line of the mains in a force [N], (n,), at even instants [s] that stands out, None if none does."""
     if time.size < 3:
         return None
     step = float(time[-1] - time[0]) / (time.size - 1)
@@ -61,11 +56,9 @@ def hum_in(time: Array, force: Array) -> Hum | None:
 
 def _refined(time: Array, force: Array, frequency: float, spacing: float) -> Hum:
     """Return the line near a frequency that takes most out of the force."""
-
-    def left(at: float) -> float:
-        return -_line(time, force, at)[1]
-
-    best = scipy.optimize.minimize_scalar(left, bounds=(frequency - spacing, frequency + spacing), method="bounded")
+    best = scipy.optimize.minimize_scalar(
+        lambda at: -_line(time, force, at)[1], bounds=(frequency - spacing, frequency + spacing), method="bounded"
+    )
     return Hum(frequency=float(best.x), amplitude=-float(best.fun))
 
 
@@ -73,16 +66,13 @@ def _line(time: Array, force: Array, frequency: float) -> tuple[Array, float]:
     """Return the oscillation of a frequency in a force, beside what is slow, and its amplitude [N]."""
     angle = 2.0 * np.pi * frequency * (time - time[0])
     window = np.hanning(force.size)
-    quiet = force - _slow(force, max(1, round(1.0 / (frequency * (time[1] - time[0])))))
+    period = max(1, round(1.0 / (frequency * (time[1] - time[0]))))
+    # The running mean over one period of the hum is without it; twice, so that what is straight stays.
+    mean = scipy.ndimage.uniform_filter1d(force, period, mode="nearest")
+    quiet = force - scipy.ndimage.uniform_filter1d(mean, period, mode="nearest")
     waves = np.stack([np.cos(angle), np.sin(angle)], axis=1)
     parts = np.linalg.lstsq(waves * window[:, np.newaxis], quiet * window, rcond=None)[0]
     return waves @ parts, float(np.hypot(*parts))
-
-
-def _slow(force: Array, period: int) -> Array:
-    """Return the running mean over one period of the hum, which is without it; twice, so that what is straight stays."""
-    mean = scipy.ndimage.uniform_filter1d(force, period, mode="nearest")
-    return np.asarray(scipy.ndimage.uniform_filter1d(mean, period, mode="nearest"))
 
 
 def without_hum(time: Array, force: Array, hum: Hum) -> Array:
@@ -91,13 +81,7 @@ def without_hum(time: Array, force: Array, hum: Hum) -> Array:
 
 
 def record_faults(time: Array, deflection: Array, force: Array) -> Iterator[str]:
-    """Yield a sentence for each fault that a record shows; none for a clean one.
-
-    Args:
-        time: instants [s], (n,).
-        deflection: (n,) [m].
-        force: (n,) [N].
-    """
+    """Yield a sentence for each fault of a record: instants [s], deflection [m], force [N], (n,) each; none for a clean one."""
     half = 0.5 * float(np.ptp(force))
     hum = hum_in(time, force)
     if hum is not None:

@@ -48,13 +48,7 @@ class _Reversals:
 
 
 def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
-    """Return the lag between the channels of a record; None where too few of its reversals are alike.
-
-    Args:
-        time: instants [s], (n,).
-        deflection: (n,) [m].
-        force: (n,) [N].
-    """
+    """Return the lag between deflection [m] and force [N] at instants [s], (n,) each; None where few reversals are alike."""
     if np.ptp(deflection) == 0.0 or time.size < 12:
         return None
     trace = find_turning_points(deflection, time)
@@ -62,7 +56,9 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
         return None
     samples = float(np.median(np.diff(trace.turns))) * 2.0
     if samples > 2.0 * _MOST:
-        time, deflection, force = (_averaged(one, int(samples // _MOST)) for one in (time, deflection, force))
+        count = int(samples // _MOST)
+        whole = time.size - time.size % count
+        time, deflection, force = (one[:whole].reshape(-1, count).mean(axis=1) for one in (time, deflection, force))
         trace = find_turning_points(deflection, time)
     found = [
         one
@@ -77,12 +73,6 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
     apart = float(weights @ (delays - mean) ** 2) / max(len(found) - 1, 1)  # runs that differ by more than their errors
     error = float(np.sqrt(max(apart, 1.0) / weights.sum()))
     return Lag(delay=mean, error=error, period=found[int(np.argmax(weights))].period)
-
-
-def _averaged(values: Array, count: int) -> Array:
-    """Return the means of successive samples."""
-    whole = values.size - values.size % count
-    return np.asarray(values[:whole].reshape(-1, count).mean(axis=1))
 
 
 def _runs(trace: Trace) -> list[list[int]]:
@@ -107,7 +97,8 @@ def _alike(trace: Trace, run: Sequence[int]) -> _Reversals | None:
         about = float(trace.times[index])
         near = np.flatnonzero(np.abs(trace.time - about) <= width)
         if near.size < 2 * _FEWEST - 2:
-            near = np.flatnonzero(np.abs(trace.time - about) <= _FEWEST * period / max(_samples(trace, period), 1.0))
+            samples = period * (trace.time.size - 1) / float(np.ptp(trace.time))
+            near = np.flatnonzero(np.abs(trace.time - about) <= _FEWEST * period / max(samples, 1.0))
         sense = 1.0 if trace.smooth[trace.turns[index]] > trace.smooth[trace.turns[index - 1]] else -1.0
         late, shape = _corner((trace.time[near] - about) / width, -sense * trace.deflection[near])
         instants.append(about + late * width)
@@ -117,11 +108,6 @@ def _alike(trace: Trace, run: Sequence[int]) -> _Reversals | None:
         instants=np.array(instants), senses=np.array(senses), period=period,
         shapes={sense: np.mean(each, axis=0) for sense, each in shapes.items()},
     )  # fmt: skip
-
-
-def _samples(trace: Trace, period: float) -> float:
-    """Return the samples of a cycle."""
-    return period * (trace.time.size - 1) / float(np.ptp(trace.time))
 
 
 def _corner(since: Array, values: Array) -> tuple[float, Array]:
@@ -193,11 +179,7 @@ def _fitted(
 
 
 class _Window:
-    """The forces within a time of every reversal, as polynomials in the distance to it.
-
-    Attributes:
-        freedom: samples left over for the noise.
-    """
+    """The forces within a time of every reversal, as polynomials in the distance to it."""
 
     def __init__(
         self, alike: _Reversals, time: Array, force: Array, width: float, centre: float, degrees: tuple[int, int]
@@ -217,7 +199,7 @@ class _Window:
         farthest = width / self._scale  # u there is one, so that powers of it are alike
         self._shape /= np.maximum(self._shape @ np.array([farthest, farthest**2, farthest**4]), 1e-300)[:, np.newaxis]
         self._measured = self._centred(force[rows])
-        self.freedom = self._measured.size - 2 * sum(degrees) - self._counts.size - 1
+        self.freedom = self._measured.size - 2 * sum(degrees) - self._counts.size - 1  # samples left over for the noise
 
     def _centred(self, values: Array) -> Array:
         """Return values without their mean over each reversal's window."""

@@ -74,19 +74,12 @@ def _force_on(loop: Loop, deflection: np.ndarray, *, rising: bool) -> np.ndarray
 
 @dataclass(frozen=True, kw_only=True)
 class Transition:
-    """Amplitude of the least secant stiffness: an isolator softens up to there and hardens beyond.
+    """Amplitude of the least secant stiffness: an isolator softens up to there and hardens beyond."""
 
-    Attributes:
-        exists: whether such an amplitude lies between those that were tested.
-        amplitude: of the least secant stiffness [m]; NaN if there is none.
-        stiffness: the least secant stiffness [N/m]; NaN if there is none.
-        message: the transition, or what the tested amplitudes show instead.
-    """
-
-    exists: bool
-    amplitude: float
-    stiffness: float
-    message: str
+    exists: bool  # whether such an amplitude lies between those that were tested
+    amplitude: float  # of the least secant stiffness [m]; NaN if there is none
+    stiffness: float  # the least secant stiffness [N/m]; NaN if there is none
+    message: str  # the transition, or what the tested amplitudes show instead
 
 
 def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Transition:
@@ -115,7 +108,10 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     first, last = f"{1e3 * amplitude[0]:.4g} mm", f"{1e3 * amplitude[-1]:.4g} mm"
     if falls and rises:
         spline = scipy.interpolate.CubicSpline(np.log(amplitude), stiffness)
-        log_amplitude = _least_of(spline, math.log(amplitude[least - 1]), math.log(amplitude[least + 1]))
+        low, high = math.log(amplitude[least - 1]), math.log(amplitude[least + 1])
+        turns = spline.derivative().roots(extrapolate=False)
+        candidates = np.array([low, high, *turns[(turns > low) & (turns < high)]])
+        log_amplitude = float(candidates[np.argmin(spline(candidates))])
         size, value = math.exp(log_amplitude), float(spline(log_amplitude))
         message = f"softens up to an amplitude of {1e3 * size:.4g} mm (secant stiffness {value / 1e3:.4g} kN/m), hardens beyond"
         return Transition(exists=True, amplitude=size, stiffness=value, message=message)
@@ -126,10 +122,3 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     else:
         message = f"neither softens nor hardens between {first} and {last}"
     return Transition(exists=False, amplitude=math.nan, stiffness=math.nan, message=message)
-
-
-def _least_of(spline: "scipy.interpolate.CubicSpline", low: float, high: float) -> float:
-    """Return where a spline is least between two abscissae; at an end if it falls towards it."""
-    turns = spline.derivative().roots(extrapolate=False)
-    candidates = np.array([low, high, *turns[(turns > low) & (turns < high)]])
-    return float(candidates[np.argmin(spline(candidates))])

@@ -15,23 +15,15 @@ _FEW = 6.0  # four standard errors of the variance of n samples, 4 sqrt(2 / n), 
 
 
 def is_noise(values: Array, noise: float) -> bool:
-    """Return whether a series is no more than its noise.
-
-    Args:
-        values: of the series, (n,).
-        noise: its standard deviation, in the unit of the values.
-    """
+    """Return whether a series, (n,), is no more than its noise of that standard deviation."""
     return bool(values.var() <= max(_OWN, 1.0 + _FEW / np.sqrt(values.size)) * noise**2)
 
 
 def has_cycle(force: Array) -> bool:
-    """Return whether a force has more at the frequency of its cycle than noise of its size would have there.
+    """Return whether a force of one cycle [N], (n,), has more at its frequency than noise of its size would have there.
 
     Of n samples of white noise, the fraction r that one frequency has in their variance is exceeded with the probability
-    (1 - r)^((n - 3) / 2), whatever the noise's size.
-
-    Args:
-        force: of one cycle without the sample that repeats the first [N], (n,).
+    (1 - r)^((n - 3) / 2), whatever the noise's size. The sample that repeats the first is left out.
     """
     first = np.abs(np.fft.rfft(force - force.mean())[1])
     fraction = 2.0 * first**2 / (force.size**2 * force.var())
@@ -61,11 +53,6 @@ def noise_text(loop: Loop) -> str:
     return f"noise of {noise:.3g} N, {100.0 * min(noise / own, 1.0):.3g} % of the force's rms value"
 
 
-def stiffness_in_noise(loop: Loop) -> bool:
-    """Return whether the forces at the two turning points differ by no more than their noise does."""
-    return abs(loop.secant_stiffness) * 2.0 * loop.amplitude <= _SURE * np.sqrt(2.0) * force_noise(loop)
-
-
 def area_in_noise(loop: Loop) -> bool:
     """Return whether the area of a loop [J] is no larger than noise of force and deflection makes it.
 
@@ -93,13 +80,8 @@ def require_unclipped(deflection: Array, force: Array, location: str, *, stop: b
     """Raise ValueError if samples stand at exactly the extreme force while the deflection moves on.
 
     Over a twentieth of the stroke nothing but saturation does that. Over less, steps of a converter do, but then every value
-    comes back as often as the extreme.
-
-    Args:
-        deflection: of cycles that are like each other [m], (n_t,).
-        force: of the same samples [N], (n_t,).
-        location: they stand, as text.
-        stop: whether the device is a bump stop, whose force stands still within its gap.
+    comes back as often as the extreme. A bump stop's force stands still within its gap. Deflections [m] and forces [N], (n_t,),
+    are those of cycles like each other.
     """
     _, counts = np.unique(force, return_counts=True)
     usual = int(np.sort(counts)[-3]) if counts.size > 2 else 0  # either extreme apart
@@ -120,12 +102,7 @@ def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if the force is level before a turning point and behind it: cut off, with noise behind.
 
     What yields falls at once when the deflection turns back, at its elastic stiffness. Where the true force is beyond what was
-    recorded, it does not.
-
-    Args:
-        loop: mean of cycles.
-        location: it stands, as text.
-        stop: whether the device is a bump stop, whose force stands still within its gap.
+    recorded, it does not. A bump stop's force stands still within its gap.
     """
     for rising, name in ((True, "largest"), (False, "smallest")):
         (x, f), (x_back, f_back) = loop.branch(rising=rising), loop.branch(rising=not rising)
@@ -140,11 +117,7 @@ def require_falling(loop: Loop, location: str, *, stop: bool = False) -> None:
 
 
 def is_level(loop: Loop) -> bool:
-    """Return whether the force is level before a turning point: yielding, or cut off a little.
-
-    Args:
-        loop: one cycle.
-    """
+    """Return whether the force of a cycle is level before a turning point: yielding, or cut off a little."""
     branches = [loop.branch(rising=rising) for rising in (True, False)]
     return any(_level(loop, x[::-1], f[::-1]) for x, f in branches)
 
@@ -170,27 +143,25 @@ def _level(loop: Loop, x: Array, f: Array) -> bool:
 
 
 _THIN = 0.01  # of stroke times force range: an area that a lag by 1/80 of a radian takes away
-
 _ROUNDING = 1e-9  # of the force, within which it stands still: a drift of the zero was taken out
 
 
 def require_passive(loop: Loop, location: str, *, stop: bool = False) -> None:
     """Raise ValueError if a loop cannot be that of an isolator: no force, noise alone, a wrong sign, or energy given away.
 
-    Args:
-        loop: one cycle, or the mean of some.
-        location: it stands, as text.
-        stop: whether the device is a bump stop, which has no force within its gap.
+    A bump stop has no force within its gap.
     """
     if not stop:
         _require_force(loop, location)
     elif np.ptp(loop.force) <= _ROUNDING * np.abs(loop.force).max():
         return
-    if loop.secant_stiffness < 0.0 and not stiffness_in_noise(loop):
+    tips = abs(loop.secant_stiffness) * 2.0 * loop.amplitude  # by which the forces at the turning points differ
+    if loop.secant_stiffness < 0.0 and tips > _SURE * np.sqrt(2.0) * force_noise(loop):
         raise ValueError(
             f"{location}: the force falls where the deflection grows; both are positive in tension. It has {noise_text(loop)}."
         )
-    if loop.dissipated_energy < 0.0 and not (_is_thin(loop) or area_in_noise(loop)):
+    thin = abs(loop.dissipated_energy) < _THIN * np.ptp(loop.deflection) * np.ptp(loop.force)
+    if loop.dissipated_energy < 0.0 and not (thin or area_in_noise(loop)):
         raise ValueError(
             f"{location}: the cycle gives {-loop.dissipated_energy:.3g} J away, and no isolator does. Is the order of the "
             f"samples that of time, and do both channels have the same filter? The force has {noise_text(loop)}."
@@ -210,12 +181,7 @@ def _require_force(loop: Loop, location: str) -> None:
 
 
 def require_area(loop: Loop, location: str) -> None:
-    """Raise ValueError if the loop of a `require_passive` device shows no stiffness or no area.
-
-    Args:
-        loop: one cycle, or the mean of some.
-        location: it stands, as text.
-    """
+    """Raise ValueError if the loop of a `require_passive` device shows no stiffness or no area."""
     cycle = f"{location}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
     if loop.secant_stiffness < 0.0 or (loop.dissipated_energy <= 0.0 and area_in_noise(loop)):
         lack = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"
@@ -227,8 +193,3 @@ def require_area(loop: Loop, location: str) -> None:
             f"{cycle} encloses no area: it gives {-loop.dissipated_energy:.3g} J away, so little that one channel lagging "
             "shortly behind the other does it. Leave it out, or give both channels the same filter."
         )
-
-
-def _is_thin(loop: Loop) -> bool:
-    """Return whether the area of a loop is small beside the rectangle about it."""
-    return bool(abs(loop.dissipated_energy) < _THIN * np.ptp(loop.deflection) * np.ptp(loop.force))

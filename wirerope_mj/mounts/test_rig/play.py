@@ -13,17 +13,12 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.test_rig.turning import find_turning_points
 
+# forces over half of their range at which a stroke is cut; a load cell's zero may stand aside by a third of it
 _LEVELS = np.linspace(0.6, -0.6, 13)
-"""Forces over half of their range at which a stroke is cut; a load cell's zero may stand aside by a third of it."""
-
-_MIDDLE = slice(2, 10)
-"""Cuts among which the flat way is looked for; steep ones are left on either side."""
-
+_MIDDLE = slice(2, 10)  # cuts among which the flat way is looked for; steep ones are left on either side
 _FLAT = 0.6  # of the stiffness on either side, up to which a way is flat; a hysteretic law has less behind than before
 _ALIKE = 0.2  # of half of the force range, within which both senses have their flat way at one force
-_SHARPER = (
-    4  # times that the force is smoothed over fewer samples than the deflection: play close to a reversal is short
-)
+_SHARPER = 4  # times that the force is smoothed over fewer samples than the deflection: play may be short
 _STROKE = 0.3  # of the longest, from which a stroke is looked at
 _FEWEST = 3  # strokes that show it
 _MOST_OF_THEM = 0.8
@@ -39,13 +34,7 @@ class Play:
 
 
 def play_in(time: Array, deflection: Array, force: Array) -> Play | None:
-    """Return the play that a record shows, None if it shows none.
-
-    Args:
-        time: instants [s], (n,).
-        deflection: (n,) [m].
-        force: (n,) [N].
-    """
+    """Return the play that deflection [m] and force [N] at instants [s], (n,) each, show, None if they show none."""
     if np.ptp(deflection) == 0.0 or np.ptp(force) == 0.0:
         return None
     trace = find_turning_points(deflection, time)

@@ -1,6 +1,6 @@
 """The CSV file of a cyclic test: written, and read with whatever is wrong with it named by its line."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
@@ -57,17 +57,13 @@ def save_cyclic_test(
         f"loop, {time}deflection [{deflection_unit}], force [{force_unit}]",
     ]
     for number, loop in enumerate(loops, start=1):
-        lines.extend(_rows(number, loop, frequency, metre, newton))
+        intervals = loop.deflection.size - 1
+        # repr is the shortest text that reads back as the same number
+        for index, (x, force) in enumerate(zip(loop.deflection.tolist(), loop.force.tolist(), strict=True)):
+            instant = "" if frequency is None else f"{index / (intervals * frequency)!r}, "
+            lines.append(f"{number}, {instant}{x / metre!r}, {force / newton!r}")
     with atomic_file(target) as temporary:
         temporary.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
-
-
-def _rows(number: int, loop: Loop, frequency: float | None, metre: float, newton: float) -> Iterator[str]:
-    """Yield a loop's rows; repr is the shortest text that reads back as the same number."""
-    intervals = loop.deflection.size - 1
-    for index, (x, force) in enumerate(zip(loop.deflection.tolist(), loop.force.tolist(), strict=True)):
-        time = "" if frequency is None else f"{index / (intervals * frequency)!r}, "
-        yield f"{number}, {time}{x / metre!r}, {force / newton!r}"
 
 
 _EXAMPLE = '"loop, time [s], deflection [mm], force [kN]"'

@@ -14,31 +14,23 @@ class RecordedLoop(Loop):
 
     A hysteretic force remembers how its cycle was reached, the longer the smaller the cycle. Rate-independent laws need no more
     than the turning points to be led the same way.
-
-    Attributes:
-        history: turning points from the unloaded device to the first of the averaged cycles [m], (n,).
-        elapsed: time since the cycle began over its period, from 0 to 1, (n_t,).
-        averaged: cycles in the mean; 0 if it is not known how they were reached, and the loop counts as steady.
-        period: of its cycles [s]; None where the record has no time.
-        scatter: standard deviation of what the averaged cycles differ by, as it is left in their mean [N]; 0 of a single one.
     """
 
+    # turning points from the unloaded device to the first of the averaged cycles [m], (n,)
     history: Array = field(default_factory=lambda: np.zeros(0), repr=False)
+    # time since the cycle began over its period, from 0 to 1, (n_t,)
     elapsed: Array = field(default_factory=lambda: np.zeros(0), repr=False)
-    averaged: int = 0
+    averaged: int = 0  # cycles in the mean; 0 if it is not known how they were reached, and the loop counts as steady
+    # standard deviation of what the averaged cycles differ by, as it is left in their mean [N]; 0 of a single one
     scatter: float = 0.0
-    period: float | None = None
+    period: float | None = None  # of its cycles [s]; None where the record has no time
 
 
 def mean_of_cycles(forces: Array, elapsed: Array) -> Array:
-    """Return the mean of the forces of successive cycles [N], (n_t,), without a zero that drifts linearly.
+    """Return the mean of successive cycles' forces [N], (n_t,), from (n_cycles, n_t), without a zero that drifts linearly.
 
-    The drift is that of the cycles' mean forces, or of a single one's ends, and is none at the end of the last cycle. The ends
-    of what comes back are one sample.
-
-    Args:
-        forces: of each cycle [N], (n_cycles, n_t).
-        elapsed: time since its begin over its period, from 0 to 1, (n_t,).
+    The drift is that of the cycles' mean forces, or of a single one's ends, and is none at the end of the last cycle. The
+    ends of what comes back are one sample; `elapsed` is the time since a cycle's begin over its period, from 0 to 1, (n_t,).
     """
     if forces.shape[0] == 1:
         return forces[0] - (forces[0, -1] - forces[0, 0]) * (elapsed - 1.0)

@@ -81,7 +81,10 @@ def _test_one(
     path = operating_point + amplitude * sine
     rate = 2.0 * np.pi * frequency * amplitude * cosine
     time = np.arange(points + 1) / (frequency * points)
-    states = _preloaded(law, operating_point, frequency)
+    states = np.zeros(law.n_states)
+    if operating_point != 0.0:  # a ramp from rest to rest
+        ramp = law.trace([0.0, operating_point], time=[0.0, 1.0 / frequency], rate=[0.0, 0.0])
+        states = ramp.internal_states[-1]
     for count in range(1, (cycles or _MOST_CYCLES) + 1):
         loop = law.trace(path, time=time, rate=rate, initial_states=states)
         closure, states = closure_of(loop.force), loop.internal_states[-1]
@@ -121,14 +124,6 @@ def _quarters(points: int) -> tuple[Array, Array]:
     return sine, np.concatenate([sine[quarter:], sine[1 : quarter + 1]])
 
 
-def _preloaded(law: Law, operating_point: float, frequency: float) -> Array:
-    """Return the law's states after a ramp from rest to rest, unloaded to the operating point, (n_states,)."""
-    if operating_point == 0.0:
-        return np.zeros(law.n_states)
-    ramp = law.trace([0.0, operating_point], time=[0.0, 1.0 / frequency], rate=[0.0, 0.0])
-    return ramp.internal_states[-1]
-
-
 _FEWEST_POINTS = 8
 
 
@@ -146,30 +141,17 @@ def measured(
 
     A loop's samples count as uniform in time, as those of `cyclic_test` are, and are interpolated linearly: samples that
     coincide with the loop's own are exact, others are off by at most (pi^2 / 2) / N^2 of the amplitude, 3e-5 of it if the
-    loop has N = 400.
-    The sample that ends the cycle is measured anew, with noise of its own. What a rig cannot know is left out: z is NaN,
-    internal states have no columns, and work is summed from the samples by the trapezoid rule.
+    loop has N = 400. The sample that ends the cycle is measured anew, with noise of its own. What a rig cannot know is left
+    out: z is NaN, internal states have no columns, and work is summed from the samples by the trapezoid rule.
 
-    Args:
-        loops: closed cycles.
-        seed: of the noise; the same seed gives the same samples.
-        points_per_cycle: samples per cycle, >= 8.
-        force_noise: standard deviation [N].
-        deflection_noise: standard deviation [m].
-        force_resolution: step to which forces are rounded [N]; 0: none. For a converter of n bits it is its span / 2^n.
-        deflection_resolution: the same for deflections [m].
-
-    Raises:
-        ValueError: an argument is out of its range.
+    The same seed gives the same samples. Noises are standard deviations [N], [m], >= 0; resolutions are the steps to which
+    values are rounded [N], [m], 0: none: of a converter of n bits its span / 2^n. ValueError: an argument is out of its
+    range.
     """
     integer("points_per_cycle", points_per_cycle, least=_FEWEST_POINTS)
-    values = {
-        "force_noise": force_noise,
-        "deflection_noise": deflection_noise,
-        "force_resolution": force_resolution,
-        "deflection_resolution": deflection_resolution,
-    }
-    for name, value in values.items():
+    noises = {"force_noise": force_noise, "deflection_noise": deflection_noise}
+    steps = {"force_resolution": force_resolution, "deflection_resolution": deflection_resolution}
+    for name, value in (noises | steps).items():
         not_negative(name, value)
     rng = np.random.default_rng(seed)
     return [

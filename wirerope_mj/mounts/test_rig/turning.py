@@ -15,25 +15,16 @@ _DEPTH = 0.15  # of a stroke below its end, where a sine is steep enough for its
 
 @dataclass(frozen=True, kw_only=True)
 class Trace:
-    """A deflection and where it turns round.
+    """A deflection and where it turns round."""
 
-    Attributes:
-        time: of the samples, (n_t,).
-        deflection: as recorded [m], (n_t,).
-        smooth: the same, smoothed [m], (n_t,).
-        window: samples that were averaged.
-        noise: standard deviation of the deflection's noise [m].
-        turns: samples of the turning points, (n,), the record's first and last sample among them; empty if it never moves.
-        times: of the turning points, (n,), between the crossings on both sides and so sharper than the samples.
-    """
-
-    time: Array
-    deflection: Array
-    smooth: Array
-    window: int
-    noise: float
+    time: Array  # of the samples, (n_t,)
+    deflection: Array  # as recorded [m], (n_t,)
+    smooth: Array  # the same, smoothed [m], (n_t,)
+    window: int  # samples that were averaged
+    noise: float  # standard deviation of the deflection's noise [m]
+    # samples of the turning points, (n,), the record's first and last sample among them; empty if it never moves
     turns: npt.NDArray[np.int64]
-    times: Array
+    times: Array  # of the turning points, (n,), between the crossings on both sides and so sharper than the samples
 
     @property
     def smooth_noise(self) -> float:
@@ -60,14 +51,10 @@ class Trace:
 
 
 def find_turning_points(deflection: Array, time: Array) -> Trace:
-    """Return a deflection with its turning points: reversals by more than the noise and 1 % of the range.
+    """Return a deflection [m], (n_t,), with its turning points: reversals by more than the noise and 1 % of the range.
 
     A first pass over the raw samples finds the shortest stroke, a second over the deflection smoothed over an eighth of it
-    finds the small ones beside the noise.
-
-    Args:
-        deflection: record [m], (n_t,), which is not constant.
-        time: of the samples, (n_t,), increasing.
+    finds the small ones beside the noise. The deflection is not constant, and time increases, (n_t,).
     """
     noise, least = rms_noise(deflection), _SMALLEST * float(np.ptp(deflection))
     turns = _reversals(deflection, max(_SURE * noise, least))

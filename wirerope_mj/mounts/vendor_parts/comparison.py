@@ -8,7 +8,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
 from wirerope_mj.mounts.vendor_parts import law_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import curve_values, read_curve_sheet
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, StatedValue, read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet
 
 
 def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
@@ -44,14 +44,8 @@ def diagonal_values(sheet: DataSheet, isolator: Isolator) -> list[ComparedValue]
         if stated.unit == "Hz":
             continue  # about a sag under a load that is not along an axis of the mount: nothing here follows that
         secant = law_values.diagonal_secant(law, stated.secant.deflection, steady=stated.secant.steady)
-        rows.append(_row("45 degrees", stated, secant))
+        rows.append(stated.beside("45 degrees", secant))
     return rows
-
-
-def _row(axis: str, stated: StatedValue, stiffness: float) -> ComparedValue:
-    """Return a value of the sheet beside the secant stiffness [N/m] of a law."""
-    vendor, fitted = stated.shown(stated.secant.stiffness), stated.shown(stiffness)
-    return ComparedValue(axis=axis, name=stated.name, unit=stated.unit, vendor=vendor, fitted=fitted)
 
 
 def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> list[ComparedValue]:
@@ -62,12 +56,8 @@ def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> l
         if value.unit == "Hz" and axis == "compression":
             load = value.mass * STANDARD_GRAVITY
             about = -law_values.compression_sag(law, load, stated.travel, relaxed=True)
-        rows.append(_row(axis, value, law_values.secant(law, value.secant, about)))
-    for name, at in (
-        (f"damping ratio at {1e3 * amplitude:.3g} mm", amplitude),
-        ("damping ratio at D/2", stated.travel / 2.0),
-    ):
-        rows.append(
-            ComparedValue(axis=axis, name=name, unit="-", vendor=None, fitted=law_values.damping_ratio(law, at))
-        )
+        rows.append(value.beside(axis, law_values.secant(law, value.secant, about)))
+    for name, at in ((f"{1e3 * amplitude:.3g} mm", amplitude), ("D/2", stated.travel / 2.0)):
+        ratio = law_values.damping_ratio(law, at)
+        rows.append(ComparedValue(axis=axis, name=f"damping ratio at {name}", unit="-", vendor=None, fitted=ratio))
     return rows

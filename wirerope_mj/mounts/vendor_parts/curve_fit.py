@@ -79,16 +79,11 @@ def read_curve_sheet(content: Mapping[str, Any], path: Path) -> CurveSheet:
     if "tension" in sides and ("compression" not in sides or sides["tension"].areas or sides["tension"].damping):
         raise ModelError(f"{path}: [tension] goes with [compression], where areas and damping ratios stand.")
     sheet = CurveSheet(
-        name=table.text("name"),
-        source=table.text("source"),
-        curve=curve,
-        sides=sides,
+        name=table.text("name"), source=table.text("source"), curve=curve, sides=sides,
         yield_deflection=table.optional_quantity("yield_deflection", LENGTH) or 0.0,
-        static_load=table.optional_quantity("static_load", FORCE),
-        height=table.optional_quantity("height", LENGTH),
-        width=table.optional_quantity("width", LENGTH),
-        assumed=table.texts("assumed"),
-    )
+        static_load=table.optional_quantity("static_load", FORCE), height=table.optional_quantity("height", LENGTH),
+        width=table.optional_quantity("width", LENGTH), assumed=table.texts("assumed"),
+    )  # fmt: skip
     table.require_empty()
     return sheet
 

@@ -16,17 +16,11 @@ from wirerope_mj.mounts.test_rig import cyclic_test
 
 @dataclass(frozen=True, kw_only=True)
 class Secant:
-    """A secant stiffness.
+    """A secant stiffness."""
 
-    Attributes:
-        deflection: compression or amplitude [m].
-        stiffness: [N/m].
-        steady: whether of the steady loop of this amplitude; else of the virgin path.
-    """
-
-    deflection: float
-    stiffness: float
-    steady: bool
+    deflection: float  # compression or amplitude [m]
+    stiffness: float  # [N/m]
+    steady: bool  # whether of the steady loop of this amplitude; else of the virgin path
 
 
 def virgin_force(law: Law, deflection: float) -> float:
@@ -40,12 +34,9 @@ def relaxed_force(law: Law, deflection: float) -> float:
 
 
 def secant(law: Law, stated: Secant, about: float = 0.0) -> float:
-    """Return the secant stiffness [N/m] that a law has where a value is stated.
+    """Return the secant stiffness [N/m] that a law has where a value is stated, a steady loop about a deflection [m].
 
-    Args:
-        law: of the axis.
-        stated: deflection and whether of the steady loop; a virgin path leads into compression.
-        about: where a steady loop lies [m].
+    A virgin path leads into compression.
     """
     if not stated.steady:
         return -virgin_force(law, -stated.deflection) / stated.deflection
@@ -86,10 +77,8 @@ def compression_sag(law: Law, load: float, travel: float, *, relaxed: bool = Fal
 def diagonal_secant(law: LoopBoucWen, deflection: float, *, steady: bool) -> float:
     """Return the secant stiffness [N/m] along 45 degrees between compression and roll, held on that straight line.
 
-    Args:
-        law: of roll and axial.
-        deflection: along the line [m]: that of the virgin path, or the amplitude of a steady loop.
-        steady: whether of the steady loop, here the fourth cycle.
+    It is that of the virgin path to a deflection along the line [m], or of the steady loop of that amplitude, the fourth
+    cycle.
     """
     line = np.array([1.0, -1.0]) * np.sqrt(0.5)
     turns = [0.0, *[1.0, -1.0] * 4, 1.0] if steady else [0.0, 1.0]

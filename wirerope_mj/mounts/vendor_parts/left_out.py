@@ -27,15 +27,11 @@ AXES, DIAGONAL = ("compression", "shear"), "45 degrees"
 
 @dataclass(frozen=True, kw_only=True)
 class Band:
-    """Values that were left out, and what is said of them without.
+    """Values that were left out, and what is said of them without."""
 
-    Attributes:
-        values: those of the isolator, `fitted` predicted without `vendor`.
-        others: by axis, the error of which nine in ten parts of the vendor's table stay below when one of their two
-            stiffnesses is left out [-]; NaN where the table states too few.
-    """
-
-    values: tuple[ComparedValue, ...]
+    values: tuple[ComparedValue, ...]  # those of the isolator, `fitted` predicted without `vendor`
+    # by axis, the error of which nine in ten parts of the vendor's table stay below when one of their two stiffnesses is left
+    # out [-]; NaN where the table states too few
     others: dict[str, float]
 
     @property
@@ -86,9 +82,7 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
         fitted = fit_sheet(replace(sheet, compression=without) if along else replace(sheet, shear=without))
         law = fitted.axial if along else fitted.shear
         assert law is not None  # of an axis with values
-        found = value.shown(secant(law, value.secant))
-        vendor = value.shown(value.secant.stiffness)
-        rows.append(ComparedValue(axis=axis, name=value.name, unit=value.unit, vendor=vendor, fitted=found))
+        rows.append(value.beside(axis, secant(law, value.secant)))
     return rows
 
 
@@ -112,14 +106,10 @@ def _at_45_degrees(part: VendorPart, isolator: Isolator) -> list[ComparedValue]:
     own, law = part.modes["45"], isolator.coupled
     if own.travel is None or own.vibration is None or own.shock is None or not isinstance(law, LoopBoucWen):
         return []
-    rows = []
-    for value in two_stiffnesses(own.travel, own.vibration, own.shock):
-        found = diagonal_secant(law, value.secant.deflection, steady=value.secant.steady)
-        vendor = value.shown(value.secant.stiffness)
-        rows.append(
-            ComparedValue(axis=DIAGONAL, name=value.name, unit="N/mm", vendor=vendor, fitted=value.shown(found))
-        )
-    return rows
+    return [
+        value.beside(DIAGONAL, diagonal_secant(law, value.secant.deflection, steady=value.secant.steady))
+        for value in two_stiffnesses(own.travel, own.vibration, own.shock)
+    ]
 
 
 def _ratios(file: str, axis: str, without: str = "") -> list[float]:

@@ -1,7 +1,7 @@
 """The vendors' tables: parts with load, travel and stiffnesses in compression, at 45 degrees, and in shear or roll."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from functools import cache
 from pathlib import Path
 
@@ -22,86 +22,54 @@ _UNITS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Series:
-    """A vendor's table.
+    """A vendor's table."""
 
-    Attributes:
-        file: its name below `models/isolators/vendors`.
-        source: the documents.
-        damping: damping ratio that a fit aims at [-], within `damping_range`.
-        damping_range: of the series, as the vendor states it [-].
-    """
-
-    file: str
-    source: str
-    damping: float
-    damping_range: tuple[float, float]
+    file: str  # its name below `models/isolators/vendors`
+    source: str  # the documents
+    damping: float  # damping ratio that a fit aims at [-], within `damping_range`
+    damping_range: tuple[float, float]  # of the series, as the vendor states it [-]
 
 
 # The tables that ship; the damping ratios are those of the catalogue's fitted isolators.
 SERIES = (
     Series(
-        file="enidine_wr.csv",
-        source="ITT Enidine WR series catalogue ENI877R4, read from a public transcription",
-        damping=0.11,
-        damping_range=(0.05, 0.15),
+        file="enidine_wr.csv", source="ITT Enidine WR series catalogue ENI877R4, read from a public transcription",
+        damping=0.11, damping_range=(0.05, 0.15),
     ),
     Series(
-        file="vmc_cb.csv",
-        source="VMC/Aeroflex and Socitec CB data sheets, read from a public transcription",
-        damping=0.20,
-        damping_range=(0.15, 0.20),
+        file="vmc_cb.csv", source="VMC/Aeroflex and Socitec CB data sheets, read from a public transcription",
+        damping=0.20, damping_range=(0.15, 0.20),
     ),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModeValues:
-    """Values of one loading mode; None = not stated.
+    """Values of one loading mode; None = not stated."""
 
-    Attributes:
-        static_load: largest static load [N].
-        travel: largest dynamic deflection [m].
-        vibration: stiffness of small vibration [N/m].
-        shock: mean stiffness over the travel [N/m].
-    """
-
-    static_load: float | None = None
-    travel: float | None = None
-    vibration: float | None = None
-    shock: float | None = None
+    static_load: float | None = None  # largest static load [N]
+    travel: float | None = None  # largest dynamic deflection [m]
+    vibration: float | None = None  # stiffness of small vibration [N/m]
+    shock: float | None = None  # mean stiffness over the travel [N/m]
 
     def scaled(self, fraction: float) -> "ModeValues":
         """Return the values with a fraction of the loops: load and stiffnesses in proportion, the same travel."""
-
-        def times(value: float | None) -> float | None:
-            return None if value is None else fraction * value
-
-        return replace(
-            self, static_load=times(self.static_load), vibration=times(self.vibration), shock=times(self.shock)
-        )
+        stated = {name: getattr(self, name) for name in ("static_load", "vibration", "shock")}
+        return replace(self, **{name: fraction * value for name, value in stated.items() if value is not None})
 
 
 @dataclass(frozen=True, kw_only=True)
 class VendorPart:
-    """One row of a vendor's table, in SI units.
-
-    Attributes:
-        loops: number of loops; None = not stated, as for the next four.
-        rope: diameter of the rope [m].
-        height: unloaded [m].
-        width: across the bars [m].
-        bar: thickness of one bar [m].
-        modes: values by loading mode.
-    """
+    """One row of a vendor's table, in SI units."""
 
     name: str
     series: Series
-    loops: int | None
-    rope: float | None
-    height: float | None
-    width: float | None
-    bar: float | None
-    modes: Mapping[str, ModeValues]
+    loops: int | None  # number of loops; None = not stated, as for the next four
+    rope: float | None  # diameter of the rope [m]
+    height: float | None  # unloaded [m]
+    width: float | None  # across the bars [m]
+    bar: float | None  # thickness of one bar [m]
+    modes: Mapping[str, ModeValues]  # values by loading mode
 
     def with_loops(self, loops: int) -> "VendorPart":
         """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
@@ -150,14 +118,9 @@ def _part(
         name=cells[names.index("part")],
         series=series,
         loops=None if loops is None else round(loops),
-        rope=values["rope"],
-        height=values["height"],
-        width=values["width"],
-        bar=values.get("bar"),
+        **{key: values.get(key) for key in ("rope", "height", "width", "bar")},
         modes={
-            mode: ModeValues(
-                **{key: values.get(f"{mode} {key}") for key in ("static_load", "travel", "vibration", "shock")}
-            )
+            mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)})
             for mode in MODES
         },
     )

@@ -54,18 +54,13 @@ class ElasticShape:
 
 @dataclass(frozen=True, kw_only=True)
 class FitRule:
-    """What is the same for all parts.
+    """What is the same for all parts."""
 
-    Attributes:
-        n: exponent of the hysteretic states, 1 or 2, for which loops have a closed form.
-        scales: of every state its bound and its yield deflection, in parts of those of the first.
-        asymmetry: c ln b and k3 / k1 along the axis, in parts of those of the rope loop.
-        shear_yield: yield deflection in shear in parts of the axial one, where the sheet states no damping in shear.
-    """
-
-    n: int
+    n: int  # exponent of the hysteretic states, 1 or 2, for which loops have a closed form
+    # of every state its bound and its yield deflection, in parts of those of the first
     scales: tuple[tuple[float, float], ...]
-    asymmetry: float
+    asymmetry: float  # c ln b and k3 / k1 along the axis, in parts of those of the rope loop
+    # yield deflection in shear in parts of the axial one, where the sheet states no damping in shear
     shear_yield: float
 
     def friction(self, deflection: float, yielding: float, *, steady: bool) -> float:
@@ -170,11 +165,7 @@ def fit_secants(
 ) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
-    Args:
-        secants: at least two.
-        curve: of the elastic part.
-        yielding: yield deflection x_y of friction [m].
-        rule: how all else of the law follows.
+    `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule.
 
     Raises:
         ConvergenceError: the secants ask for friction or a spring that is not positive.

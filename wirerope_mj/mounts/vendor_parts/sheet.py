@@ -34,20 +34,13 @@ from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH,
 
 @dataclass(frozen=True, kw_only=True)
 class StatedValue:
-    """One value of a data sheet as a secant stiffness.
-
-    Attributes:
-        unit: that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load).
-        secant: deflection, stiffness and whether of the steady loop.
-        fitted: whether the law is fitted to it.
-        mass: of a resonance [kg].
-    """
+    """One value of a data sheet as a secant stiffness."""
 
     name: str
-    unit: str
-    secant: Secant
-    fitted: bool = True
-    mass: float = math.nan
+    unit: str  # that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load)
+    secant: Secant  # deflection, stiffness and whether of the steady loop
+    fitted: bool = True  # whether the law is fitted to it
+    mass: float = math.nan  # of a resonance [kg]
 
     def shown(self, stiffness: float) -> float:
         """Return the value that a secant stiffness [N/m] gives, in its unit."""
@@ -56,6 +49,11 @@ class StatedValue:
         if self.unit == "Hz":
             return math.sqrt(stiffness / self.mass) / (2.0 * math.pi)
         return 1e-3 * stiffness
+
+    def beside(self, axis: str, stiffness: float) -> "ComparedValue":
+        """Return the value of the sheet beside the secant stiffness [N/m] of a law."""
+        vendor, fitted = self.shown(self.secant.stiffness), self.shown(stiffness)
+        return ComparedValue(axis=axis, name=self.name, unit=self.unit, vendor=vendor, fitted=fitted)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -76,19 +74,12 @@ class ComparedValue:
 
 @dataclass(frozen=True, kw_only=True)
 class AxisValues:
-    """Values that a sheet states of one axis.
+    """Values that a sheet states of one axis."""
 
-    Attributes:
-        travel: rated [m].
-        stated: the values.
-        damping: damping ratio that the fit aims at [-]; None where it follows from the rest.
-        hardening: k3 / k1 in parts of that of the rope loop; 1 unless the sheet says otherwise.
-    """
-
-    travel: float
-    stated: tuple[StatedValue, ...]
-    damping: float | None = None
-    hardening: float = 1.0
+    travel: float  # rated [m]
+    stated: tuple[StatedValue, ...]  # the values
+    damping: float | None = None  # damping ratio that the fit aims at [-]; None where it follows from the rest
+    hardening: float = 1.0  # k3 / k1 in parts of that of the rope loop; 1 unless the sheet says otherwise
 
     @property
     def fitted(self) -> tuple[Secant, ...]:
@@ -98,60 +89,38 @@ class AxisValues:
 
 @dataclass(frozen=True, kw_only=True)
 class DataSheet:
-    """A vendor's data sheet of one isolator, in SI units.
-
-    Attributes:
-        source: the document.
-        height: unloaded [m].
-        width: across the bars [m].
-        rope: diameter [m].
-        bar: thickness of one bar [m].
-        bar_assumed: whether nobody states it: good for the shape of the loop, not for where the bars meet.
-        loops: their number; None where it is not stated.
-        bar_length: over which the loops are spread [m]; None where it is not stated: then nothing resists turning.
-        compression: values of the axial axis.
-        shear: values of the shear and roll axes; None where there are none.
-        diagonal: values at 45 degrees between compression and roll, None where there are none.
-        static_load: rated load in compression [N]; None where it is not stated.
-        damping_amplitude: amplitude of the damping ratios [m].
-        roll_of_loop: whether roll follows from the rope loop; else it is the same as shear.
-        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
-        yielding: yield deflection of friction [m]; None where a damping ratio gives it.
-        damping_range: lowest and highest damping ratio that the vendor states [-]; None where it states none.
-        assumed: what no source gives, one text each.
-    """
+    """A vendor's data sheet of one isolator, in SI units."""
 
     name: str
-    source: str
-    height: float
-    width: float
-    rope: float
-    bar: float
-    compression: AxisValues
-    shear: AxisValues | None
-    static_load: float | None
-    damping_amplitude: float
-    bar_assumed: bool = False
-    loops: int | None = None
+    source: str  # the document
+    height: float  # unloaded [m]
+    width: float  # across the bars [m]
+    rope: float  # diameter [m]
+    bar: float  # thickness of one bar [m]
+    compression: AxisValues  # values of the axial axis
+    shear: AxisValues | None  # values of the shear and roll axes; None where there are none
+    static_load: float | None  # rated load in compression [N]; None where it is not stated
+    damping_amplitude: float  # amplitude of the damping ratios [m]
+    bar_assumed: bool = False  # whether nobody states it: good for the shape of the loop, not for where the bars meet
+    loops: int | None = None  # their number; None where it is not stated
+    # over which the loops are spread [m]; None where it is not stated: then nothing resists turning
     bar_length: float | None = None
-    diagonal: AxisValues | None = None
-    roll_of_loop: bool = False
-    yielding: float | None = None
-    scales: int = 1
+    diagonal: AxisValues | None = None  # values at 45 degrees between compression and roll, None where there are none
+    roll_of_loop: bool = False  # whether roll follows from the rope loop; else it is the same as shear
+    yielding: float | None = None  # yield deflection of friction [m]; None where a damping ratio gives it
+    scales: int = 1  # of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`)
+    # lowest and highest damping ratio that the vendor states [-]; None where it states none
     damping_range: tuple[float, float] | None = None
-    assumed: tuple[str, ...] = ()
+    assumed: tuple[str, ...] = ()  # what no source gives, one text each
 
 
 def two_stiffnesses(
     travel: float, vibration: float, shock: float, amplitude: float | None = None
 ) -> tuple[StatedValue, ...]:
-    """Return a vibration stiffness and a shock stiffness [N/m] as stated values.
+    """Return a vibration stiffness and a shock stiffness [N/m] as stated values of an axis with a rated travel [m].
 
-    Args:
-        travel: rated [m].
-        vibration: secant of the steady loop of `amplitude`.
-        shock: secant of the virgin path at the travel.
-        amplitude: [m]; `VIBRATION_AMPLITUDE` of the travel by default.
+    They are the secants of the steady loop of an amplitude [m], `VIBRATION_AMPLITUDE` of the travel by default, and of the
+    virgin path at the travel.
     """
     small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
     return (
@@ -238,7 +207,11 @@ def _axis(table: TomlTable) -> AxisValues:
     """Return the values of one axis."""
     damping, hardening = table.optional_number("damping_target"), table.optional_number("hardening")
     compared, travel = table.texts("compared"), table.quantity("travel", LENGTH)
-    stated = [*_stiffnesses(table, travel), *_loads(table, travel), *_curve_points(table)]
+    amplitude = table.optional_quantity("vibration_amplitude", LENGTH)
+    vibration, shock = (table.optional_quantity(f"{name}_stiffness", STIFFNESS) for name in ("vibration", "shock"))
+    both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
+    stiffnesses = [value for value in both if value.secant.stiffness > 0.0]
+    stated = [*stiffnesses, *_loads(table, travel), *_curve_points(table)]
     table.require_empty()
     names = [value.name.replace(" ", "_") for value in stated]
     for name in compared:
@@ -250,13 +223,6 @@ def _axis(table: TomlTable) -> AxisValues:
     if sum(value.fitted for value in values) < 2:
         raise ModelError(f"{table.location} must state at least two stiffnesses or points to fit.")
     return AxisValues(travel=travel, stated=values, damping=damping, hardening=hardening or 1.0)
-
-
-def _stiffnesses(table: TomlTable, travel: float) -> list[StatedValue]:
-    amplitude = table.optional_quantity("vibration_amplitude", LENGTH)
-    vibration, shock = (table.optional_quantity(f"{name}_stiffness", STIFFNESS) for name in ("vibration", "shock"))
-    both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
-    return [value for value in both if value.secant.stiffness > 0.0]
 
 
 def _loads(table: TomlTable, travel: float) -> list[StatedValue]:

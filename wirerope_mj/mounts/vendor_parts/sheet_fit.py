@@ -92,12 +92,9 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         **across,
     )
     provenance = Provenance(
-        kind=kind,
-        source=sheet.source,
-        fitted_to=_fitted_to(sheet),
-        assumed=_assumed(sheet, curves),
+        kind=kind, source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
         check_45=_check_45(sheet, isolator),
-    )
+    )  # fmt: skip
     return replace(isolator, provenance=provenance)
 
 
@@ -114,7 +111,11 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
     curve, rule = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening), RULES[sheet.scales]
     yielding = rule.shear_yield * first_state(axial).normalised.x_y
     law = _fit(shear, curve, yielding, sheet.damping_amplitude, rule)
-    roll = _rolling(axial, law, curves, rule) if sheet.roll_of_loop else law
+    roll: NiLaw | Parallel = law
+    if sheet.roll_of_loop:  # what it has beside the axial law, with friction in the proportion of shear's
+        spring, beside = first_state(axial).k1 * curves.roll_stiffness / curves.axial_stiffness, first_state(law)
+        friction, reach = beside.normalised.z_max * spring / beside.k1, beside.normalised.x_y
+        roll = rule.law(friction, reach, spring, ElasticShape(asymmetry=None, cubic=curves.roll_cubic))
     return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
 
 
@@ -127,13 +128,6 @@ def _fit(
     if yielding is None:
         raise ValueError("`yielding` must be given where no damping ratio is.")
     return fit_secants(stated.fitted, curve, yielding, rule)
-
-
-def _rolling(axial: NiLaw | Parallel, shear: NiLaw | Parallel, curves: AxisCurves, rule: FitRule) -> NiLaw | Parallel:
-    """Return the law of roll that the rope loop has beside an axial law, with friction in the proportion of shear's."""
-    spring, beside = first_state(axial).k1 * curves.roll_stiffness / curves.axial_stiffness, first_state(shear)
-    friction, yielding = beside.normalised.z_max * spring / beside.k1, beside.normalised.x_y
-    return rule.law(friction, yielding, spring, ElasticShape(asymmetry=None, cubic=curves.roll_cubic))
 
 
 def _rotation(
@@ -255,9 +249,7 @@ BAR = 1.7
 def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
     """Return the isolator that has the stiffnesses of a part's row in compression and, if stated, in shear and roll.
 
-    Args:
-        part: the row.
-        scales: of friction, the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
+    `scales` of friction is the number of the rule (`wirerope_mj.mounts.vendor_parts.secants`).
 
     Raises:
         ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
@@ -276,22 +268,13 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
     assumed = () if part.bar is not None else (f"bar of {BAR:g} rope diameters: the table does not state it",)
     return fit_sheet(
         DataSheet(
-            name=part.name,
-            source=part.series.source,
-            height=height,
-            width=width,
-            rope=rope,
-            bar=BAR * rope if part.bar is None else part.bar,
-            bar_assumed=part.bar is None,
-            compression=compression,
-            shear=_axis(part, "shear", None),
-            static_load=part.modes["compression"].static_load,
+            name=part.name, source=part.series.source, height=height, width=width, rope=rope,
+            bar=BAR * rope if part.bar is None else part.bar, bar_assumed=part.bar is None, compression=compression,
+            shear=_axis(part, "shear", None), static_load=part.modes["compression"].static_load,
             damping_amplitude=DAMPING_AMPLITUDE if scales == 1 else VIBRATION_AMPLITUDE * compression.travel,
-            scales=scales,
-            damping_range=part.series.damping_range,
-            assumed=assumed,
+            scales=scales, damping_range=part.series.damping_range, assumed=assumed,
         )
-    )
+    )  # fmt: skip
 
 
 def _axis(part: VendorPart, mode: str, damping: float | None) -> AxisValues | None:

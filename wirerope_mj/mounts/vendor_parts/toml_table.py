@@ -20,18 +20,13 @@ Pairs = list[tuple[float, float]]
 
 
 class TomlTable:
-    """Entries of one table; each method takes one out of it in SI units, or raises ModelError.
-
-    Attributes:
-        location: file and table, for messages.
-        entries: what was not taken yet.
-    """
+    """Entries of one table; each method takes one out of it in SI units, or raises ModelError."""
 
     def __init__(self, content: Any, location: str) -> None:
         if not isinstance(content, dict):
             raise ModelError(f"{location} must be a table, got {content!r}.")
-        self.location = location
-        self.entries: dict[str, Any] = dict(content)
+        self.location = location  # file and table, for messages
+        self.entries: dict[str, Any] = dict(content)  # what was not taken yet
 
     def quantity(self, name: str, units: tuple[str, ...]) -> float:
         """Take a quantity > 0 whose key ends with its unit."""
