@@ -39,21 +39,13 @@ _COLUMNS = (
 
 @dataclass(frozen=True, kw_only=True)
 class CyclicTests:
-    """Cyclic tests of the axes of an isolator.
-
-    Attributes:
-        isolator: that was tested.
-        laws: of its axes, by what they are called.
-        loops: of each, by the same names.
-        operating_point: about which it was tested [m].
-        frequency: of the tests [Hz].
-    """
+    """Cyclic tests of the axes of an isolator."""
 
     isolator: Isolator
-    laws: Mapping[str, Law]
-    loops: Mapping[str, Sequence[Loop]]
-    operating_point: float
-    frequency: float
+    laws: Mapping[str, Law]  # of its axes, by what they are called
+    loops: Mapping[str, Sequence[Loop]]  # of each, by the same names
+    operating_point: float  # about which it was tested [m]
+    frequency: float  # of the tests [Hz]
 
 
 def loops_content(tests: CyclicTests) -> Content:

@@ -27,32 +27,23 @@ class Revision:
 
 @dataclass(frozen=True, kw_only=True)
 class Document:
-    """Data of a document; what is empty is left open in its title block.
+    """Data of a document; what is empty is left open in its title block."""
 
-    Attributes:
-        project, number, revision, date: by which it is filed.
-        author, checker, approver: who signs.
-        classification: said on every page.
-        client: for whom it is written.
-        standard: by which the load cases and limits were chosen.
-        logo: PNG or JPEG file; None for none.
-        history: revisions, the first one first.
-        texts: paragraphs by the names of `TEXTS`.
-    """
-
+    # project, number, revision, date: by which it is filed
     project: str = ""
     number: str = ""
     revision: str = ""
     date: str = ""
+    # author, checker, approver: who signs
     author: str = ""
     checker: str = ""
     approver: str = ""
-    classification: str = ""
-    client: str = ""
-    standard: str = ""
-    logo: Path | None = None
-    history: tuple[Revision, ...] = ()
-    texts: Mapping[str, str] = field(default_factory=dict)
+    classification: str = ""  # said on every page
+    client: str = ""  # for whom it is written
+    standard: str = ""  # by which the load cases and limits were chosen
+    logo: Path | None = None  # PNG or JPEG file; None for none
+    history: tuple[Revision, ...] = ()  # revisions, the first one first
+    texts: Mapping[str, str] = field(default_factory=dict)  # paragraphs by the names of `TEXTS`
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:

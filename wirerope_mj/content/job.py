@@ -46,23 +46,14 @@ class JudgedCase:
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedJob:
-    """A job whose load cases were simulated and judged.
-
-    Attributes:
-        name: its title.
-        question: what it answers.
-        cases: in the order of the job.
-        report: sections of a run that each case shows, of `REPORTED`.
-        document: data of the document; None for a plain report.
-        written: when.
-    """
+    """A job whose load cases were simulated and judged."""
 
     name: str
-    question: str
-    cases: tuple[JudgedCase, ...]
-    report: tuple[str, ...]
-    document: Document | None
-    written: str
+    question: str  # what it answers
+    cases: tuple[JudgedCase, ...]  # in the order of the job
+    report: tuple[str, ...]  # sections of a run that each case shows, of `REPORTED`
+    document: Document | None  # data of the document; None for a plain report
+    written: str  # when
 
     @property
     def runs(self) -> dict[str, JudgedRun]:

@@ -137,18 +137,13 @@ def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CatalogueSelection(Summarised):
-    """Parts of a catalogue that were simulated, ranked.
+    """Parts of a catalogue that were simulated, ranked."""
 
-    Attributes:
-        tried: those that keep every limit by `by`, then the nearest to their limits, then those without figures.
-        cases: base motions by the name of the load case.
-        by: what they are ranked by, one of `BY`.
-        stated: "price" and "mass" of one part, by the part's name, as a table of one's own states them.
-    """
-
+    # those that keep every limit by `by`, then the nearest to their limits, then those without figures
     tried: tuple[TriedPart, ...]
-    cases: Mapping[str, BaseMotion]
-    by: str
+    cases: Mapping[str, BaseMotion]  # base motions by the name of the load case
+    by: str  # what they are ranked by, one of `BY`
+    # "price" and "mass" of one part, by the part's name, as a table of one's own states them
     stated: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property

@@ -21,22 +21,16 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class Extremes:
-    """Peaks of variants over every step.
+    """Peaks of variants over every step."""
 
-    Attributes:
-        failed: whether the kernel gave a variant up, (n,).
-        value: largest norm of every channel, (n, n_channels); of what is fixed to the base 0.
-        lowest, highest: extremes of the components, (n, n_channels, 3).
-        struck: number of stops that closed, (n,).
-        travels: largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
-            any, (n, n_mounts, 2).
-    """
-
-    failed: Flags
-    value: Array
+    failed: Flags  # whether the kernel gave a variant up, (n,)
+    value: Array  # largest norm of every channel, (n, n_channels); of what is fixed to the base 0
+    # lowest, highest: extremes of the components, (n, n_channels, 3)
     lowest: Array
     highest: Array
-    struck: Array
+    struck: Array  # number of stops that closed, (n,)
+    # largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
+    # any, (n, n_mounts, 2)
     travels: Array
 
     @classmethod

@@ -17,25 +17,16 @@ CRITERIA = {
 
 @dataclass(frozen=True, kw_only=True)
 class TriedPart:
-    """A part in the places of a model's mounts.
+    """A part in the places of a model's mounts."""
 
-    Attributes:
-        name: of the part.
-        isolator: the part; None if it has none.
-        system: the model on it; None without an isolator.
-        placement: how many mounts there are and where, as it was asked for.
-        mounts: number of mounts that carry the part.
-        measures: by the load case, those of `wirerope_mj.studies.measures`; of cases that were computed.
-        reason: why it was not computed, "" if it was.
-    """
-
-    name: str
-    isolator: Isolator | None = None
-    system: System | None = field(default=None, repr=False)
-    placement: str = ""
-    mounts: int = 0
+    name: str  # of the part
+    isolator: Isolator | None = None  # the part; None if it has none
+    system: System | None = field(default=None, repr=False)  # the model on it; None without an isolator
+    placement: str = ""  # how many mounts there are and where, as it was asked for
+    mounts: int = 0  # number of mounts that carry the part
+    # by the load case, those of `wirerope_mj.studies.measures`; of cases that were computed
     measures: Mapping[str, Mapping[str, float]] = field(default_factory=dict, repr=False)
-    reason: str = ""
+    reason: str = ""  # why it was not computed, "" if it was
 
     def used(self, measure: str) -> tuple[float, str]:
         """Return the largest utilisation of a criterion over the load cases [-], NaN if it is not judged, and the case."""

@@ -17,21 +17,14 @@ Color = tuple[int, int, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Colours:
-    """Colours on one ground.
+    """Colours on one ground."""
 
-    Attributes:
-        ground: on which they are read.
-        series: of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green.
-        limit: of what must not be exceeded, and of what exceeds it.
-        base: of the base, which everything is compared with.
-        others: of lines that are not named.
-    """
-
-    ground: Color
+    ground: Color  # on which they are read
+    # of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green
     series: tuple[Color, ...]
-    limit: Color
-    base: Color
-    others: Color
+    limit: Color  # of what must not be exceeded, and of what exceeds it
+    base: Color  # of the base, which everything is compared with
+    others: Color  # of lines that are not named
 
 
 DARK = Colours(

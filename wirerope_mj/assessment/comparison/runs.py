@@ -26,20 +26,14 @@ Align = Literal["start", "shock"]
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """Runs and what they have in common; one alone has everything.
+    """Runs and what they have in common; one alone has everything."""
 
-    Attributes:
-        runs: the runs; differences are those to the first.
-        components: what two of them or more have, or the only one: the base first, then the largest peak.
-        mounts: names of the mounts that two of them or more have, or the only one.
-        alone: components and mounts that only one of them has, by the run's name.
-        differences: where and when what is shared differs most from the first run, the largest first.
-    """
-
-    runs: tuple[ComparedRun, ...]
+    runs: tuple[ComparedRun, ...]  # the runs; differences are those to the first
+    # what two of them or more have, or the only one: the base first, then the largest peak
     components: tuple[Component, ...]
-    mounts: tuple[str, ...]
-    alone: dict[str, tuple[Subject, ...]]
+    mounts: tuple[str, ...]  # names of the mounts that two of them or more have, or the only one
+    alone: dict[str, tuple[Subject, ...]]  # components and mounts that only one of them has, by the run's name
+    # where and when what is shared differs most from the first run, the largest first
     differences: tuple[HistoryDifference, ...]
 
 
@@ -114,19 +108,12 @@ def _moved(response: Response, by: float) -> Response:
 
 @dataclass(frozen=True, kw_only=True)
 class PeakRow:
-    """A peak in every run, in the order of the runs; None where a run does not have it.
+    """A peak in every run, in the order of the runs; None where a run does not have it."""
 
-    Attributes:
-        label: whose it is.
-        values: in SI, utilisations as ratios.
-        times: instants [s]; NaN where the peak has none.
-        notes: what is said beside a value, such as the kind of travel.
-    """
-
-    label: str
-    values: tuple[float | None, ...]
-    times: tuple[float | None, ...]
-    notes: tuple[str, ...]
+    label: str  # whose it is
+    values: tuple[float | None, ...]  # in SI, utilisations as ratios
+    times: tuple[float | None, ...]  # instants [s]; NaN where the peak has none
+    notes: tuple[str, ...]  # what is said beside a value, such as the kind of travel
 
     def difference(self, number: int) -> float | None:
         """Return the relative difference of a run to the first; None if that makes no sense."""

@@ -12,16 +12,11 @@ STATIC_LOAD: Final = "static load in compression"
 
 
 class Criterion(str):
-    """Kind, axis and sense of a limit, as the text "acceleration along z" or "travel in compression", which it equals.
+    """Kind, axis and sense of a limit, as the text "acceleration along z" or "travel in compression", which it equals."""
 
-    Attributes:
-        kind: ACCELERATION, RATTLE_SPACE, TRAVEL, STATIC_LOAD, or the name of any other criterion.
-        axis: "x", "y" or "z"; "" for the size of a vector, or none.
-        sense: "+" or "-" along an axis, a rating of `mounts.isolator.travel` for a travel, a history for a static load.
-    """
-
-    kind: str
-    axis: str
+    kind: str  # ACCELERATION, RATTLE_SPACE, TRAVEL, STATIC_LOAD, or the name of any other criterion
+    axis: str  # "x", "y" or "z"; "" for the size of a vector, or none
+    # "+" or "-" along an axis, a rating of `mounts.isolator.travel` for a travel, a history for a static load
     sense: str
 
     def __new__(cls, kind: str, *, axis: str = "", sense: str = "") -> "Criterion":

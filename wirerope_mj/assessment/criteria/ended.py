@@ -26,17 +26,11 @@ from wirerope_mj.mounts.isolator.travel import travel_in
 
 @dataclass(frozen=True, kw_only=True)
 class Used:
-    """Fraction of its limits that a mount, a body or a point uses over time.
-
-    Attributes:
-        subject: its name.
-        verdicts: on it, those that change over time, the largest utilisation first.
-        course: largest utilisation of them at each sample, (n_t,); peaks of every step may lie a little above.
-    """
+    """Fraction of its limits that a mount, a body or a point uses over time."""
 
     subject: str
-    verdicts: tuple[Verdict, ...]
-    course: Array
+    verdicts: tuple[Verdict, ...]  # on it, those that change over time, the largest utilisation first
+    course: Array  # largest utilisation of them at each sample, (n_t,); peaks of every step may lie a little above
 
     @property
     def governing(self) -> Verdict:

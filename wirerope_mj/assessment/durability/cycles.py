@@ -19,17 +19,11 @@ STEEPEST = 50.0
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Cycles(Brief):
-    """Cycles of a history.
+    """Cycles of a history."""
 
-    Attributes:
-        ranges: of each cycle from its lowest to its highest value, (n,).
-        means: between them, (n,).
-        counts: 1 for a closed cycle, 0.5 for what is left open, (n,).
-    """
-
-    ranges: Array
-    means: Array
-    counts: Array
+    ranges: Array  # of each cycle from its lowest to its highest value, (n,)
+    means: Array  # between them, (n,)
+    counts: Array  # 1 for a closed cycle, 0.5 for what is left open, (n,)
 
     @property
     def total(self) -> float:
@@ -91,19 +85,12 @@ def _turning_points(values: Array) -> list[float]:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class DamageSpectrum(Brief):
-    """Damage to oscillators of quality `q` on a base that moves with an acceleration.
+    """Damage to oscillators of quality `q` on a base that moves with an acceleration."""
 
-    Attributes:
-        frequencies: of the oscillators [Hz], (n,).
-        damage: Miner's sum with N = C / A^b and C = 1, A being amplitudes of the pseudo-velocity [m/s], (n,).
-        exponent: b.
-        q: amplification at resonance, 1 / (2 damping ratio).
-    """
-
-    frequencies: Array
-    damage: Array
-    exponent: float
-    q: float
+    frequencies: Array  # of the oscillators [Hz], (n,)
+    damage: Array  # Miner's sum with N = C / A^b and C = 1, A being amplitudes of the pseudo-velocity [m/s], (n,)
+    exponent: float  # b
+    q: float  # amplification at resonance, 1 / (2 damping ratio)
 
 
 def fatigue_damage_spectrum(

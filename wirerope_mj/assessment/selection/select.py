@@ -26,25 +26,15 @@ BY_VELOCITY = ("rated travel", "room", "acceleration")  # Criteria whose values 
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One part under a worksheet.
-
-    Attributes:
-        part: the part.
-        frequency: of small vibration under the load [Hz], from the vibration stiffness.
-        shock_frequency: from the shock stiffness along the shock [Hz].
-        travel: dynamic travel under the shock [m].
-        acceleration: of the payload [m/s^2].
-        impulse: shock frequency times length of the pulse [-]; below 0.25 the worksheet's rule holds.
-        verdicts: static load, vibration frequency, rated travel, room, acceleration, in this order.
-    """
+    """One part under a worksheet."""
 
     part: VendorPart
-    frequency: float
-    shock_frequency: float
-    travel: float
-    acceleration: float
-    impulse: float
-    verdicts: tuple[Verdict, ...]
+    frequency: float  # of small vibration under the load [Hz], from the vibration stiffness
+    shock_frequency: float  # from the shock stiffness along the shock [Hz]
+    travel: float  # dynamic travel under the shock [m]
+    acceleration: float  # of the payload [m/s^2]
+    impulse: float  # shock frequency times length of the pulse [-]; below 0.25 the worksheet's rule holds
+    verdicts: tuple[Verdict, ...]  # static load, vibration frequency, rated travel, room, acceleration, in this order
 
     @property
     def impulse_holds(self) -> bool:
@@ -74,36 +64,25 @@ class Candidate:
 
 @dataclass(frozen=True, kw_only=True)
 class Rejected:
-    """A part that exceeds limits, or lacks stiffnesses.
-
-    Attributes:
-        part: the part.
-        reasons: one sentence each.
-        margin: of the worst criterion [-], negative; NaN if values are missing or nothing could be judged.
-        undecided: whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule.
-    """
+    """A part that exceeds limits, or lacks stiffnesses."""
 
     part: VendorPart
-    reasons: tuple[str, ...]
-    margin: float
+    reasons: tuple[str, ...]  # one sentence each
+    margin: float  # of the worst criterion [-], negative; NaN if values are missing or nothing could be judged
+    # whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule
     undecided: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PartSelection(Brief):
-    """Parts of the tables that meet a worksheet, and those that do not.
+    """Parts of the tables that meet a worksheet, and those that do not."""
 
-    Attributes:
-        worksheet: what the mounts must do.
-        candidates: parts that exceed no limit: those with every rating first; in each group the largest smallest margin first
-            if a fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
-            margins of load and travel alone would put the stiffest and most oversized part first.
-        rejected: the others: what is undecided first, then the nearest.
-    """
-
-    worksheet: Worksheet
+    worksheet: Worksheet  # what the mounts must do
+    # parts that exceed no limit: those with every rating first; in each group the largest smallest margin first if a
+    # fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
+    # margins of load and travel alone would put the stiffest and most oversized part first
     candidates: tuple[Candidate, ...]
-    rejected: tuple[Rejected, ...]
+    rejected: tuple[Rejected, ...]  # the others: what is undecided first, then the nearest
 
 
 def select_isolators(

@@ -38,15 +38,10 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class Together:
-    """Measures of variants that were computed side by side.
+    """Measures of variants that were computed side by side."""
 
-    Attributes:
-        indices: which of the rows they are of, (n,).
-        columns: by the measure's name, (n,) each.
-    """
-
-    indices: npt.NDArray[np.int64]
-    columns: Mapping[str, Array]
+    indices: npt.NDArray[np.int64]  # which of the rows they are of, (n,)
+    columns: Mapping[str, Array]  # by the measure's name, (n,) each
 
 
 NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={})
@@ -95,23 +90,14 @@ def histories_together(
 
 @dataclass(frozen=True, kw_only=True)
 class _Done:
-    """Variants at the end of their grid.
+    """Variants at the end of their grid."""
 
-    Attributes:
-        indices: which of the rows they are.
-        chosen: numbers of those among the variants whose equations could be written.
-        forces: of the mounts at rest of these, if they start there.
-        extremes: over every step.
-        good: which of them hold.
-        time: sample instants [s].
-    """
-
-    indices: npt.NDArray[np.int64]
-    chosen: npt.NDArray[np.int64]
-    forces: Array | None
-    extremes: Extremes
-    good: Flags
-    time: Array
+    indices: npt.NDArray[np.int64]  # which of the rows they are
+    chosen: npt.NDArray[np.int64]  # numbers of those among the variants whose equations could be written
+    forces: Array | None  # of the mounts at rest of these, if they start there
+    extremes: Extremes  # over every step
+    good: Flags  # which of them hold
+    time: Array  # sample instants [s]
 
 
 def _go(work: Work, rows: Sequence[dict[str, Any]], sink: Sink | None = None, threads: int = 1) -> _Done | None:
@@ -148,21 +134,13 @@ def _go(work: Work, rows: Sequence[dict[str, Any]], sink: Sink | None = None, th
 
 @dataclass(frozen=True, kw_only=True)
 class _Variants:
-    """Variants by what their equations differ in.
+    """Variants by what their equations differ in."""
 
-    Attributes:
-        indices: which of the rows they are.
-        motions: of their bases.
-        numbers: of their equations, (n, n_num).
-        rates: stiffness, damping and decay of their laws, (n, 3, 3 n_mounts).
-        moved: whether mounts stand elsewhere, (n,).
-    """
-
-    indices: list[int]
-    motions: list[BaseMotion]
-    numbers: Array
-    rates: Array
-    moved: list[bool]
+    indices: list[int]  # which of the rows they are
+    motions: list[BaseMotion]  # of their bases
+    numbers: Array  # of their equations, (n, n_num)
+    rates: Array  # stiffness, damping and decay of their laws, (n, 3, 3 n_mounts)
+    moved: list[bool]  # whether mounts stand elsewhere, (n,)
 
 
 @once_per_system

@@ -42,15 +42,11 @@ TOGETHER = " & "  # Stands between names that share a draw
 
 @dataclass(frozen=True, kw_only=True)
 class SharedDraw(InputColumn):
-    """One number that several columns take.
-
-    Attributes:
-        shared: these columns.
-    """
+    """One number that several columns take."""
 
     form = f"NAME{TOGETHER}NAME"
 
-    shared: tuple[InputColumn, ...]
+    shared: tuple[InputColumn, ...]  # these columns
 
     @property
     def parts(self) -> tuple[InputColumn, ...]:

@@ -106,19 +106,14 @@ _LEAST = 12  # variants below which nothing is said: three bins of four
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
-    """Effect of one input on a measure.
-
-    Attributes:
-        index: first-order Sobol index, the fraction of the measure's variance that the input alone explains; 0 to 1, and by
-            accident a little less than 0 where there is no effect.
-        rank: Spearman's correlation of input and measure, -1 to 1; NaN where the input has no order.
-        certain: whether accident alone would hardly give any of the inputs such an index.
-    """
+    """Effect of one input on a measure."""
 
     name: str
+    # first-order Sobol index, the fraction of the measure's variance that the input alone explains; 0 to 1, and by
+    # accident a little less than 0 where there is no effect
     index: float
-    rank: float
-    certain: bool
+    rank: float  # Spearman's correlation of input and measure, -1 to 1; NaN where the input has no order
+    certain: bool  # whether accident alone would hardly give any of the inputs such an index
 
 
 def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effect, ...]:

@@ -40,21 +40,13 @@ _ALIKE = 12  # Measures that are named because they begin alike: those of all mo
 
 @dataclass(frozen=True, kw_only=True)
 class Measure:
-    """A measure as it is displayed.
+    """A measure as it is displayed."""
 
-    Attributes:
-        name: column of the table.
-        text: its meaning, without the unit.
-        unit: in which it is displayed.
-        factor: from SI to this unit.
-        limit: that it must not exceed, SI; None if there is none.
-    """
-
-    name: str
-    text: str
-    unit: str
-    factor: float
-    limit: float | None
+    name: str  # column of the table
+    text: str  # its meaning, without the unit
+    unit: str  # in which it is displayed
+    factor: float  # from SI to this unit
+    limit: float | None  # that it must not exceed, SI; None if there is none
 
     @property
     def label(self) -> str:

@@ -38,43 +38,28 @@ _PAIR = 2  # columns of a factor that are listed one by one: two angles of a dir
 
 @dataclass(frozen=True, kw_only=True)
 class Statistics:
-    """Statistics of one measure, SI.
+    """Statistics of one measure, SI."""
 
-    Attributes:
-        measure: with its unit and limit.
-        quantiles: at `QUANTILES`; NaN where too few variants lie beyond.
-        nominal: of the system with nothing varied; NaN if that fails.
-        smallest, median, largest: of all variants.
-        variant: number of the one with the largest value.
-        beyond: exceedance of the limit; None without a limit.
-        ratio: of it to all variants if they were sampled, or to all directions if these vary; else None.
-    """
-
-    measure: Measure
-    nominal: float
-    quantiles: tuple[float, ...]
+    measure: Measure  # with its unit and limit
+    nominal: float  # of the system with nothing varied; NaN if that fails
+    quantiles: tuple[float, ...]  # at `QUANTILES`; NaN where too few variants lie beyond
+    # smallest, median, largest: of all variants
     smallest: float
     median: float
     largest: float
-    variant: int
-    beyond: Exceedance | None
-    ratio: float | None
+    variant: int  # number of the one with the largest value
+    beyond: Exceedance | None  # exceedance of the limit; None without a limit
+    ratio: float | None  # of it to all variants if they were sampled, or to all directions if these vary; else None
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudySummary:
-    """Summary of a study.
-
-    Attributes:
-        by: the measure that is looked at most.
-        effects: of the inputs on it, the strongest first.
-        stated: limits that somebody stated on this study.
-    """
+    """Summary of a study."""
 
     result: StudyResult
-    by: str
-    effects: tuple[Effect, ...]
-    stated: tuple[StatedLimit, ...] = ()
+    by: str  # the measure that is looked at most
+    effects: tuple[Effect, ...]  # of the inputs on it, the strongest first
+    stated: tuple[StatedLimit, ...] = ()  # limits that somebody stated on this study
 
     @cached_property
     def indices(self) -> tuple[SobolIndices, ...]:

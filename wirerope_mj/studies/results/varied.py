@@ -30,23 +30,15 @@ _CHOICES = 8  # numbers of a choice that are listed one by one
 
 @dataclass(frozen=True, kw_only=True)
 class Varied:
-    """One quantity that varies.
+    """One quantity that varies."""
 
-    Attributes:
-        name: as `vary` says it.
-        kind: of its numbers: "value", "shift", "factor", "index" or "choice".
-        unit: of its numbers; "" without one, "SI" as the law states.
-        model: what the model says, as text: for a shift the position that is shifted, for a factor what it multiplies.
-        nominal: the smallest and the largest number that the model says; empty if it says none.
-        nominal_unit: of these; "SI" as the law states.
-    """
-
-    name: str
-    kind: str
-    unit: str
+    name: str  # as `vary` says it
+    kind: str  # of its numbers: "value", "shift", "factor", "index" or "choice"
+    unit: str  # of its numbers; "" without one, "SI" as the law states
+    # what the model says, as text: for a shift the position that is shifted, for a factor what it multiplies
     model: str
-    nominal: tuple[float, ...]
-    nominal_unit: str
+    nominal: tuple[float, ...]  # the smallest and the largest number that the model says; empty if it says none
+    nominal_unit: str  # of these; "SI" as the law states
     distribution: Distribution
 
     @property

@@ -18,19 +18,12 @@ ROWS = 36  # Rows of a period of the base: ten degrees each
 
 @dataclass(frozen=True, kw_only=True)
 class Strip:
-    """Motions of one level in the order of its branch.
+    """Motions of one level in the order of its branch."""
 
-    Attributes:
-        number: index of the level.
-        branch: its branch.
-        points: which points of the branch, (n,); a short branch has some of them several times.
-        orbits: the motions, one for each.
-    """
-
-    number: int
+    number: int  # index of the level
     branch: Branch
-    points: Integers
-    orbits: tuple[PeriodicOrbit, ...]
+    points: Integers  # which points of the branch, (n,); a short branch has some of them several times
+    orbits: tuple[PeriodicOrbit, ...]  # the motions, one for each
 
     @property
     def level(self) -> float:
@@ -50,17 +43,11 @@ class Strip:
 
 @dataclass(frozen=True, kw_only=True)
 class Animation:
-    """A strip shown motion by motion, one repetition each.
-
-    Attributes:
-        strip: the motions.
-        starts: instant at which each begins [s], (n,).
-        response: all of them, one after the other; its peaks are those of the motion with the largest amplitude.
-    """
+    """A strip shown motion by motion, one repetition each."""
 
     strip: Strip
-    starts: Array
-    response: Response
+    starts: Array  # instant at which each begins [s], (n,)
+    response: Response  # all of them, one after the other; its peaks are those of the motion with the largest amplitude
 
 
 def strips_of(findings: list[LevelSummary]) -> list[Strip]:

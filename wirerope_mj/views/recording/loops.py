@@ -33,23 +33,16 @@ _CURSOR = (255, 255, 255)  # Of a run alone; among several runs cursors have the
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnLoop:
-    """A force-deflection loop.
-
-    Attributes:
-        axis, mount: names.
-        outlines: the whole loop [mm, kN], (n, 2); of a long run some of its cycles.
-        plot: its plot; None if it has no view of its own, as for the next two.
-        time: instants of trail and cursor [s], (m,).
-        points: deflection and force at these instants [mm, kN], (m, 2).
-        joined: whether the path from each of these instants to the next is drawn, (m - 1,).
-    """
+    """A force-deflection loop."""
 
     axis: str
     mount: str
-    outlines: tuple[Array, ...]
-    plot: Plot | None = None
-    time: Array = field(default_factory=lambda: np.zeros(0))
+    outlines: tuple[Array, ...]  # the whole loop [mm, kN], (n, 2); of a long run some of its cycles
+    plot: Plot | None = None  # its plot; None if it has no view of its own, as for the next two
+    time: Array = field(default_factory=lambda: np.zeros(0))  # instants of trail and cursor [s], (m,)
+    # deflection and force at these instants [mm, kN], (m, 2)
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    # whether the path from each of these instants to the next is drawn, (m - 1,)
     joined: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     @property
