@@ -19,14 +19,9 @@ _ACROSS = {
     "time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": "",
 }  # fmt: skip
 
-_DRAWN = 8
-"""Channels that are drawn, those that the model follows least first."""
-
-_NORMAL = 1.645
-"""Standard deviations about the middle of a normal distribution that hold 90 % of it."""
-
-_BEST = 1e-3
-"""Probability below which less is said than "less than 0.1 %": as many draws as there are do not tell."""
+_DRAWN = 8  # channels that are drawn, those that the model follows least first
+_NORMAL = 1.645  # standard deviations about the middle of a normal distribution that hold 90 % of it
+_BEST = 1e-3  # probability below which less is said than "less than 0.1 %": as many draws as there are do not tell
 
 
 def calibration_content(

@@ -17,11 +17,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
-MEASURED, MODEL = 0, 1
-"""Numbers of the colours of both, in every chart."""
-
-GHOST = 6
-"""Number of the colour of a measured channel among the curves of a run, in a recording."""
+MEASURED, MODEL = 0, 1  # numbers of the colours of both, in every chart
+GHOST = 6  # number of the colour of a measured channel among the curves of a run, in a recording
 
 _UNITS = {"acceleration": "g", "velocity": "m/s", "displacement": "mm", "deflection": "mm", "force": "kN"}
 _TONES = {"excellent": "within", "good": "within", "fair": "near", "poor": "exceeded"}

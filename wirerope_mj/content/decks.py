@@ -66,8 +66,8 @@ def _why_not(run: JudgedRun) -> str:
     return ""
 
 
+# Name and size of the payload's largest acceleration [m/s^2], and of the mounts' largest deflection [m]
 Governing = tuple[tuple[str, float], tuple[str, float]]
-"""Name and size of the payload's largest acceleration [m/s^2], and of the mounts' largest deflection [m]."""
 
 
 def _on_decks(run: JudgedRun, mass: float) -> dict[str, Governing | str]:

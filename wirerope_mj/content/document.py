@@ -6,13 +6,13 @@ from pathlib import Path
 
 from wirerope_mj.foundation.tables import Column, Table
 
+# Texts of a document's author, and where they stand
 TEXTS = {
     "scope": "below the answer",
     "assumptions": "with what is assumed",
     "validation": "with what was validated",
     "conclusion": "after the results",
 }
-"""Texts of a document's author, and where they stand."""
 
 
 @dataclass(frozen=True, kw_only=True)

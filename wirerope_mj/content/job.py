@@ -21,11 +21,11 @@ from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
+# Sections of a run that a case of a job may show; the first seven by default
 REPORTED = (
     "accelerations", "mounts", "contacts", "payload", "mounts-in-motion", "deck", "verdicts",
     "grounds", "base", "contact-histories", "numerics",
 )  # fmt: skip
-"""Sections of a run that a case of a job may show; the first seven by default."""
 
 _GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
 _PAYLOAD = (

@@ -12,8 +12,7 @@ from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.run import START
 from wirerope_mj.mounts.isolator import Isolator
 
-STATED = "Stated by the author: "
-"""Stands before what no computation says."""
+STATED = "Stated by the author: "  # stands before what no computation says
 
 
 def basis_blocks(

@@ -10,8 +10,8 @@ from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
+# Names and values of what was given to each load case of each job
 Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]
-"""Names and values of what was given to each load case of each job."""
 
 _SAME = 0.005  # of a limit, below which two utilisations are shown as the same percentage
 _SHOWN = 12
