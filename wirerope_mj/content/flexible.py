@@ -84,8 +84,7 @@ def _checks(part: FlexiblePart, mass: float | Array | None) -> Iterator[Block]:
             )
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
         yield _warning(
-            "twice",
-            "Two modes have one frequency: right where the part is symmetric; else one stands there twice.",
+            "twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice."
         )
     largest = max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values())
     if largest == 0.0:

@@ -70,11 +70,7 @@ def run_content(run: JudgedRun) -> Content:
 
 
 def _section(
-    run: JudgedRun,
-    name: str,
-    title: str,
-    blocks: Callable[[JudgedRun], Iterable[Block | None]],
-    depth: Depth = "full",
+    run: JudgedRun, name: str, title: str, blocks: Callable[[JudgedRun], Iterable[Block | None]], depth: Depth = "full"
 ) -> Section:
     return Section(id=name, title=title, build=partial(blocks, run), depth=depth)
 

@@ -5,21 +5,8 @@ from collections.abc import Iterator
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.content.study_charts import study_charts
-from wirerope_mj.content.study_statements import (
-    failures,
-    limit_statement,
-    not_counted,
-    numbered,
-    percent,
-    statements,
-)
-from wirerope_mj.content.study_tables import (
-    effects_table,
-    indices_tables,
-    measures_table,
-    varied_table,
-    worst_table,
-)
+from wirerope_mj.content.study_statements import failures, limit_statement, not_counted, numbered, percent, statements
+from wirerope_mj.content.study_tables import effects_table, indices_tables, measures_table, varied_table, worst_table
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION

@@ -19,14 +19,7 @@ from wirerope_mj.studies.results.effects import directions_text, fraction_of_dir
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
 from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statistics import (
-    CONFIDENCE,
-    Exceedance,
-    exceedance_of,
-    row_of,
-    struck_variants,
-    worst,
-)
+from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_of, row_of, struck_variants, worst
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers

@@ -22,14 +22,7 @@ from wirerope_mj.studies.results.measure import (
     values_of,
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
-from wirerope_mj.studies.results.statistics import (
-    Exceedance,
-    exceedance,
-    exceedance_of,
-    quantiles,
-    row_of,
-    worst,
-)
+from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

@@ -23,12 +23,7 @@ ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
 
 
 def log_scene(
-    rec: Any,
-    response: Response,
-    selection: Selection,
-    frames: dict[str, Frame],
-    *,
-    arrow: tuple[int, int, int] = ARROW,
+    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], *, arrow: tuple[int, int, int] = ARROW
 ) -> None:
     """Log bodies, geoms, mounts and the base's acceleration, an arrow of the given colour."""
     import rerun as rr

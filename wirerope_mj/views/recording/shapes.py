@@ -107,11 +107,7 @@ def coil(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
     turns = np.linspace(0.0, 2.0 * np.pi * _COILS, _COILS * _AROUND + 1)
     length = _LENGTH * width * 0.92
     wire = np.column_stack(
-        [
-            0.5 * width * (1.0 - _ROPE) * np.sin(turns),
-            length * (turns / turns[-1] - 0.5),
-            0.5 * (1.0 - np.cos(turns)),
-        ]
+        [0.5 * width * (1.0 - _ROPE) * np.sin(turns), length * (turns / turns[-1] - 0.5), 0.5 * (1.0 - np.cos(turns))]
     )
     angle = np.linspace(0.0, 2.0 * np.pi, _SECTION, endpoint=False)
     out = np.column_stack([np.sin(turns), np.zeros_like(turns), -np.cos(turns)])  # away from the middle of the turn
