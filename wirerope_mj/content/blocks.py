@@ -48,7 +48,7 @@ class SceneView:
 Block = Statement | Table | Chart | SceneView
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Section:
     """A part of a result with a heading, whose blocks are built when a renderer asks for them."""
 

@@ -57,7 +57,7 @@ def comfort_content(
 
     return Content(
         title=f"Comfort: {name}", verdict=verdict,
-        sections=(Section(id="comfort", title="", build=lambda: [verdict, *build()], depth="summary"),),
+        sections=(Section("comfort", "", lambda: [verdict, *build()], "summary"),),
     )  # fmt: skip
 
 

@@ -45,21 +45,14 @@ def comparison_content(comparison: Comparison, inputs: Inputs) -> Content:
         title=" and ".join(run.name for run in comparison.runs),
         verdict=better_run(comparison),
         sections=(
-            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(comparison)),
-            Section(
-                id="differences", title="What differs", depth="headline", build=lambda: _summary(comparison, inputs)
-            ),
-            Section(id="findings", title="", depth="headline", build=lambda: [findings(comparison)]),
-            Section(
-                id="accelerations",
-                title="Peak accelerations",
-                depth="summary",
-                build=lambda: [accelerations_table(comparison)],
-            ),
-            Section(id="travel", title="Mounts", depth="summary", build=lambda: travel_tables(comparison)),
-            Section(id="components", title="Along the axes", build=lambda: _components(comparison)),
-            Section(id="mounts", title="Deflections and forces", build=lambda: _mounts(comparison)),
-            Section(id="apart", title="Farthest apart", build=lambda: _apart(comparison)),
+            Section("headlines", "", lambda: _headlines(comparison), "headline"),
+            Section("differences", "What differs", lambda: _summary(comparison, inputs), "headline"),
+            Section("findings", "", lambda: [findings(comparison)], "headline"),
+            Section("accelerations", "Peak accelerations", lambda: [accelerations_table(comparison)], "summary"),
+            Section("travel", "Mounts", lambda: travel_tables(comparison), "summary"),
+            Section("components", "Along the axes", lambda: _components(comparison)),
+            Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
+            Section("apart", "Farthest apart", lambda: _apart(comparison)),
         ),
     )
 

@@ -41,16 +41,14 @@ def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
 
 def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
     """Yield the sections of tests, for a page of their own and for the run's report."""
-    yield Section(id="tests", title="Against measurements", depth="headline", build=lambda: map(agreement, tests))
+    yield Section("tests", "Against measurements", lambda: map(agreement, tests), "headline")
     for one in tests:
         name = one.name
-        yield Section(
-            id=f"measures-{name}", title=f"Agreement with {name}", depth="summary", build=partial(_measures, one)
-        )
+        yield Section(f"measures-{name}", f"Agreement with {name}", partial(_measures, one), "summary")
         for kind, build in (
             ("histories", _histories), ("spectra", _spectra), ("transmissibility", _transmissibility), ("loops", _loops),
         ):  # fmt: skip
-            yield Section(id=f"{kind}-{name}", title=f"{name}: {kind}", build=partial(build, one))
+            yield Section(f"{kind}-{name}", f"{name}: {kind}", partial(build, one))
 
 
 def agreement(test: Correlation) -> Statement:

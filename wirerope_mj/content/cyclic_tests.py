@@ -57,8 +57,8 @@ def loops_content(tests: CyclicTests) -> Content:
         title=title,
         verdict=Statement(id="tests", text=title),
         sections=(
-            Section(id="tests", title="", build=lambda: _test_blocks(tests), depth="summary"),
-            Section(id="loops", title="", build=lambda: [loops_chart(_titled(tests))]),
+            Section("tests", "", lambda: _test_blocks(tests), "summary"),
+            Section("loops", "", lambda: [loops_chart(_titled(tests))]),
         ),
     )
 

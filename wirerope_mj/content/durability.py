@@ -25,9 +25,7 @@ def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows
     return Content(
         title=f"Durability: {names}",
         verdict=worst,
-        sections=(
-            Section(id="durability", title="", build=lambda: [_table(mission, damages, rows), worst], depth="summary"),
-        ),
+        sections=(Section("durability", "", lambda: [_table(mission, damages, rows), worst], "summary"),),
     )
 
 
@@ -49,7 +47,7 @@ def equivalent_content(found: EquivalentVibration) -> Content:
     )  # fmt: skip
     return Content(
         title=f"Vibration in place of the run at {found.subject}", verdict=verdict,
-        sections=(Section(id="equivalent", title="", build=lambda: [verdict, table], depth="summary"),),
+        sections=(Section("equivalent", "", lambda: [verdict, table], "summary"),),
     )  # fmt: skip
 
 

@@ -26,8 +26,8 @@ def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | Non
         tone="strong",
     )
     sections = (
-        Section(id="modes", title="", build=lambda: [_table(part, mass)], depth="summary"),
-        Section(id="checks", title="", build=lambda: _checks(part, mass), depth="summary"),
+        Section("modes", "", lambda: [_table(part, mass)], "summary"),
+        Section("checks", "", lambda: _checks(part, mass), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 

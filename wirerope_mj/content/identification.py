@@ -47,25 +47,22 @@ def identification_content(
         verdict=_headline(result, fits, warnings),
         sections=(
             Section(
-                id="answer",
-                title="",
-                build=lambda: (fit_chart(fits), _findings(result, fits, given), _warnings(warnings)),
-                depth="headline",
+                "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), _warnings(warnings)), "headline"
             ),
-            Section(id="parameters", title="Parameters", build=lambda: _parameter_blocks(result), depth="summary"),
+            Section("parameters", "Parameters", lambda: _parameter_blocks(result), "summary"),
             Section(
-                id="loops-and-residuals",
-                title="Loops and residuals",
-                build=lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)),
-                depth="summary",
+                "loops-and-residuals",
+                "Loops and residuals",
+                lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)),
+                "summary",
             ),
-            Section(id="search", title="Search", build=lambda: (_stage_table(result),), depth="summary"),
+            Section("search", "Search", lambda: (_stage_table(result),), "summary"),
             Section(
-                id="how-well-the-parameters-are-known",
-                title="How well the parameters are known",
-                build=lambda: (_correlation_table(result), _singular_values(result)),
+                "how-well-the-parameters-are-known",
+                "How well the parameters are known",
+                lambda: (_correlation_table(result), _singular_values(result)),
             ),
-            Section(id="read-from", title="Read from", build=lambda: (Statement(id="sources", items=tuple(sources)),)),
+            Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
     )
 

@@ -83,22 +83,20 @@ def job_content(job: JudgedJob) -> Content:
         question=(job.question,),
         verdict=job_headline(job.verdicts),
         sections=(
-            Section(id="answer", title="", depth="headline", build=lambda: _answers(job)),
-            Section(id="scope", title="Scope", build=lambda: _paragraphs("scope", texts("scope"))),
+            Section("answer", "", lambda: _answers(job), "headline"),
+            Section("scope", "Scope", lambda: _paragraphs("scope", texts("scope"))),
+            Section("limits", "Limits and what governs them", lambda: _limits(job.verdicts), "summary"),
+            Section("load-cases", "Load cases", lambda: [_cases(job)]),
+            Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
+            Section("conclusion", "Conclusion", lambda: _paragraphs("conclusion", texts("conclusion"))),
             Section(
-                id="limits", title="Limits and what governs them", depth="summary", build=lambda: _limits(job.verdicts)
+                "basis",
+                "What is assumed, and what was validated",
+                lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
             ),
-            Section(id="load-cases", title="Load cases", build=lambda: [_cases(job)]),
-            Section(id="envelope", title="Envelope over all load cases", build=lambda: envelope_blocks(job.runs)),
-            Section(id="conclusion", title="Conclusion", build=lambda: _paragraphs("conclusion", texts("conclusion"))),
-            Section(
-                id="basis",
-                title="What is assumed, and what was validated",
-                build=lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
-            ),
-            Section(id="model", title="Model and mounts", build=partial(model_blocks, first)),
-            Section(id="statics", title="At rest under gravity", build=partial(run_statics_blocks, first)),
-            Section(id="modes", title="Modes", build=partial(run_modes_blocks, first)),
+            Section("model", "Model and mounts", partial(model_blocks, first)),
+            Section("statics", "At rest under gravity", partial(run_statics_blocks, first)),
+            Section("modes", "Modes", partial(run_modes_blocks, first)),
             *(_case(case, job.report) for case in job.cases),
             *(_appendix(case) for case in job.cases if "verdicts" in job.report),
         ),
@@ -272,7 +270,7 @@ def _case(case: JudgedCase, report: Sequence[str]) -> Section:
                 for block in section.blocks:
                     yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
 
-    return Section(id=f"case-{case.folder}", title=f"Load case: {case.name}", build=build)
+    return Section(f"case-{case.folder}", f"Load case: {case.name}", build)
 
 
 def _appendix(case: JudgedCase) -> Section:
@@ -281,4 +279,4 @@ def _appendix(case: JudgedCase) -> Section:
         for block in section.blocks:
             yield replace(block, id=f"{case.folder}/{block.id}")
 
-    return Section(id=f"verdicts-{case.folder}", title=f"All verdicts of {case.name}", build=build, appendix=True)
+    return Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", build, appendix=True)

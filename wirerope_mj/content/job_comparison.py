@@ -26,12 +26,10 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Con
         title=" and ".join(names),
         verdict=_conclusion(names, first, second),
         sections=(
-            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(jobs)),
-            Section(id="cases", title="Load cases", depth="summary", build=lambda: [_cases(names, first, second)]),
-            Section(id="limits", title="Limits", depth="summary", build=lambda: [_limits(names, first, second)]),
-            Section(
-                id="inputs", title="Inputs", depth="summary", build=lambda: [_inputs(names, first, second, inputs)]
-            ),
+            Section("headlines", "", lambda: _headlines(jobs), "headline"),
+            Section("cases", "Load cases", lambda: [_cases(names, first, second)], "summary"),
+            Section("limits", "Limits", lambda: [_limits(names, first, second)], "summary"),
+            Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs)], "summary"),
         ),
     )
 

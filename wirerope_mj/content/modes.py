@@ -49,7 +49,7 @@ def modes_content(
         "stability": lambda: stability,
         "ddam": lambda: [_ddam(small, *ddam)] if ddam else [],
     }
-    sections = [Section(id=name, title="", build=build, depth="summary") for name, build in parts.items()]
+    sections = [Section(name, "", build, "summary") for name, build in parts.items()]
     return Content(title=f"{system.name}: modes", verdict=stability[0], sections=tuple(sections))
 
 

@@ -52,33 +52,28 @@ def response_content(
         verdict=_headline(findings, str(options.payload)),
         sections=(
             Section(
-                id="answer",
-                title="",
-                build=lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands)),
-                depth="headline",
+                "answer", "", lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands)), "headline"
             ),
             Section(
-                id="peaks",
-                title="Peaks and changes of stability",
-                build=lambda: (peak_table(findings), event_table(findings)),
-                depth="summary",
+                "peaks",
+                "Peaks and changes of stability",
+                lambda: (peak_table(findings), event_table(findings)),
+                "summary",
             ),
             Section(
-                id="levels",
-                title="How each level was computed",
-                build=lambda: [_level_statement(one, options.rate) for one in findings],
-                depth="summary",
+                "levels",
+                "How each level was computed",
+                lambda: [_level_statement(one, options.rate) for one in findings],
+                "summary",
             ),
             Section(
-                id="transmissibility",
-                title="Transmissibility",
-                build=lambda: (amplitude_chart(result, findings, bands, relative=True),),
+                "transmissibility",
+                "Transmissibility",
+                lambda: (amplitude_chart(result, findings, bands, relative=True),),
             ),
-            Section(
-                id="motions", title="Motions along the resonance", build=partial(orbit_blocks, result.branches)
-            ),
+            Section("motions", "Motions along the resonance", partial(orbit_blocks, result.branches)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:

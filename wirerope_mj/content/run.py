@@ -72,7 +72,7 @@ def run_content(run: JudgedRun) -> Content:
 def _section(
     run: JudgedRun, name: str, title: str, blocks: Callable[[JudgedRun], Iterable[Block | None]], depth: Depth = "full"
 ) -> Section:
-    return Section(id=name, title=title, build=partial(blocks, run), depth=depth)
+    return Section(name, title, partial(blocks, run), depth)
 
 
 def _warnings(run: JudgedRun) -> Iterator[Block | None]:

@@ -34,14 +34,12 @@ def search_content(result: SearchResult) -> Content:
         question=study_question(result, "search"),
         verdict=_verdict(result),
         sections=(
-            Section(id="answer", title="", build=lambda: _answer(result), depth="headline"),
-            Section(
-                id="sought", title="Objectives and limits", build=lambda: (_sought(result), varied_table(study))
-            ),
-            Section(id="results", title="Results", build=lambda: _results(result), depth="summary"),
-            Section(id="numerics", title="Numerics and versions", build=lambda: (numerics_table(result),)),
+            Section("answer", "", lambda: _answer(result), "headline"),
+            Section("sought", "Objectives and limits", lambda: (_sought(result), varied_table(study))),
+            Section("results", "Results", lambda: _results(result), "summary"),
+            Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _verdict(result: SearchResult) -> Statement:

@@ -35,8 +35,8 @@ def statics_content(
         title=f"{name}: at rest under gravity",
         verdict=_static_load(verdicts) or Statement(id="static-load", text="Static load: not judged.", tone="unjudged"),
         sections=(
-            Section(id="statics", title="", build=partial(statics_blocks, table, verdicts), depth="summary"),
-            Section(id="stability", title="", build=partial(stability_blocks, stability), depth="summary"),
+            Section("statics", "", partial(statics_blocks, table, verdicts), "summary"),
+            Section("stability", "", partial(stability_blocks, stability), "summary"),
         ),
     )
 

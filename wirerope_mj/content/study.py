@@ -31,17 +31,14 @@ def study_content(summary: StudySummary) -> Content:
         question=study_question(result, "study"),
         verdict=_verdict(summary),
         sections=(
-            Section(id="answer", title="", build=lambda: _answer(summary), depth="headline"),
-            Section(id="varied", title="Varied quantities", build=lambda: (varied_table(study),)),
-            Section(
-                id="results", title="Results", build=lambda: (measures_table(summary), *study_charts(summary)),
-                depth="summary",
-            ),
-            Section(id="inputs", title="Inputs that matter", build=lambda: _of_inputs(summary), depth="summary"),
-            Section(id="worst", title="Worst variants", build=lambda: (worst_table(summary),), depth="summary"),
-            Section(id="numerics", title="Numerics and versions", build=lambda: (numerics_table(result),)),
+            Section("answer", "", lambda: _answer(summary), "headline"),
+            Section("varied", "Varied quantities", lambda: (varied_table(study),)),
+            Section("results", "Results", lambda: (measures_table(summary), *study_charts(summary)), "summary"),
+            Section("inputs", "Inputs that matter", lambda: _of_inputs(summary), "summary"),
+            Section("worst", "Worst variants", lambda: (worst_table(summary),), "summary"),
+            Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
-    )  # fmt: skip
+    )
 
 
 def study_facts(result: StudyResult, things: str, how: str) -> tuple[tuple[str, str], ...]:

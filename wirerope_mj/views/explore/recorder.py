@@ -38,7 +38,7 @@ def _begin() -> None:
 
 
 def _prepare() -> None:
-    import wirerope_mj.views.recording  # noqa: F401
+    import wirerope_mj.views.recording.record  # noqa: F401
 
 
 def _recording(runs: tuple[ShownRun, ...], title: str) -> bytes:

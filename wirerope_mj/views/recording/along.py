@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.animation import Animation, Strip
@@ -16,8 +17,6 @@ POINT, FREQUENCY = "point", "frequency_mHz"
 
 def at_points(animation: Animation, strip: Strip) -> list[Any]:
     """Return the index columns of one row for every motion of a strip: they stand beside those of the animation."""
-    import rerun as rr
-
     columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
     return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
@@ -38,8 +37,6 @@ class Along:
 
     def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
         """Send rows whose index is the timeline in time alone."""
-        import rerun as rr
-
         time = index[0].as_arrow_array().cast("int64").to_numpy()
         motion = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
         more = [rr.TimeColumn(name, sequence=numbers[motion]) for name, numbers in self._numbers.items()]

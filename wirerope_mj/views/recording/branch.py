@@ -17,6 +17,9 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 from pathlib import Path
 from typing import Any
 
+import rerun as rr
+import rerun.blueprint as rrb
+
 from wirerope_mj.content.blocks import Content, Statement
 from wirerope_mj.content.orbits import motion_blocks
 from wirerope_mj.content.panels import Chart
@@ -104,8 +107,6 @@ def _write(findings: list[LevelSummary], content: Content, rec: Any) -> None:
 
 def _log_texts(rec: Any, content: Content, animation: Animation) -> None:
     """Log a text for every motion of the animation, and one about all levels."""
-    import rerun as rr
-
     strip, kind = animation.strip, rr.MediaType.MARKDOWN
     loop = next(iter(shown_loops(animation)), None)
     ends = [*strip.points[1:].tolist(), strip.branch.frequency.size]
@@ -128,8 +129,6 @@ def loop_grid(loops: int) -> tuple[int, float]:
 
 def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
     """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
-    import rerun.blueprint as rrb
-
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"),
         rrb.TextDocumentView(origin=entity(ABOUT), name="Levels"),
@@ -157,8 +156,6 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
 
 def _loops(animation: Animation) -> list[Any]:
     """Return the loops and the shape of one, if there are mounts."""
-    import rerun.blueprint as rrb
-
     shown = shown_loops(animation)
     if not shown:
         return []
@@ -170,7 +167,5 @@ def _loops(animation: Animation) -> list[Any]:
 
 
 def _plane(origin: str, name: str, width: float) -> Any:
-    import rerun.blueprint as rrb
-
     bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
     return rrb.Spatial2DView(origin=origin, name=known_letters(name), background=GROUND, visual_bounds=bounds)

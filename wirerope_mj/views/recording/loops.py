@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import rerun as rr
 
 from wirerope_mj.content.selection import Selection, travel_limits
 from wirerope_mj.engine.response import Response
@@ -222,8 +223,6 @@ def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount
 
 def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
     """Return whole loops [mm, kN] as dim lines."""
-    import rerun as rr
-
     return rr.LineStrips2D(
         [outline for loop in loops for outline in loop.outlines],
         colors=[[*color, 105] for loop, color in zip(loops, colors, strict=True) for _ in loop.outlines],
@@ -238,8 +237,6 @@ def _log_trail(rec: Any, path: str, loop: DrawnLoop, color: Color, *, cursor: Co
 
     Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
     """
-    import rerun as rr
-
     width = rr.Radius.ui_points(1.5)
     # Above the whole loop, which at the same draw order would hide the trail in some views and not in others.
     look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
 
 from wirerope_mj.content.modes import amplitudes_table, mode_blocks, modes_table
 from wirerope_mj.content.selection import select
@@ -48,8 +50,6 @@ def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "",
 
 
 def _write(animation: ModeAnimation, rec: Any, title: str, larger: Sequence[Modes]) -> None:
-    import rerun as rr
-
     response = animation.response
     selection, frames = select(response), frames_of(response)
     rec.send_blueprint(_blueprint(animation, frames, title), make_active=True, make_default=True)
@@ -71,8 +71,6 @@ def mode_text(modes: Modes, mode: int) -> str:
 
 
 def _blueprint(animation: ModeAnimation, frames: dict[str, Frame], title: str) -> Any:
-    import rerun.blueprint as rrb
-
     name = f"{title}: modes, drawn with mounts that swing by {in_unit(animation.amplitude, 'mm'):.3g} mm"
     scene = whole_scene_view(animation.response, frames, name, away=_AWAY)
     texts = rrb.Vertical(

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
 from wirerope_mj.foundation.arrays import Array
@@ -29,8 +30,6 @@ def _color(level: int) -> Color:
 
 def log_here(rec: Any, path: str, animation: Animation, strips: list[Strip]) -> None:
     """Log the motion of every level on its curve, with its values when the mouse is over it."""
-    import rerun as rr
-
     for strip in strips:
         below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
         size = rr.Radius.ui_points(7.0)
@@ -101,8 +100,6 @@ def _plot(loops: list[Array], width: float) -> Plot:
 
 def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
     """Log the loops of all levels, one row for every motion; that of an unstable motion is thin."""
-    import rerun as rr
-
     rec.log(path, plot.transform(), static=True)
     for strip, rows in zip(strips, loops, strict=True):
         below = child(path, f"level_{strip.number + 1}")
@@ -115,8 +112,6 @@ def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Str
 
 def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> None:
     """Log deflection and force of the mount at every instant of the animation."""
-    import rerun as rr
-
     look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
     along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
@@ -124,8 +119,6 @@ def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> Non
 
 def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:
     """Log the unit circle, and the multipliers of every motion of the animation."""
-    import rerun as rr
-
     side = _LARGEST * 1.06
     across = side * width / 100.0
     plot = Plot(across=(-across, across), upward=(-side, side), width=width)

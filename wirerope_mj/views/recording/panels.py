@@ -3,6 +3,8 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
 
 from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.panels import BASE, OTHERS, Curve, Panel
@@ -33,8 +35,6 @@ def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, e
     The viewer draws entities in the order of their paths: the others, then named curves from the last to the first, each
     thinner than the one before, so that what coincides is not hidden. The peak of the first is marked, or of `every` one.
     """
-    import rerun as rr
-
     reach = max((float(np.ptp(curve.y)) for curve in panel.curves if curve.y.size), default=0.0)
     tolerance = _FINE * max(reach, 1e-9)
     others = [curve for curve in panel.curves if curve.kind == OTHERS]
@@ -59,8 +59,6 @@ def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, e
 
 def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> Any:
     """Return the plot of a panel over `window` [s], with its legend where it hides least."""
-    import rerun.blueprint as rrb
-
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
         origin=path,
@@ -80,8 +78,6 @@ def color_of(curve: Curve) -> Color:
 
 def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float, width: float) -> str:
     """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
-    import rerun as rr
-
     dense = is_dense(curve.x, curve.y[:, None], tolerance)
     name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
     rows = (
@@ -98,8 +94,6 @@ def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float
 
 def _log_others(rec: Any, path: str, curves: list[Curve], tolerance: float) -> None:
     """Log curves that nobody looks at closely, all in one entity and with one name."""
-    import rerun as rr
-
     time, values = curves[0].x, np.stack([curve.y for curve in curves], axis=1)
     if is_dense(time, values, 3.0 * tolerance):
         rows = rows_of_extremes(values, _OTHER_ROWS * len(curves))

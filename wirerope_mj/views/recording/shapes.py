@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import rerun as rr
 
 from wirerope_mj.engine.response.scene import Geom, SceneMount
 from wirerope_mj.foundation.arrays import Array
@@ -35,8 +36,6 @@ def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> Non
 
 def quaternion(orientation: Array) -> Any:
     """Return a quaternion (4,), w first, as one of rerun."""
-    import rerun as rr
-
     return rr.Quaternion(xyzw=np.roll(orientation, -1))
 
 
@@ -47,8 +46,6 @@ def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
 
 
 def _solids(shape: str, geoms: list[Geom]) -> Any:
-    import rerun as rr
-
     sizes = np.array([geom.size for geom in geoms])
     centers = np.array([geom.position for geom in geoms])
     common = {
@@ -72,8 +69,6 @@ def _solids(shape: str, geoms: list[Geom]) -> Any:
 
 
 def _plane(geom: Geom, extent: float) -> Any:
-    import rerun as rr
-
     x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
     corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
     return rr.Mesh3D(
@@ -84,8 +79,6 @@ def _plane(geom: Geom, extent: float) -> Any:
 
 
 def _mesh(geom: Geom) -> Any:
-    import rerun as rr
-
     return rr.Mesh3D(
         vertex_positions=geom.position + rotate(geom.orientation, geom.vertices),
         triangle_indices=geom.faces.astype(np.uint32),

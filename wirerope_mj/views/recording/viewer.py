@@ -9,9 +9,8 @@ from pathlib import Path
 from urllib.parse import quote
 
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
-from wirerope_mj.views.recording.paths import FILE
 
-JOINED = "job.rrd"  # Recording of a job in its folder
+FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: what it is known by, its worst variants, and their recording.
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 _BEGINNING = b"RRF"  # First bytes of every recording

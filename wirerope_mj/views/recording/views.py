@@ -3,6 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import rerun as rr
+import rerun.blueprint as rrb
+
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT
@@ -14,9 +17,6 @@ SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second take
 
 def layout(content: Any, window: tuple[float, float]) -> Any:
     """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
-    import rerun as rr
-    import rerun.blueprint as rrb
-
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
     panel = rrb.TimePanel(
         state="collapsed",
@@ -31,8 +31,6 @@ def layout(content: Any, window: tuple[float, float]) -> Any:
 
 def opening(content: Any, panel: Any) -> Any:
     """Return the blueprint of `content` and a time panel alone."""
-    import rerun.blueprint as rrb
-
     return rrb.Blueprint(
         content,
         panel,
@@ -51,8 +49,6 @@ def _speed(window: tuple[float, float]) -> float:
 
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
     """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
-    import rerun.blueprint as rrb
-
     return rrb.Spatial3DView(
         origin=origin,
         contents=list(contents),
@@ -67,8 +63,6 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
 
 def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
     """Return tabs with that called `name` in front, which `argument` asked for; ValueError if there is none."""
-    import rerun.blueprint as rrb
-
     names = [str(entry.name) for entry in entries]
     if name not in names:
         raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
@@ -85,9 +79,6 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
 
 def time_axis(window: tuple[float, float]) -> Any:
     """Return the axis of a plot over `window` [s]."""
-    import rerun as rr
-    import rerun.blueprint as rrb
-
     boundary = rrb.TimeRangeBoundary
     start, end = (boundary.absolute(seconds=instant) for instant in window)
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
@@ -98,8 +89,6 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
 
     `trails` are entities, and how long each reaches behind the cursor [s]; None for the whole past.
     """
-    import rerun.blueprint as rrb
-
     boundary = rrb.TimeRangeBoundary
     overrides = {}
     for path, trail in trails.items():
@@ -117,8 +106,6 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
 
 def event_view(origin: str) -> Any:
     """Return the log of the events below `origin`."""
-    import rerun.blueprint as rrb
-
     # Instants stand in the texts: the viewer writes nanoseconds, and cuts them off.
     times = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
     return rrb.TextLogView(
