@@ -53,12 +53,9 @@ def comfort_content(
     verdict = _reaction(worst, felt[worst])
 
     def build() -> list[Block]:
-        return [_exposure_table(felt), *_remarks(felt), *_ship(response.time, histories, spaces, discard)]
+        return [verdict, _exposure_table(felt), *_remarks(felt), *_ship(response.time, histories, spaces, discard)]
 
-    return Content(
-        title=f"Comfort: {name}", verdict=verdict,
-        sections=(Section("comfort", "", lambda: [verdict, *build()], "summary"),),
-    )  # fmt: skip
+    return Content(title=f"Comfort: {name}", verdict=verdict, sections=(Section("comfort", "", build, "summary"),))
 
 
 def _reaction(subject: str, felt: Exposure) -> Statement:

@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
+from wirerope_mj.content.numbers import paragraphs
 from wirerope_mj.foundation.tables import Column, Table
 
 # Texts of a document's author, and where they stand
@@ -77,4 +78,4 @@ class Document:
 
     def paragraphs(self, name: str) -> list[str]:
         """Return the paragraphs of one of the `TEXTS`."""
-        return [" ".join(part.split()) for part in self.texts.get(name, "").strip().split("\n\n") if part.strip()]
+        return paragraphs(self.texts.get(name, ""))

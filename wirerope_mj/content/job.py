@@ -1,6 +1,6 @@
 """What a job says: which load case governs each limit, an envelope over the cases, and each case by itself."""
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -10,7 +10,7 @@ from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, limit_of
 from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.document import Document
-from wirerope_mj.content.job_basis import basis_blocks
+from wirerope_mj.content.job_basis import basis_blocks, stated
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import model_blocks
@@ -28,10 +28,8 @@ REPORTED = (
 )  # fmt: skip
 
 _GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
-_PAYLOAD = (
-    ACCELERATION,
-    RATTLE_SPACE,
-)  # kinds of limits that are those of the job, and stand before those of the mounts
+# Kinds of limits that are those of the job, and stand before those of the mounts.
+_PAYLOAD = (ACCELERATION, RATTLE_SPACE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,11 +82,11 @@ def job_content(job: JudgedJob) -> Content:
         verdict=job_headline(job.verdicts),
         sections=(
             Section("answer", "", lambda: _answers(job), "headline"),
-            Section("scope", "Scope", lambda: _paragraphs("scope", texts("scope"))),
+            Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
             Section("limits", "Limits and what governs them", lambda: _limits(job.verdicts), "summary"),
             Section("load-cases", "Load cases", lambda: [_cases(job)]),
             Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
-            Section("conclusion", "Conclusion", lambda: _paragraphs("conclusion", texts("conclusion"))),
+            Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
             Section(
                 "basis",
                 "What is assumed, and what was validated",
@@ -147,11 +145,6 @@ def _answers(job: JudgedJob) -> Iterator[Block | None]:
         yield Statement(id=f"model-warning-{number}", text=f"warning: {warning}", tone="unjudged")
     items = tuple(f"{name}: {headline(rows).text}" for name, rows in job.verdicts.items())
     yield Statement(id="cases-answers", items=items)
-
-
-def _paragraphs(name: str, paragraphs: Sequence[str]) -> Iterator[Statement]:
-    for number, text in enumerate(paragraphs, start=1):
-        yield Statement(id=f"{name}-{number}", text=text)
 
 
 def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]:
@@ -258,25 +251,22 @@ def _cases(job: JudgedJob) -> Table:
 def _case(case: JudgedCase, report: Sequence[str]) -> Section:
     """Return the section of a case: its answer, and what is reported of its run under ids that begin with the case's."""
 
-    def build() -> Iterator[Block | None]:
-        content = run_content(case.run)
-        answer = content.verdict
-        yield replace(answer, id=f"{case.folder}/headline")
-        yield Statement(
-            id=f"{case.folder}/motion", text=f"{case.run.motion.description}. {case.note}".strip(), tone="quiet"
-        )
-        for section in content.sections:
-            if section.id in ("answer", *report) and section.id != "verdicts":
-                for block in section.blocks:
-                    yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
+    def build() -> Iterator[Block]:
+        yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
+        text = f"{case.run.motion.description}. {case.note}".strip()
+        yield Statement(id=f"{case.folder}/motion", text=text, tone="quiet")
+        yield from _blocks(case, {"answer", *report} - {"verdicts"})
 
     return Section(f"case-{case.folder}", f"Load case: {case.name}", build)
 
 
 def _appendix(case: JudgedCase) -> Section:
-    def build() -> Iterator[Block | None]:
-        (section,) = (one for one in run_content(case.run).sections if one.id == "verdicts")
-        for block in section.blocks:
-            yield replace(block, id=f"{case.folder}/{block.id}")
+    blocks = partial(_blocks, case, ("verdicts",))
+    return Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", blocks, appendix=True)
 
-    return Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", build, appendix=True)
+
+def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
+    """Yield the blocks of some sections of a case's run under ids that begin with the case's."""
+    for section in run_content(case.run).sections:
+        for block in section.blocks if section.id in sections else ():
+            yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block

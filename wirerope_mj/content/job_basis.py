@@ -21,14 +21,18 @@ def basis_blocks(
     """Yield what is assumed and what was validated, the author's own paragraphs after what the runs say."""
     devices = list({one.name: one for run in runs.values() for one in devices_of(run)}.values())
     yield Statement(id="assumed", text="Assumed:", items=tuple(_assumed(runs, devices)))
-    for number, text in enumerate(assumptions, start=1):
-        yield Statement(id=f"assumptions-{number}", text=f"{STATED}{text}")
+    yield from stated("assumptions", assumptions, STATED)
     yield Statement(id="validated", text="Validated:", items=tuple(_validated(runs, devices)))
-    for number, text in enumerate(validation, start=1):
-        yield Statement(id=f"validation-{number}", text=f"{STATED}{text}")
+    yield from stated("validation", validation, STATED)
     yield Statement(
         id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged"
     )
+
+
+def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:
+    """Yield what a document's author states."""
+    for number, text in enumerate(paragraphs, start=1):
+        yield Statement(id=f"{name}-{number}", text=f"{before}{text}")
 
 
 def _assumed(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:

@@ -53,7 +53,7 @@ def modes_content(
     return Content(title=f"{system.name}: modes", verdict=stability[0], sections=tuple(sections))
 
 
-def run_modes_blocks(run: JudgedRun) -> Iterator[Block]:
+def run_modes_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield the modes of a run's system about its equilibria at small amplitude, and how stable it stands."""
     found = {history: modes for history, modes in run.modes.items() if isinstance(modes, Modes)}
     for history, modes in run.modes.items():
@@ -61,8 +61,7 @@ def run_modes_blocks(run: JudgedRun) -> Iterator[Block]:
             yield Statement(id=f"modes-{history}", text=modes.reason, tone="unjudged")
     for number, modes in enumerate(found.values()):
         yield modes_table(modes, note=_NOTE if number + 1 == len(found) else "")
-        if (energy := energy_table(run.system, modes)) is not None:
-            yield energy
+        yield energy_table(run.system, modes)
     if found:
         yield _quote(at_amplitudes=False)
         yield from _statements("below-tests", below_tests(run.system))
@@ -147,10 +146,9 @@ def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
     yield Table(id="mode-shape", title="Deflections of the mounts, the largest 1", columns=columns, rows=rows)
 
 
-def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block]:
+def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block | None]:
     yield modes_table(small)
-    if (energy := energy_table(system, small)) is not None:
-        yield energy
+    yield energy_table(system, small)
     yield _quote(at_amplitudes=at_amplitudes)
     yield from _statements("small-amplitude", about_small(system, small))
     yield from _statements("below-tests", below_tests(system))

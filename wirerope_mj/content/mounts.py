@@ -11,7 +11,7 @@ from wirerope_mj.content.events import events_of
 from wirerope_mj.content.histories import Line, history_panel, used_panel
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.panels import Chart, Curve, Panel, short, stacked
+from wirerope_mj.content.panels import Chart, Curve, Panel, short, stacked, with_room
 from wirerope_mj.content.selection import MOST, Selection, kind_of
 from wirerope_mj.content.verdicts import TONE, used_mark
 from wirerope_mj.engine.response import Response
@@ -143,7 +143,6 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     row = []
     for axis in axes:
         x, y = deflection[:, axis], force[:, axis]
-        room = 0.05 * float(np.ptp(x)) or 1.0
         row.append(
             Panel(
                 curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
@@ -151,7 +150,7 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
                 xlabel="deflection [mm]",
                 title=AXES[axis],
                 dots=[(float(x[0]), float(y[0]))],
-                xlim=(float(x.min()) - room, float(x.max()) + room),
+                xlim=with_room(x),
                 unit="kN",
                 xunit="mm",
             )

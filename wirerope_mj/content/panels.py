@@ -108,3 +108,9 @@ def stacked(panels: Sequence[Panel]) -> Chart:
     kept = [one for one in panels if any(np.abs(curve.y).max() > _NOTHING for curve in one.curves)] or panels[-1:]
     rows = [[replace(one, title="", xlabel="time [s]" if one is kept[-1] else "")] for one in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)
+
+
+def with_room(x: Array, part: float = 0.05) -> tuple[float, float]:
+    """Return the range of positions with some room on either side, as a part of it."""
+    room = part * float(np.ptp(x)) or 1.0
+    return float(x.min()) - room, float(x.max()) + room

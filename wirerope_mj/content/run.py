@@ -9,15 +9,15 @@ from wirerope_mj.content.base import base_blocks
 from wirerope_mj.content.blocks import Block, Content, Depth, Section, Statement
 from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
 from wirerope_mj.content.credibility import credibility_blocks
-from wirerope_mj.content.deck import deck_blocks
+from wirerope_mj.content.decks import deck_blocks
 from wirerope_mj.content.decks import decks_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
-from wirerope_mj.content.numbers import several, with_unit
+from wirerope_mj.content.numbers import paragraphs, several, with_unit
 from wirerope_mj.content.payload import acceleration_blocks, payload_blocks
-from wirerope_mj.content.record import warnings_of
+from wirerope_mj.content.base import warnings_of
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import answer_blocks, full_table, grounds_blocks, headline
 from wirerope_mj.content.worst import worst_instant
@@ -34,7 +34,6 @@ START = {
 
 def run_content(run: JudgedRun) -> Content:
     """Compose what a run says: the verdict first, what it rests on after it."""
-    question = [" ".join(part.split()) for part in str(run.inputs.get("question", "")).strip().split("\n\n")]
     versions = run.inputs.get("versions", {})
     return Content(
         title=run.title,
@@ -44,7 +43,7 @@ def run_content(run: JudgedRun) -> Content:
             ("Simulated", run.written),
             ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
         ),
-        question=tuple(filter(None, question)) or ("The scenario asks no question.",),
+        question=tuple(paragraphs(str(run.inputs.get("question", "")))) or ("The scenario asks no question.",),
         verdict=headline(run.verdicts),
         sections=(
             _section(run, "warnings", "", _warnings, "headline"),

@@ -10,7 +10,7 @@ from wirerope_mj.content.numbers import number, several
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
 from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question
 from wirerope_mj.content.study_statements import travel_statements
-from wirerope_mj.content.study_tables import varied_table
+from wirerope_mj.content.study import varied_table
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of

@@ -41,7 +41,7 @@ def statics_content(
     )
 
 
-def run_statics_blocks(run: JudgedRun) -> Iterator[Block]:
+def run_statics_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield sag and load of every mount and payload of a run's system under gravity."""
     if not run.response.scene.mounts:
         return
@@ -53,7 +53,7 @@ def run_statics_blocks(run: JudgedRun) -> Iterator[Block]:
         yield from statics_blocks(run.statics, run.verdicts)
 
 
-def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block]:
+def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
     """Yield sag and load of every mount and payload, what carries the weight, and the static loads against their ratings."""
     for history, reason in table.missing.items():
         yield Statement(id=f"statics-{history}", text=f"{history.capitalize()}: {reason}", tone="unjudged")
@@ -70,8 +70,7 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
             "above as well, so they add up to more than 100 %."
         )
         yield Statement(id="stacked", text=text)
-    if (judged := _static_load(verdicts)) is not None:
-        yield judged
+    yield _static_load(verdicts)
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
     for (subject, _), row in static.items():
         if row.limit is None and not math.isnan(row.value):

@@ -16,6 +16,7 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
+from wirerope_mj.assessment.criteria.criterion import ACCELERATION
 from wirerope_mj.assessment.criteria.judge import PASS
 from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines
 from wirerope_mj.assessment.criteria.verdict import most_used
@@ -126,6 +127,12 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
 def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
     """Sort verdicts: what is exceeded or struck first, then the largest utilisation, those not judged last."""
     return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
+
+
+def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
+    """Return the most critical verdict on the acceleration of each body and point that has a limit, by its name."""
+    judged = [row for row in verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
+    return {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
 
 
 def used_mark(utilisation: float | None) -> Mark:

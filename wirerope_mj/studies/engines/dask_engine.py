@@ -224,9 +224,7 @@ def check_answers(address: str) -> None:
         # In a thread of its own: a notebook's thread has an event loop that runs already.
         with ThreadPoolExecutor(1) as thread:
             answer = thread.submit(asyncio.run, ask()).result()
-    except (
-        Exception
-    ) as error:  # what another service answers is read as anything, as a message of exbibytes for instance
+    except Exception as error:  # what another service answers is read as anything, as exbibytes for instance
         raise SimulationError(
             f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
         ) from error

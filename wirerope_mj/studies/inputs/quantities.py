@@ -27,7 +27,7 @@ from wirerope_mj.studies.inputs.mount_columns import (
     StiffeningParameter,
     Turn,
 )
-from wirerope_mj.studies.inputs.spring_columns import Tuning
+from wirerope_mj.studies.inputs.body_columns import Tuning
 
 # Kinds of quantities, in the order in which a name is held against them.
 KINDS: tuple[type[InputColumn], ...] = (

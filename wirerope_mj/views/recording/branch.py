@@ -28,7 +28,7 @@ from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.markdown import markdown_blocks
-from wirerope_mj.views.recording.along import POINT, along_branch, at_points
+from wirerope_mj.views.recording.animation import POINT, along_branch, at_points
 from wirerope_mj.views.recording.animation import Animation, animation_of, strips_of
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
@@ -144,9 +144,8 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
     response = _plane(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", RESPONSE_WIDTH)
     below = _loops(animation)
     right = rrb.Vertical(response, *below, row_shares=[1] * (1 + len(below)))
-    slow = animation.strip.frequency[
-        int(animation.strip.amplitude.argmax())
-    ]  # one period at the resonance takes a second
+    # One period at the resonance takes a second.
+    slow = animation.strip.frequency[int(animation.strip.amplitude.argmax())]
     panel = rrb.TimePanel(
         state="collapsed", timeline=POINT, playback_speed=1.0 / float(slow), fps=PER_SECOND * float(slow),
         play_state="paused", loop_mode="all",

@@ -19,7 +19,7 @@ from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.markdown import markdown_blocks, markdown_table
-from wirerope_mj.views.recording.along import Along
+from wirerope_mj.views.recording.animation import Along
 from wirerope_mj.views.recording.paths import TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene

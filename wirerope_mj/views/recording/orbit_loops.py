@@ -9,7 +9,7 @@ from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.recording.along import along_branch, at_points
+from wirerope_mj.views.recording.animation import along_branch, at_points
 from wirerope_mj.views.recording.animation import Animation, Strip
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.loops import loop_points

@@ -22,10 +22,8 @@ _CURSOR: Color = (255, 255, 255)
 _LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
-_LEGEND, _LINE = (
-    (WIDTH + 46.0, 8.0),
-    9.0,
-)  # where the first text stands, how far the next is below it, in the view's units
+# Where the first text stands, how far the next is below it, in the view's units.
+_LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
 _ASIDE = 92.0  # width of the legend
 
 

@@ -1,4 +1,4 @@
-"""Opens a recording: in the rerun viewer, or in a browser."""
+"""Opens a recording, in the rerun viewer or in a browser, and joins several into one file."""
 
 import os
 import socket
@@ -7,8 +7,11 @@ import sys
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import quote
-
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
+from collections.abc import Sequence
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.errors import RecordError
+
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: what it is known by, its worst variants, and their recording.
@@ -124,3 +127,18 @@ def _run(command: list[str]) -> None:
         return
     if code != 0:
         raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")
+
+
+def join_recordings(recordings: Sequence[Path], target: Path) -> None:
+    """Write recordings into one file, each as it is.
+
+    Raises:
+        RecordError: one of them is missing or damaged.
+        WireRopeError: rerun-sdk is incomplete.
+    """
+    with atomic_file(target) as temporary:
+        command = [str(viewer_binary()), "rrd", "merge", "-o", str(temporary), *map(str, recordings)]
+        done = subprocess.run(command, env={**os.environ, "CI": "1"}, capture_output=True, text=True, check=False)
+        if done.returncode != 0 or not temporary.stat().st_size:
+            said = " ".join(done.stderr.split()[-40:])
+            raise RecordError(f"{target}: the recordings could not be joined: {said}")
