@@ -2,7 +2,9 @@
 
 from collections.abc import Iterator
 from dataclasses import replace
+
 import numpy as np
+
 from wirerope_mj.assessment.criteria.foundation import foundation_force
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -15,12 +17,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.motions import BaseMotion
-from wirerope_mj.content.numbers import listed
-from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.motions import Record
+from wirerope_mj.motions import BaseMotion, Record
 from wirerope_mj.motions.records.record import records_in
-
 
 _KEPT = 1e-3  # [m/s] at the end, from which it is said that the base keeps a velocity
 _FAINT = 1e-6  # of the largest component of a force, what is not drawn
@@ -28,6 +26,13 @@ _MOST_EVENTS = 12  # in the table of what the base does: a record may have any n
 _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
 _BETWEEN = 64  # instants between two corners: the peak of a half-sine is then met to 0.03 %
 _MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
+_TEXTS = {
+    "none": "no baseline correction",
+    "rest": "baseline: the level at rest taken off",
+    "mean": "baseline: the mean taken off",
+    "velocity": "baseline: the constant taken off that leaves no final velocity",
+    "highpass": "baseline: high-pass filter without phase",
+}
 
 
 def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
@@ -67,7 +72,7 @@ def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 def _extremes(run: JudgedRun, axes: list[int]) -> Table:
     base = run.response.base
-    peak = run.response.peaks.bodies[run.response.scene.base].acceleration  # of every step, as in the table of the peaks
+    peak = run.response.peaks.bodies[run.response.scene.base].acceleration  # of every step, as in the table of peaks
     rows: list[list[Cell]] = []
     for axis in axes:
         extremes = [peak.minimum[axis], peak.maximum[axis]]
@@ -155,15 +160,6 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
         for label, unit, x, values in parts
     ]
     return Chart(rows=rows, height=95.0, id="base-motion")
-
-
-_TEXTS = {
-    "none": "no baseline correction",
-    "rest": "baseline: the level at rest taken off",
-    "mean": "baseline: the mean taken off",
-    "velocity": "baseline: the constant taken off that leaves no final velocity",
-    "highpass": "baseline: high-pass filter without phase",
-}
 
 
 def warnings_of(run: JudgedRun) -> Statement | None:

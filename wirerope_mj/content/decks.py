@@ -1,10 +1,13 @@
 """The deck: loads on it and on its bolts, and what a rigid one leaves out, the peaks of a run on decks that bend."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+
+from wirerope_mj.assessment.criteria.foundation import AreaForce, area_forces, bolt_loads, standing
 from wirerope_mj.assessment.criteria.verdict import payload_bodies
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.model import mounts_and_stops
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
@@ -12,19 +15,14 @@ from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.simulation.decks import peaks_on_decks
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
-from collections.abc import Iterator, Sequence
-from wirerope_mj.assessment.criteria.foundation import AreaForce, area_forces, bolt_loads, standing
-from wirerope_mj.content.model import mounts_and_stops
-from wirerope_mj.foundation.tables import Column, Table
-
 
 DECKS = (8.0, 12.0, 18.0, 25.0)  # natural frequencies of decks and platforms between frames [Hz]
 DAMPING = 0.04
 HEAVIER = 2.0  # mass of the panel over that of what it carries: a field of deck between frames, as a survey finds it
 LONGEST = 10.0  # simulated time above which four more runs take longer than a page may [s]
 MOVES = 1.1  # factor from which a peak is said to move
-
 _FLAT = 1e-9  # acceleration along z below which the base does not move along it [m/s^2]
+_BOLTS = 10  # bolts that are shown at once
 
 
 def decks_blocks(run: JudgedRun) -> Iterator[Block]:
@@ -141,9 +139,6 @@ def _sentence(found: dict[str, Governing | str]) -> Statement:
     return Statement(
         id="decks-answer", text=text, tone="unjudged" if moves else "", values={"largest_factor": factors[worst]}
     )
-
-
-_BOLTS = 10  # bolts that are shown at once
 
 
 def deck_blocks(run: JudgedRun) -> Iterator[Block]:

@@ -1,8 +1,10 @@
-"""What reaches the payload: peak accelerations against their limits, their histories, what they are over frequency, and random vibration."""
+"""What reaches the payload: its accelerations against their limits, over time and over frequency, and random vibration."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
+
 import numpy as np
+
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import Verdict, body_peaks
 from wirerope_mj.assessment.criteria.criterion import RMS, SIGMA, Criterion
@@ -10,22 +12,16 @@ from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
-from wirerope_mj.content.numbers import listed
+from wirerope_mj.content.numbers import listed, number
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
-from wirerope_mj.content.selection import MOST, kind_of, worst_names
-from wirerope_mj.content.spectra import spectra_blocks
+from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
+from wirerope_mj.content.spectra import densities_chart, shock_chart, spectra_blocks
 from wirerope_mj.content.verdicts import acceleration_limits, used_mark
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions import Sweep
-from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.numbers import number
-from wirerope_mj.content.panels import Chart, Panel, short
-from wirerope_mj.content.selection import main_direction
-from wirerope_mj.content.spectra import densities_chart, shock_chart
-from wirerope_mj.foundation.units import in_unit
 
 
 def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
@@ -119,12 +115,12 @@ def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
     """Draw accelerations over the frequency of a sweep along the base's motion, as far from zero as they reach."""
     response, curves = run.response, []
     frequency = sweep.frequency(response.time)
-    for number, name in enumerate((*worst_names(response), BASE)):
+    for rank, name in enumerate((*worst_names(response), BASE)):
         size = np.zeros(response.time.size)
         for axis in moving_axes(response):
             size += acceleration_along(response, name, axis) ** 2
         x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
-        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else number))
+        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else rank))
     panel = Panel(
         curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz"
     )

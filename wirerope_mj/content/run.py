@@ -5,19 +5,17 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 from wirerope_mj.assessment.criteria.sampled import samples_hold
-from wirerope_mj.content.base import base_blocks
+from wirerope_mj.content.base import base_blocks, warnings_of
 from wirerope_mj.content.blocks import Block, Content, Depth, Section, Statement
 from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
 from wirerope_mj.content.credibility import credibility_blocks
-from wirerope_mj.content.decks import deck_blocks
-from wirerope_mj.content.decks import decks_blocks
+from wirerope_mj.content.decks import deck_blocks, decks_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
 from wirerope_mj.content.numbers import paragraphs, several, with_unit
 from wirerope_mj.content.payload import acceleration_blocks, payload_blocks
-from wirerope_mj.content.base import warnings_of
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import answer_blocks, full_table, grounds_blocks, headline
 from wirerope_mj.content.worst import worst_instant

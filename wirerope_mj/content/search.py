@@ -8,9 +8,8 @@ import numpy.typing as npt
 from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
 from wirerope_mj.content.numbers import number, several
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
-from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question
+from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question, varied_table
 from wirerope_mj.content.study_statements import travel_statements
-from wirerope_mj.content.study import varied_table
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of

@@ -1,27 +1,31 @@
 """What a study says: how often limits are exceeded, the inputs that matter, the worst variants."""
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
+
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import paragraphs, several, with_unit
 from wirerope_mj.content.study_charts import study_charts
-from wirerope_mj.content.study_statements import failures, limit_statement, not_counted, numbered, percent, statements
-from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION
-from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.study_summary import StudySummary
-import math
-from dataclasses import replace
-from typing import Any
-from wirerope_mj.content.study_statements import exceedance_text
+from wirerope_mj.content.study_statements import (
+    exceedance_text,
+    failures,
+    limit_statement,
+    not_counted,
+    numbered,
+    percent,
+    statements,
+)
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.studies.definition import StudyDefinition
+from wirerope_mj.studies.result import StudyResult
+from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION
 from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import ALL, measure_of
+from wirerope_mj.studies.results.measure import ALL, input_names, measure_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
 from wirerope_mj.studies.results.varied import varied_of
-
 
 _FAILED = 20  # messages that are read
 _METHODS = {

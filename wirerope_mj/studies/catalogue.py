@@ -18,8 +18,8 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
-from wirerope_mj.studies.race import LEVELS, Race
 from wirerope_mj.studies.race import CRITERIA as CRITERIA
+from wirerope_mj.studies.race import LEVELS, Race
 from wirerope_mj.studies.race import TriedPart as TriedPart
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits

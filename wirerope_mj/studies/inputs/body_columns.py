@@ -4,16 +4,15 @@ import math
 import re
 from collections.abc import Sequence
 from typing import Any
+
 import numpy as np
 import numpy.typing as npt
+
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies
+from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite
-from wirerope_mj.engine.system.varied import sprung_joints
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, ValueOrFactor, matching
-
 
 _NOUN = "moving body with a mass (the driven base does not count)"
 

@@ -1,7 +1,12 @@
 """Periodic motions of a branch one after the other, as one response, and the timelines along which they stand."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
+
 import numpy as np
+import rerun as rr
+
 from wirerope_mj.dynamics.frequency_response.curve import along_branch
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
@@ -9,12 +14,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
-from collections.abc import Mapping
-from typing import Any
-import rerun as rr
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
-
 
 MOST_POINTS = 60  # Motions of a branch that are recorded: a step of one is small, and the file stays small too
 ROWS = 36  # Rows of a period of the base: ten degrees each
@@ -133,7 +133,7 @@ class Along:
         self._rec.send_columns(path, [*index, *more], columns)
 
 
-def along_branch(rec: Any, animation: Animation) -> Along:
+def timelines(rec: Any, animation: Animation) -> Along:
     """Return a stream whose rows in time stand on the branch too."""
     return Along(rec, animation.starts, _numbers(animation.strip))
 

@@ -28,8 +28,7 @@ from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.markdown import markdown_blocks
-from wirerope_mj.views.recording.animation import POINT, along_branch, at_points
-from wirerope_mj.views.recording.animation import Animation, animation_of, strips_of
+from wirerope_mj.views.recording.animation import POINT, Animation, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, fitting_width
@@ -102,7 +101,7 @@ def _write(findings: list[LevelSummary], content: Content, rec: Any) -> None:
     if shown_loops(animation):
         _, width = loop_grid(len(shown_loops(animation)))
         log_orbit_loops(rec, animation, strips, width=width, shape_width=SQUARE)
-    log_scene(along_branch(rec, animation), scene, selection, frames)
+    log_scene(timelines(rec, animation), scene, selection, frames)
 
 
 def _log_texts(rec: Any, content: Content, animation: Animation) -> None:

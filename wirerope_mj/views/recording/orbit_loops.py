@@ -9,8 +9,7 @@ from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.recording.animation import along_branch, at_points
-from wirerope_mj.views.recording.animation import Animation, Strip
+from wirerope_mj.views.recording.animation import Animation, Strip, at_points, timelines
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
@@ -114,7 +113,7 @@ def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> Non
     """Log deflection and force of the mount at every instant of the animation."""
     look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
-    along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
+    timelines(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
 
 
 def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:

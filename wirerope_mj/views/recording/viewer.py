@@ -4,14 +4,13 @@ import os
 import socket
 import subprocess
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import quote
-from wirerope_mj.foundation.errors import RecordError, WireRopeError
-from collections.abc import Sequence
-from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.errors import RecordError
 
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.errors import RecordError, WireRopeError
 
 FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: what it is known by, its worst variants, and their recording.
