@@ -8,7 +8,6 @@ from wirerope_mj.assessment.criteria.judge import headline as headline
 from wirerope_mj.assessment.criteria.judge import judge as judge
 from wirerope_mj.assessment.criteria.loads import closing_text as closing_text
 from wirerope_mj.assessment.criteria.loads import contact_verdicts as contact_verdicts
-from wirerope_mj.assessment.criteria.loads import peak_force_verdicts as peak_force_verdicts
 from wirerope_mj.assessment.criteria.loads import starting_load_verdicts as starting_load_verdicts
 from wirerope_mj.assessment.criteria.loads import static_load_verdicts as static_load_verdicts
 from wirerope_mj.assessment.criteria.peaks import BodyPeak as BodyPeak
@@ -16,11 +15,9 @@ from wirerope_mj.assessment.criteria.peaks import MountPeak as MountPeak
 from wirerope_mj.assessment.criteria.peaks import body_peaks as body_peaks
 from wirerope_mj.assessment.criteria.peaks import mount_peaks as mount_peaks
 from wirerope_mj.assessment.criteria.points import spectrum_verdict as spectrum_verdict
-from wirerope_mj.assessment.criteria.points import transmissibility_verdict as transmissibility_verdict
 from wirerope_mj.assessment.criteria.random import judge_random as judge_random
 from wirerope_mj.assessment.criteria.random import random_verdicts as random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts as rattle_verdicts
-from wirerope_mj.assessment.criteria.summary import contact_lines as contact_lines
 from wirerope_mj.assessment.criteria.summary import summary as summary
 from wirerope_mj.assessment.criteria.summary import verdict_lines as verdict_lines
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts as bottoming_verdicts

@@ -1,7 +1,7 @@
 """Loads of mounts against their ratings, and contacts and stops of mounts: whether they were struck, and how hard."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -73,38 +73,6 @@ def _static(
     compression = max(-float(force[2]), 0.0)
     limit = None if note else rated
     return Verdict(criterion=criterion, subject=name, value=compression, limit=limit, unit="N", note=note)
-
-
-def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None = None) -> tuple[Verdict, ...]:
-    """Return a verdict on the largest force of every mount, for what it is bolted to.
-
-    Args:
-        response: of a run.
-        limits: largest force [N] by name of the mount; no isolator file rates one.
-
-    Raises:
-        ValueError: a limit names no mount.
-    """
-    allowed = dict(limits or {})
-    for name in allowed:
-        if name not in response.mounts:
-            raise ValueError(f"`limits` name {name!r}, which is no mount. There are: {', '.join(response.mounts)}.")
-    verdicts = []
-    for name in response.mounts:
-        peak, limit = response.peaks.mounts[name].force, allowed.get(name)
-        note = "" if limit is not None else "no largest force is rated"
-        verdicts.append(
-            Verdict(
-                criterion=Criterion("peak force"),
-                subject=name,
-                value=peak.value,
-                limit=limit,
-                unit="N",
-                time=peak.time,
-                note=note,
-            )
-        )
-    return tuple(verdicts)
 
 
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:

@@ -47,15 +47,6 @@ class Cycles(Brief):
             )
         return float(np.sum(self.counts * (0.5 * self.ranges) ** b) / c)
 
-    def equivalent_amplitude(self, exponent: float) -> float:
-        """Return the amplitude of as many equal cycles that do the same damage; 0 without a cycle."""
-        return (self.damage(exponent) / self.total) ** (1.0 / exponent) if self.total else 0.0
-
-    def histogram(self, bins: int = 20) -> tuple[Array, Array]:
-        """Return the edges of equal classes of ranges, (bins + 1,), and the number of cycles in each, (bins,)."""
-        counts, edges = np.histogram(self.ranges, bins=bins, weights=self.counts)
-        return edges, counts
-
 
 def rainflow_cycles(history: npt.ArrayLike) -> Cycles:
     """Return the cycles of a history after ASTM E1049-85, counted by the package rainflow.
