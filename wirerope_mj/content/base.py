@@ -95,12 +95,9 @@ def _events(run: JudgedRun) -> Table | None:
     end = f"{run.response.final_state.time:g}"
     beyond = f"After the end of the run at {end} s, and not simulated: {listed(later)}." if later else ""
     return Table(
-        id="base-events",
-        title="What the base does when",
-        columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
-        rows=events[:_MOST_EVENTS],
-        note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
-    )
+        id="base-events", title="What the base does when", columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
+        rows=events[:_MOST_EVENTS], note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
+    )  # fmt: skip
 
 
 def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Array]:
@@ -222,15 +219,10 @@ def record_chart(played: Record) -> Chart:
                 y = values if isinstance(values, np.ndarray) else values(record.time)
                 y = in_unit(y, "mm") if unit == "mm" else y
                 curves.append(Curve(x=record.time, y=y[:, axis], name=name, kind=kind))
-            row.append(
-                Panel(
-                    curves=curves,
-                    ylabel=label if axis == axes[0] else "",
-                    xlabel="time [s]" if unit == "mm" else "",
-                    title="xyz"[axis] if number == 0 else "",
-                    unit=unit,
-                )
-            )
+            row.append(Panel(
+                curves=curves, ylabel=label if axis == axes[0] else "", xlabel="time [s]" if unit == "mm" else "",
+                title="xyz"[axis] if number == 0 else "", unit=unit,
+            ))  # fmt: skip
         rows.append(row)
     along, text = listed(["xyz"[axis] for axis in axes]), baseline_text(played)
     velocity, displacement = ends(played)

@@ -31,12 +31,9 @@ def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
     facts = tuple((f"Clock of {one.name}", _clock(one)) for one in tests)
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
-        title=f"{run} against {names}",
-        verdict=agreement(min(tests, key=_worst_rating)),
-        facts=facts,
-        question=(question,),
+        title=f"{run} against {names}", verdict=agreement(min(tests, key=_worst_rating)), facts=facts, question=(question,),
         sections=tuple(one for one in correlation_sections(tests) if len(tests) > 1 or one.id != "tests"),
-    )
+    )  # fmt: skip
 
 
 def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
@@ -169,16 +166,10 @@ def _ratio(ratio: SpectrumRatio) -> Panel:
     three = 20.0 * float(np.log10(THREE_DB))
     return Panel(
         curves=[Curve(x=ratio.frequency, y=np.clip(decibels, -_MOST_DB, _MOST_DB), name="", kind=MODEL)],
-        ylabel="model / meas. [dB]",
-        xlabel="frequency [Hz]",
-        title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
-        limits=[("+3 dB", three), ("-3 dB", -three)],
-        xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
-        ylim=(-_MOST_DB, _MOST_DB),
-        log="x",
-        unit="dB",
-        xunit="Hz",
-    )
+        ylabel="model / meas. [dB]", xlabel="frequency [Hz]", title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
+        limits=[("+3 dB", three), ("-3 dB", -three)], xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
+        ylim=(-_MOST_DB, _MOST_DB), log="x", unit="dB", xunit="Hz",
+    )  # fmt: skip
 
 
 def _transmissibility(test: Correlation) -> Iterator[Block]:
@@ -221,9 +212,6 @@ def _loops(test: Correlation) -> Iterator[Block]:
             )
     if panels:
         yield Chart(
-            id=f"loops-{test.name}",
-            rows=[panels[row : row + 2] for row in range(0, len(panels), 2)],
-            height=190.0,
-            caption="Force over deflection, counted from the start.",
-            alt=f"Loops measured in {test.name} and of the model.",
-        )
+            id=f"loops-{test.name}", rows=[panels[row : row + 2] for row in range(0, len(panels), 2)], height=190.0,
+            caption="Force over deflection, counted from the start.", alt=f"Loops measured in {test.name} and of the model.",
+        )  # fmt: skip

@@ -167,13 +167,9 @@ def _chart(panels: Sequence[Panel], caption: str) -> Chart:
 
 def _panel(curves: Sequence[Curve], title: str, unit: str) -> Panel:
     return Panel(
-        curves=curves,
-        xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
-        ylabel=f"force [{unit}]",
-        title=title,
-        unit=unit,
-        xunit="mm",
-    )
+        curves=curves, xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
+        ylabel=f"force [{unit}]", title=title, unit=unit, xunit="mm",
+    )  # fmt: skip
 
 
 def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:

@@ -199,10 +199,7 @@ def _bolts(run: JudgedRun) -> Table:
         for one in bolt_loads(run.response)
     ]
     return Table(
-        id="bolts",
-        title="Largest loads of a bolt on the base side",
-        columns=columns,
-        rows=rows,
+        id="bolts", title="Largest loads of a bolt on the base side", columns=columns, rows=rows,
         note="A rigid plate, the force across acting at half the isolator's height; without prying and preload.",
         shown=_BOLTS,
-    )
+    )  # fmt: skip

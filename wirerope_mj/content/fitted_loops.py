@@ -87,12 +87,9 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
             )
         )  # fmt: skip
     return Chart(
-        id="measures",
-        rows=[panels],
-        height=180.0,
-        caption="Energy per cycle and secant stiffness over the amplitude.",
+        id="measures", rows=[panels], height=180.0, caption="Energy per cycle and secant stiffness over the amplitude.",
         alt="Measures over the amplitude.",
-    )
+    )  # fmt: skip
 
 
 def _residual_curves(fit: FittedLoop) -> list[Curve]:

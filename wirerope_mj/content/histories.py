@@ -112,14 +112,10 @@ def used_panel(response: Response, selection: Selection) -> Panel:
         curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind, peak=peak))
     worst = selection.used[0]
     return Panel(
-        curves=curves,
-        ylabel="used of the limit [%]",
-        title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}",
-        limits=[("limit", 100.0)],
-        xlim=selection.window,
-        ylim=(0.0, 108.0 * max(1.0, worst.largest)),
-        unit="%",
-    )
+        curves=curves, ylabel="used of the limit [%]",
+        title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}", limits=[("limit", 100.0)],
+        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, worst.largest)), unit="%",
+    )  # fmt: skip
 
 
 def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:

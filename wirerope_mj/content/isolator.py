@@ -22,12 +22,9 @@ def ratings_table(devices: Sequence[Isolator]) -> Table:
     ]
     names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
     return Table(
-        id="isolators",
-        title="Isolators and their ratings",
-        columns=(*names, *RATING_COLUMNS),
-        rows=rows,
+        id="isolators", title="Isolators and their ratings", columns=(*names, *RATING_COLUMNS), rows=rows,
         note=f"{ABSENT}: not stated, and so not judged.",
-    )
+    )  # fmt: skip
 
 
 RATING_COLUMNS = (

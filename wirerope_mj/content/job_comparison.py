@@ -117,12 +117,9 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
     for name in names:
         columns += [Column(name, "%", "z.0f"), Column("in", align="left")]
     return Table(
-        id="limits",
-        title=f"{several(len(rows), 'limit')} of which they use different fractions",
-        columns=[*columns, Column("change", "%", "+.0f")],
-        rows=[cells for _, cells in rows],
-        shown=_SHOWN,
-    )
+        id="limits", title=f"{several(len(rows), 'limit')} of which they use different fractions",
+        columns=[*columns, Column("change", "%", "+.0f")], rows=[cells for _, cells in rows], shown=_SHOWN,
+    )  # fmt: skip
 
 
 def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs) -> Statement:

@@ -140,16 +140,11 @@ def judged_run(
     limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     return JudgedRun(
-        system=system,
-        motion=motion,
-        response=response,
-        statics=statics,
-        verdicts=(*judge(response, statics=known), *limited),
-        random=random,
+        system=system, motion=motion, response=response, statics=statics,
+        verdicts=(*judge(response, statics=known), *limited), random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
-        model_warnings=model_warnings(system),
-        inputs=inputs or {},
-    )
+        model_warnings=model_warnings(system), inputs=inputs or {},
+    )  # fmt: skip
 
 
 def _random(response: Response) -> tuple[Verdict, ...]:

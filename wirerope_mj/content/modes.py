@@ -78,12 +78,9 @@ def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
         damping = float(modes.damping_ratio[number])
         rows.append((str(number + 1), shape, _hertz(modes.frequencies[number]), damping, *frequencies, *mass))
     return Table(
-        id=f"modes-{modes.history}",
-        title=f"Modes about the equilibrium {HISTORIES[modes.history]}",
-        columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS),
-        rows=rows,
-        note=note,
-    )
+        id=f"modes-{modes.history}", title=f"Modes about the equilibrium {HISTORIES[modes.history]}",
+        columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS), rows=rows, note=note,
+    )  # fmt: skip
 
 
 def energy_table(system: System, modes: Modes) -> Table | None:

@@ -83,12 +83,8 @@ def _peaks(run: RunResult, peaks: Sequence[MountPeak]) -> Table:
     if marked:
         note += " *: outside the cycles that the isolator was identified from, so that its forces are extrapolated."
     return Table(
-        id="mounts",
-        title="Peaks of the mounts",
-        columns=[*columns, Column("verdict", align="left")],
-        rows=rows,
-        note=note,
-    )
+        id="mounts", title="Peaks of the mounts", columns=[*columns, Column("verdict", align="left")], rows=rows, note=note,
+    )  # fmt: skip
 
 
 def _verdict(row: MountPeak, combined: Verdict | None) -> Mark:
@@ -143,18 +139,11 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     row = []
     for axis in axes:
         x, y = deflection[:, axis], force[:, axis]
-        row.append(
-            Panel(
-                curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
-                ylabel="force [kN]" if axis == axes[0] else "",
-                xlabel="deflection [mm]",
-                title=AXES[axis],
-                dots=[(float(x[0]), float(y[0]))],
-                xlim=with_room(x),
-                unit="kN",
-                xunit="mm",
-            )
-        )
+        row.append(Panel(
+            curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
+            ylabel="force [kN]" if axis == axes[0] else "", xlabel="deflection [mm]", title=AXES[axis],
+            dots=[(float(x[0]), float(y[0]))], xlim=with_room(x), unit="kN", xunit="mm",
+        ))  # fmt: skip
     isolator = next(mount.isolator for mount in response.scene.mounts if mount.name == name)
     time = response.time[rows]
     interval = "" if rows == slice(None) else f" from {time[0]:.5g} to {time[-1]:.5g} s"

@@ -59,14 +59,11 @@ def _loops_panel(level: Sequence[Motion], mount: str, axis: int) -> Panel:
         curves.append(curve)
     curves.sort(key=lambda curve: (curve.kind == BASE, not curve.dash))  # dashed ones in front of what they run along
     return Panel(
-        curves=curves,
-        ylabel=f"force [{unit}]",
+        curves=curves, ylabel=f"force [{unit}]",
         xlabel="deflection [mm], tension positive" if AXES[axis] == "axial" else "deflection [mm]",
         title=f"{abs(float(level[0][0].acceleration[0])):.4g} m/s²",
-        xlim=with_room(np.concatenate([curve.x for curve in curves])),
-        unit=unit,
-        xunit="mm",
-    )
+        xlim=with_room(np.concatenate([curve.x for curve in curves])), unit=unit, xunit="mm",
+    )  # fmt: skip
 
 
 def _force_unit(motions: Sequence[Motion], mount: str, axis: int) -> str:

@@ -237,16 +237,11 @@ def amplitude_chart(
     curves = _curves(findings, relative=relative)
     x, y = (np.concatenate([getattr(curve, part) for curve in curves]) for part in "xy")
     panel = Panel(
-        curves=curves,
-        ylabel=f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
-        xlabel="frequency of the base [Hz]",
-        xlim=(float(x.min()) / _BESIDE, float(x.max()) * _BESIDE),
-        ylim=(float(y.min()) / _ABOVE, float(y.max()) * _ABOVE),
-        log="xy",
-        unit="" if relative else "m/s²",
-        xunit="Hz",
+        curves=curves, ylabel=f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
+        xlabel="frequency of the base [Hz]", xlim=(float(x.min()) / _BESIDE, float(x.max()) * _BESIDE),
+        ylim=(float(y.min()) / _ABOVE, float(y.max()) * _ABOVE), log="xy", unit="" if relative else "m/s²", xunit="Hz",
         bands=[(band.label, band.low, band.high) for band in bands],
-    )
+    )  # fmt: skip
     name = "Transmissibility" if relative else "Largest acceleration"
     return Chart(
         id="transmissibility" if relative else "amplitude",

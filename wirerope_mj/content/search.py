@@ -148,18 +148,12 @@ def front_chart(result: SearchResult) -> Chart:
         result.failed
     )
     panel = Panel(
-        curves=curves,
-        ylabel=up.column.title(),
-        xlabel="design" if across is None else across.label,
-        limits=_limit(result, up),
-        xlimits=[] if across is None else _limit(result, across),
-        notes=_labels(result, front, (x, y), (xlim, ylim)),
-        xlim=xlim,
-        ylim=ylim,
-        title=f"not shown: {'; '.join(left_out)}" if left_out else "",
-        unit=up.unit,
+        curves=curves, ylabel=up.column.title(), xlabel="design" if across is None else across.label,
+        limits=_limit(result, up), xlimits=[] if across is None else _limit(result, across),
+        notes=_labels(result, front, (x, y), (xlim, ylim)), xlim=xlim, ylim=ylim,
+        title=f"not shown: {'; '.join(left_out)}" if left_out else "", unit=up.unit,
         xunit="" if across is None else across.unit,
-    )
+    )  # fmt: skip
     text = " and ".join(measure_of(name).text for name in result.minimise)
     front_text = " Line: the front, designs within the limits that no other one beats." if front.size else ""
     caption = f"All designs by {text}, some with their numbers of mounts.{front_text}"

@@ -93,18 +93,10 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     groups = [[one.subject for one in used[:NAMED]], *(names[:NAMED] for names in leading.values())]
     groups.append(_largest(bodies | points)[:NAMED])
     return Selection(
-        event=event,
-        window=_window(response, event, last),
-        utilisations=utilisations,
-        mounts=mounts,
-        ranked=ranked,
-        leading=leading,
-        bodies=_largest(bodies),
-        points=_largest(points),
-        verdicts=verdicts,
-        used=used,
+        event=event, window=_window(response, event, last), utilisations=utilisations, mounts=mounts, ranked=ranked,
+        leading=leading, bodies=_largest(bodies), points=_largest(points), verdicts=verdicts, used=used,
         numbers=numbered(groups),
-    )
+    )  # fmt: skip
 
 
 def main_direction(response: Response) -> str:

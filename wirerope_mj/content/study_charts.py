@@ -353,14 +353,8 @@ def _over_input(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any
     """Return a panel of a measure over an input."""
     limits = _limits(shown)
     return Panel(
-        curves=curves,
-        ylabel=shown.column.title(),
-        xlabel=shortened(xlabel),
-        limits=limits,
-        unit=shown.unit,
-        xunit="",
-        **how,
-    )
+        curves=curves, ylabel=shown.column.title(), xlabel=shortened(xlabel), limits=limits, unit=shown.unit, xunit="", **how,
+    )  # fmt: skip
 
 
 def _bar_panel(names: Sequence[str], curves: Sequence[Curve], **how: Any) -> Panel:

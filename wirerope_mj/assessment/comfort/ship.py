@@ -52,16 +52,10 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
     for name, (plateau, acceleration) in PEAKS_1984.items():
         allowed = np.where(f < _KNEE, acceleration / (2.0 * math.pi * f), plateau)
         worst = int((v / allowed).argmax())
-        verdicts.append(
-            Verdict(
-                criterion=Criterion(f"ISO 6954:1984 {name}"),
-                subject=subject,
-                value=float(v[worst]),
-                limit=float(allowed[worst]),
-                unit="m/s",
-                note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_MEANING[name]}",
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=Criterion(f"ISO 6954:1984 {name}"), subject=subject, value=float(v[worst]), limit=float(allowed[worst]),
+            unit="m/s", note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_MEANING[name]}",
+        ))  # fmt: skip
     return tuple(verdicts)
 
 

@@ -69,17 +69,11 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
     for axis, allowed in enumerate(limit.values):
         low = -peak.minimum[axis] > peak.maximum[axis]
         when = peak.minimum_time[axis] if low else peak.maximum_time[axis]
-        verdicts.append(
-            Verdict(
-                criterion=Criterion(ACCELERATION, axis="xyz"[axis]),
-                subject=name,
-                value=float(max(-peak.minimum[axis], peak.maximum[axis])),
-                limit=allowed or None,
-                unit=UNIT,
-                time=float(when),
-                note="; ".join(part for part in (note, "" if allowed else UNLIMITED) if part),
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=Criterion(ACCELERATION, axis="xyz"[axis]), subject=name,
+            value=float(max(-peak.minimum[axis], peak.maximum[axis])), limit=allowed or None, unit=UNIT, time=float(when),
+            note="; ".join(part for part in (note, "" if allowed else UNLIMITED) if part),
+        ))  # fmt: skip
     return verdicts
 
 
@@ -93,11 +87,7 @@ def _filtered(time: Array, acceleration: Array, cutoff: float) -> Peak:
     highest = [sampled_peak(time, smooth[:, axis]) for axis in range(3)]
     lowest = [sampled_peak(time, -smooth[:, axis]) for axis in range(3)]
     return Peak(
-        value=value,
-        time=when,
-        vector=smooth[int(np.searchsorted(time, when)) - 1],
-        minimum=-np.array([value for value, _ in lowest]),
-        minimum_time=np.array([when for _, when in lowest]),
-        maximum=np.array([value for value, _ in highest]),
-        maximum_time=np.array([when for _, when in highest]),
-    )
+        value=value, time=when, vector=smooth[int(np.searchsorted(time, when)) - 1],
+        minimum=-np.array([value for value, _ in lowest]), minimum_time=np.array([when for _, when in lowest]),
+        maximum=np.array([value for value, _ in highest]), maximum_time=np.array([when for _, when in highest]),
+    )  # fmt: skip

@@ -86,15 +86,10 @@ def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 def _verdict(name: str, contact: ContactPeak) -> Verdict:
     return Verdict(
-        criterion=STOP if contact.mount else CONTACT,
-        subject=name,
-        value=contact.force,
-        limit=None,
-        unit="N",
-        time=contact.force_time,
-        note=contact_text(contact),
+        criterion=STOP if contact.mount else CONTACT, subject=name, value=contact.force, limit=None, unit="N",
+        time=contact.force_time, note=contact_text(contact),
         contact=STRUCK if contact.struck else TOUCHING if contact.touches else CLEAR,
-    )
+    )  # fmt: skip
 
 
 def contact_text(contact: ContactPeak) -> str:

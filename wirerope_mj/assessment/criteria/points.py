@@ -75,10 +75,6 @@ def spectrum_verdict(
     if judged[0] > points[0][0] * 1.06 or judged[-1] < points[0][-1] / 1.06:  # a twelfth of an octave
         note += f" of {points[0][0]:.4g} to {points[0][-1]:.4g} Hz"
     return Verdict(
-        criterion=Criterion(criterion),
-        subject=subject,
-        value=float(values[worst]),
-        limit=float(allowed[worst]),
-        unit="m/s^2",
-        note=note,
-    )
+        criterion=Criterion(criterion), subject=subject, value=float(values[worst]), limit=float(allowed[worst]),
+        unit="m/s^2", note=note,
+    )  # fmt: skip

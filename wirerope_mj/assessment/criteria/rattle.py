@@ -161,17 +161,11 @@ def _judge(
             if room
             else UNLIMITED
         )
-        verdicts.append(
-            Verdict(
-                criterion=Criterion(RATTLE_SPACE, axis="xyz"[side // 2], sense="-+"[side % 2]),
-                subject=name,
-                value=max(reached, 0.0),
-                limit=None if unknown else room or None,
-                unit="m",
-                time=then,
-                note="; ".join(part for part in (note, why) if part),
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=Criterion(RATTLE_SPACE, axis="xyz"[side // 2], sense="-+"[side % 2]), subject=name,
+            value=max(reached, 0.0), limit=None if unknown else room or None, unit="m", time=then,
+            note="; ".join(part for part in (note, why) if part),
+        ))  # fmt: skip
     return verdicts
 
 

@@ -46,14 +46,11 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
     for rating, (axis, way) in RATINGS.items():
         down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
         verdicts[rating] = Verdict(
-            criterion=Criterion(TRAVEL, sense=rating),
-            subject=mount.name,
-            value=float(reached[rating]),
-            limit=mount.travel.get(rating),
-            unit="m",
+            criterion=Criterion(TRAVEL, sense=rating), subject=mount.name, value=float(reached[rating]),
+            limit=mount.travel.get(rating), unit="m",
             time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
             note="" if rating in mount.travel else f"no travel in {rating} is rated",
-        )
+        )  # fmt: skip
     return verdicts
 
 
@@ -69,17 +66,10 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
         deflection = response.peaks.mounts[mount.name].deflection
         compression = max(-float(deflection.minimum[2]), 0.0)
         limit, note = _solid(mount, compression)
-        verdicts.append(
-            Verdict(
-                criterion=BOTTOMING,
-                subject=mount.name,
-                value=compression,
-                limit=limit,
-                unit="m",
-                time=float(deflection.minimum_time[2]),
-                note=note,
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=BOTTOMING, subject=mount.name, value=compression, limit=limit, unit="m",
+            time=float(deflection.minimum_time[2]), note=note,
+        ))  # fmt: skip
     return tuple(verdicts)
 
 
@@ -152,14 +142,9 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     if followed is None and (missed := _missed(response.time, mount, deflection, reached)):
         bound, notes = True, [*notes, missed]
     return Verdict(
-        criterion=COMBINED,
-        subject=mount.name,
-        value=value,
-        limit=1.0 if not bound or value > 1.0 else None,
-        unit="",
-        time=when,
-        note="; ".join(notes),
-    )
+        criterion=COMBINED, subject=mount.name, value=value, limit=1.0 if not bound or value > 1.0 else None, unit="",
+        time=when, note="; ".join(notes),
+    )  # fmt: skip
 
 
 def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTravel:

@@ -85,12 +85,9 @@ def _of_mount(response: Response, mount: SceneMount, quantity: Quantity, rows: s
         frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
         told = frequency * spacing * _OF_PERIOD <= 1.0
         yield MountCycles(
-            mount=mount.name,
-            axis=axis,
-            cycles=counted[-1][0],
-            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1 and told),
-            frequency=frequency,
-        )
+            mount=mount.name, axis=axis, cycles=counted[-1][0],
+            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1 and told), frequency=frequency,
+        )  # fmt: skip
 
 
 def deflection_rates(response: Response, mount: SceneMount) -> Array:

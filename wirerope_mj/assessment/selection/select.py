@@ -128,17 +128,10 @@ def select_isolators(
         ValueError: an argument is out of range, or there is not exactly one shock.
     """
     worksheet = Worksheet(
-        mass=mass,
-        mounts=mounts,
-        shock=shock_of(pulse, velocity, drop, rebound, gravity),
-        travel=travel,
-        fragility=fragility,
-        disturbance=disturbance,
-        loading=loading,
-        direction=loading if direction is None else direction,
-        isolation_ratio=isolation_ratio,
-        gravity=gravity,
-    )
+        mass=mass, mounts=mounts, shock=shock_of(pulse, velocity, drop, rebound, gravity), travel=travel, fragility=fragility,
+        disturbance=disturbance, loading=loading, direction=loading if direction is None else direction,
+        isolation_ratio=isolation_ratio, gravity=gravity,
+    )  # fmt: skip
     candidates, rejected = [], []
     for part in _variants(vendor_parts() if parts is None else parts, loops):
         judged = judge(part, worksheet)
@@ -169,14 +162,10 @@ def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:
         lacking = worksheet.loading if carried.vibration is None else worksheet.direction
         return Rejected(part=part, reasons=(f"the table has no stiffness {mode_text(lacking)}",), margin=math.nan)
     candidate = Candidate(
-        part=part,
-        frequency=worksheet.frequency(carried.vibration),
-        shock_frequency=worksheet.frequency(struck.shock),
-        travel=worksheet.dynamic_travel(struck.shock),
-        acceleration=worksheet.acceleration(struck.shock),
-        impulse=worksheet.impulse(struck.shock),
-        verdicts=_verdicts(part.name, worksheet, carried, struck),
-    )
+        part=part, frequency=worksheet.frequency(carried.vibration), shock_frequency=worksheet.frequency(struck.shock),
+        travel=worksheet.dynamic_travel(struck.shock), acceleration=worksheet.acceleration(struck.shock),
+        impulse=worksheet.impulse(struck.shock), verdicts=_verdicts(part.name, worksheet, carried, struck),
+    )  # fmt: skip
     exceeded = [verdict for verdict in candidate.verdicts if verdict.verdict == EXCEEDED]
     if not exceeded:
         return candidate

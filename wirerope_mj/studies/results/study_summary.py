@@ -150,16 +150,11 @@ class StudySummary:
         if limit is not None:
             beyond, ratio = exceedance_of(table, measure.name, limit), self._ratio(values, limit)
         return Statistics(
-            measure=measure,
-            nominal=self.result.nominal.get(measure.name, np.nan),
-            quantiles=tuple(quantiles(values, QUANTILES)),
-            smallest=float(np.nanmin(values)),
-            median=float(np.nanmedian(values)),
-            largest=float(np.nanmax(values)),
-            variant=worst(table, measure.name, 1)[0],
-            beyond=beyond,
-            ratio=ratio,
-        )
+            measure=measure, nominal=self.result.nominal.get(measure.name, np.nan),
+            quantiles=tuple(quantiles(values, QUANTILES)), smallest=float(np.nanmin(values)),
+            median=float(np.nanmedian(values)), largest=float(np.nanmax(values)), variant=worst(table, measure.name, 1)[0],
+            beyond=beyond, ratio=ratio,
+        )  # fmt: skip
 
     def _ratio(self, values: Array, limit: float) -> float | None:
         """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""

@@ -65,14 +65,10 @@ def _varied(quantity: Quantity, study: StudyDefinition) -> Varied:
     ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
     kind, text = column.nature_of_numbers, nominal_text(every, column.model_unit)
     return Varied(
-        name=quantity.name,
-        kind=kind,
-        unit=column.unit,
-        model="the isolator's" if many else f"shifted from {text}" if kind == "shift" else text,
-        nominal=ends,
-        nominal_unit=column.model_unit,
-        distribution=quantity.distribution,
-    )
+        name=quantity.name, kind=kind, unit=column.unit,
+        model="the isolator's" if many else f"shifted from {text}" if kind == "shift" else text, nominal=ends,
+        nominal_unit=column.model_unit, distribution=quantity.distribution,
+    )  # fmt: skip
 
 
 def distribution_text(distribution: Distribution) -> str:

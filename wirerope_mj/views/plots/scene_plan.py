@@ -102,12 +102,8 @@ def _draw_view(panel: Any, block: SceneView, number: int) -> None:
     if block.moved is None and block.absent is None:
         for name, position in positions.items():
             panel.annotate(
-                short(name),
-                (position[view.right], position[view.up]),
-                xytext=(3, 3),
-                textcoords="offset points",
-                fontsize=5,
-            )
+                short(name), (position[view.right], position[view.up]), xytext=(3, 3), textcoords="offset points", fontsize=5,
+            )  # fmt: skip
     devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
     for number, device in enumerate(devices):
         there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]

@@ -108,22 +108,14 @@ def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
     response, selection = run.response, run.selection
     comparison = compare_runs({"": response}, verdicts={"": run.verdicts}) if subjects_of(response) else None
     drawn = DrawnRun(
-        name="",
-        response=response,
-        moved=0.0,
-        verdicts=run.verdicts,
-        color=ARROW,
-        selection=selection,
+        name="", response=response, moved=0.0, verdicts=run.verdicts, color=ARROW, selection=selection,
         frames=frames_of(response),
-    )
+    )  # fmt: skip
     nothing = Comparison(runs=(drawn,), components=(), mounts=(), alone={}, differences=())
     return Drawn(
-        runs=(drawn,),
-        comparison=comparison or nothing,
-        shared=selection,
-        panels=run_histories(response, selection),
+        runs=(drawn,), comparison=comparison or nothing, shared=selection, panels=run_histories(response, selection),
         over_frequency=over_frequency,
-    )
+    )  # fmt: skip
 
 
 def several_runs(
@@ -170,13 +162,6 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
         ranked[axis] = tuple(sorted(names, key=lambda name: name not in worst)[:MOST_MOUNTS])
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
     return replace(
-        runs[0].selection,
-        window=(min(starts), max(ends)),
-        utilisations=utilisations,
-        mounts=mounts,
-        ranked=ranked,
-        bodies=(),
-        points=(),
-        used=tuple(used),
-        numbers={},
-    )
+        runs[0].selection, window=(min(starts), max(ends)), utilisations=utilisations, mounts=mounts, ranked=ranked,
+        bodies=(), points=(), used=tuple(used), numbers={},
+    )  # fmt: skip

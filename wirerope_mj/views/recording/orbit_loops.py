@@ -65,13 +65,9 @@ def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, widt
         plot = _plot([loop for part in loops for loop in part], width)
         path = loop_path(mount, axis)
         log_frame(
-            rec,
-            path,
-            plot,
-            across=linear_ticks(*plot.across, most=most),
-            upward=linear_ticks(*plot.upward, most=most),
+            rec, path, plot, across=linear_ticks(*plot.across, most=most), upward=linear_ticks(*plot.upward, most=most),
             lift=lift,
-        )
+        )  # fmt: skip
         _log(rec, child(path, "data"), plot, animation, strips, loops)
         _log_cursor(rec, child(path, "data", "cursor"), animation, loop_points(animation.response.mounts[mount], axis))
     loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]

@@ -61,12 +61,9 @@ def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> Any:
     """Return the plot of a panel over `window` [s], with its legend where it hides least."""
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
-        origin=path,
-        name=known_letters(panel.title or panel.ylabel),
-        axis_x=time_axis(window),
-        background=rrb.archetypes.PlotBackground(color=GROUND),
-        plot_legend=rrb.PlotLegend(visible=True, corner=corner),
-    )
+        origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window),
+        background=rrb.archetypes.PlotBackground(color=GROUND), plot_legend=rrb.PlotLegend(visible=True, corner=corner),
+    )  # fmt: skip
 
 
 def color_of(curve: Curve) -> Color:

@@ -19,27 +19,18 @@ def layout(content: Any, window: tuple[float, float]) -> Any:
     """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
     panel = rrb.TimePanel(
-        state="collapsed",
-        timeline=TIMELINE,
-        playback_speed=_speed(window),
-        play_state="paused",
-        loop_mode="selection",
+        state="collapsed", timeline=TIMELINE, playback_speed=_speed(window), play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
-    )
+    )  # fmt: skip
     return opening(content, panel)
 
 
 def opening(content: Any, panel: Any) -> Any:
     """Return the blueprint of `content` and a time panel alone."""
     return rrb.Blueprint(
-        content,
-        panel,
-        rrb.BlueprintPanel(state="hidden"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.TopPanel(state="hidden"),
-        auto_views=False,
-        auto_layout=False,
-    )
+        content, panel, rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"), rrb.TopPanel(state="hidden"),
+        auto_views=False, auto_layout=False,
+    )  # fmt: skip
 
 
 def _speed(window: tuple[float, float]) -> float:
@@ -96,12 +87,9 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
         past = rrb.VisibleTimeRange(TIMELINE, start=start, end=boundary.cursor_relative())
         overrides[path] = [rrb.VisibleTimeRanges([past])]
     return rrb.Spatial2DView(
-        origin=origin,
-        name=known_letters(name),
-        background=GROUND,
-        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
-        overrides=overrides,
-    )
+        origin=origin, name=known_letters(name), background=GROUND,
+        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]), overrides=overrides,
+    )  # fmt: skip
 
 
 def event_view(origin: str) -> Any:
