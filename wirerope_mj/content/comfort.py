@@ -31,14 +31,7 @@ def comfort_content(
     spaces: Sequence[str] = tuple(RMS_2000),
     discard: float = 0.0,
 ) -> Content:
-    """Describe what people feel at bodies and points of a run.
-
-    Args:
-        name: of the run.
-        response: its response.
-        subjects: names of bodies and points.
-        spaces: classes of spaces of ISO 6954:2000, "A" to "C".
-        discard: length at the beginning that does not count [s].
+    """Describe what people feel at bodies and points of a run, in classes of `spaces` of ISO 6954:2000, after `discard` [s].
 
     Raises:
         ValueError: there is no such body or point, or nothing is left of the run.

@@ -147,11 +147,7 @@ def isolator_chart(device: Isolator, *, frequency: float = FREQUENCY) -> Chart:
     """Return a panel for each axis: steady loops at 25, 50 and 100 % of the rated travel, first loading, and the ratings.
 
     Without a rated travel the largest loop is 5 % of the height, beyond the gap of a stop, or the whole of a table. Axes that
-    share their law share a panel.
-
-    Args:
-        device: what to draw.
-        frequency: of the test [Hz]; without effect on a rate-independent law.
+    share their law share a panel; `frequency` [Hz] is that of the test.
     """
     panels = []
     for title, axis, law in distinct_axes(device):

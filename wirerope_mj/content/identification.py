@@ -30,15 +30,9 @@ def identification_content(
     warnings: Sequence[str],
     given: Sequence[str],
 ) -> Content:
-    """Compose what an identification says.
+    """Compose what an identification says: its loops beside the law's, and doubts.
 
-    Args:
-        result: the fit.
-        fits: its loops beside the law's.
-        title: of the whole.
-        sources: the files that were read, with their loops.
-        warnings: what the records show of faults of the rig, and what makes the fit doubtful.
-        given: what was given and not searched for, one text each.
+    `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.
     """
     return Content(
         title=title,

@@ -34,14 +34,7 @@ _NOTE = (
 def modes_content(
     system: System, small: Modes, large: Sequence[Modes] = (), *, ddam: tuple[Ship, Location] | None = None
 ) -> Content:
-    """Describe the modes of a system.
-
-    Args:
-        system: the system.
-        small: its modes at small amplitude.
-        large: those at other amplitudes.
-        ddam: ship and location, for the design accelerations of DDAM.
-    """
+    """Describe the modes of a system at small and at other amplitudes, and the design accelerations of DDAM."""
     stability = list(stability_blocks({small.history: small.stability}))
     parts: dict[str, Callable[[], Iterable[Block | None]]] = {
         "modes": partial(_modes_blocks, system, small, bool(large)),

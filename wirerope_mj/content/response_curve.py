@@ -31,13 +31,7 @@ _NUMBERS = (
 def response_content(
     result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()
 ) -> Content:
-    """Compose what a frequency response says.
-
-    Args:
-        result: what was computed.
-        findings: what is read off it, level by level.
-        bands: frequencies of a machine's orders, held against the resonances.
-    """
+    """Compose what a frequency response says, level by level, with the orders of a machine against its resonances."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None
     return Content(

@@ -193,15 +193,9 @@ def capital(text: str) -> str:
 
 
 def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limit: float) -> str:
-    """Return for which values of the only input a limit is exceeded; "" if none is, or several inputs vary.
+    """Return for which values of the only input a limit is exceeded by `values`, (n,); "" if none is, or several inputs vary.
 
     Of a number the value at which the limit is first crossed, interpolated between two variants; of choices their names.
-
-    Args:
-        table: of a study.
-        inputs: what was sampled in it.
-        values: of a measure, (n,).
-        limit: of the measure.
     """
     beyond = values > limit
     if len(inputs) != 1 or not beyond.any():

@@ -42,17 +42,8 @@ def try_parts(
     along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved until what
     is judged of a part keeps within `accuracy`, or is beyond a limit for certain.
 
-    Args:
-        system: the model, with the limits that are judged.
-        parts: isolators by name.
-        cases: base motions by the name of the load case.
-        initial: "settled" or "relaxed".
-        placement: how many mounts there are and where, for the results.
-        accuracy: of what is judged, relative to it.
-        progress: takes the fraction of the work that is done.
-
     Raises:
-        ValueError: `initial` is neither, or a motion has no end.
+        ValueError: `initial` is neither "settled" nor "relaxed", or a motion has no end.
         ModelError: no mount of the model carries an isolator.
     """
     if initial not in HISTORIES:

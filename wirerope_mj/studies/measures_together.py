@@ -55,12 +55,9 @@ class Extremes:
 
 
 def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:
-    """Return the measures of variants by name, (n,) each.
+    """Return the measures of variants by name, (n,) each, of a system with their limits, ratings and fitted mounts.
 
-    Args:
-        system: whose limits and ratings, and whose mounts that are fitted, are those of all variants.
-        extremes: of the variants.
-        forces: of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there.
+    `forces` are those of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there.
     """
     n = len(extremes.value)
     channels = _channels(system)

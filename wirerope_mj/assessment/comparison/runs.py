@@ -42,10 +42,8 @@ def compare_runs(
 ) -> Comparison:
     """Compare responses by name with the first of them.
 
-    Args:
-        responses: by the names of the runs.
-        align: "start": all begin together, as they were simulated; "shock": their first events fall together.
-        verdicts: on each; those that `judge` returns by default.
+    `align` "start" lets all begin together, as they were simulated; with "shock" their first events fall together. Verdicts
+    are those that `judge` returns, if none are given.
 
     Raises:
         ValueError: `align` is unknown.

@@ -120,13 +120,10 @@ def too_short(response: Response) -> str:
 
 
 def ends_early(motion: Mapping[str, Any], run: tuple[float, float], over: float, slowest: float) -> str:
-    """Return why a run ends before its peaks are over, as a note; "" if it does not.
+    """Return why a run from and to [s] ends before its peaks are over, as a note; "" if it does not.
 
-    Args:
-        motion: as plain values, as a response holds it.
-        run: its start and its end [s].
-        over: when the motion is over [s]; NaN if it has no end.
-        slowest: slowest period for small amplitudes [s]; NaN if it is not known, then nothing is said.
+    The motion, plain values, is over at `over`, NaN if it has no end; `slowest` is the slowest period for small amplitudes,
+    NaN if it is not known: then nothing is said.
     """
     start, end = run
     parts = list(elements(motion))

@@ -31,12 +31,7 @@ _NAMED = 4  # contact pairs that a sentence names
 
 
 def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged.
-
-    Args:
-        response: of a run.
-        verdicts: what `judge` returns of it.
-    """
+    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
     early = too_short(response)  # whose reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
     lines += _payload_lines(verdicts, early) + _travel_lines(response, verdicts)

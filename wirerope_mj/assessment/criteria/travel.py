@@ -102,11 +102,8 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
 def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
     """Return the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
 
-    Args:
-        farthest: largest utilisation of every step, (...).
-        judged: the same of the instants that are judged, (...); NaN where there is none.
-        reached: travel in the order of RATINGS [m], (..., 4).
-        rated: rated travel [m], (..., 4); NaN where none is stated.
+    `farthest` is the largest utilisation of every step, `judged` that of the instants that are judged, (...), `reached` and
+    `rated` are travels in the order of RATINGS [m], (..., 4); NaN stands for what there is not.
     """
     missing = np.isnan(rated) & (reached > 0.0)
     ways = np.array([way != 0.0 for _, way in RATINGS.values()])

@@ -37,12 +37,7 @@ class EquivalentVibration:
 
 
 def equivalent_vibration(response: Response, text: str, *, exponent: float) -> EquivalentVibration:
-    """Find the random vibration that does the damage of a run at a body, a point or the base.
-
-    Args:
-        response: of the run.
-        text: such as `EXAMPLE`: the name, the duration of the vibration, its frequencies and the direction; "q 10" may follow.
-        exponent: b of the fatigue curve N = C / A^b.
+    """Find the random vibration that does the damage of a run, by N = C / A^b, at a body, a point or the base; text: `EXAMPLE`.
 
     Raises:
         ValueError: the text is not understood, there is no such body or point, or the samples are too few.

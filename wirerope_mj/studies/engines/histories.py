@@ -16,12 +16,9 @@ from wirerope_mj.studies.inputs.variants import Maker, Work
 
 
 def histories(work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> tuple[Array, list[Array | None]]:
-    """Return sample instants [s], (n_t,), and columns of the responses of variants, (n_t, n_columns); None of one that fails.
+    """Return sample instants [s], (n_t,), and columns of variants, (n_t, n_columns); None of one that fails.
 
-    Args:
-        work: what all variants share.
-        rows: their inputs.
-        columns: of a response, such as "bodies/rack/acceleration/z"; none of the base.
+    Columns are those of a response, such as "bodies/rack/acceleration/z"; none of the base.
     """
     time, done = histories_together(work, rows, columns, threads=os.cpu_count() or 1)
     found: list[Array | None] = [done.get(index) for index in range(len(rows))]

@@ -66,14 +66,7 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
 def histories_together(
     work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str], threads: int
 ) -> tuple[Array, dict[int, Array]]:
-    """Return sample instants (n_t,), and columns of the responses of those variants that can be computed side by side.
-
-    Args:
-        work: what all variants share.
-        rows: their inputs.
-        columns: of a response, such as "bodies/rack/acceleration/z"; none of the base.
-        threads: number of threads.
-    """
+    """Return instants (n_t,) and columns, as `histories` does, of those variants that can be computed side by side."""
     plan = column_plan(work.system)
     wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
     found: dict[int, dict[int, Array]] = {}

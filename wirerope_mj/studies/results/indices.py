@@ -79,11 +79,6 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
     E(f_B (f_AB - f_A)) / V, total E((f_A - f_AB)^2) / 2V (Saltelli et al. 2010, table 2 b and f), as SciPy's
     `sobol_indices` computes them. That takes none but whole powers of two, which failed variants do not leave. Intervals are
     the percentiles of a bootstrap over base rows, as of random draws; even sampling is rather better than that.
-
-    Args:
-        table: with the columns `variant`, `status` and the measure.
-        names: of the factors.
-        measure: name of the column.
     """
     of_row = len(names) + 2
     numbers = np.asarray(table["variant"])

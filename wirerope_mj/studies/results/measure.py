@@ -124,12 +124,7 @@ def values_of(table: pa.Table, name: str) -> Array:
 
 
 def unknown_measure(name: str, known: Sequence[str]) -> str:
-    """Return what is wrong with the name of a measure, and what there is, as a sentence without a capital.
-
-    Args:
-        name: no measure; it may be a pattern that matches none.
-        known: all measures.
-    """
+    """Return what is wrong with a name or pattern that is of no measure, and what there is, as a sentence without a capital."""
     first = name.partition("/")[0].rstrip("*?")
     alike = [one for one in known if first and one.startswith(first)]
     alike.sort(key=lambda one: -SequenceMatcher(None, one, name).ratio())

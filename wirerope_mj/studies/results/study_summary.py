@@ -170,11 +170,7 @@ def _of_one_mount(name: str) -> bool:
 
 
 def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
-    """Return the summary of a study.
-
-    Args:
-        result: of the study.
-        by: measure that is looked at most; None: travel if anything is rated, else acceleration.
+    """Return the summary of a study, by a measure; by travel if none is said and anything is rated, else by acceleration.
 
     Raises:
         ValueError: there is no such measure, or it has no value in any variant.

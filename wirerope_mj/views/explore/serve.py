@@ -8,13 +8,9 @@ from wirerope_mj.views.recording.viewer import has_display
 
 
 def serve(explored: Explored, *, browser: bool, viewer: bool, port: int = 0) -> None:
-    """Serve the page of a what-if, print its address, and return when Ctrl-C ends it.
+    """Serve the page of a what-if on a port (0: a free one), print its address, and return when Ctrl-C ends it.
 
-    Args:
-        explored: what the page shows and changes.
-        browser: whether the page is opened, too; only where there is a screen.
-        viewer: whether it has the viewer of recordings beside it.
-        port: of this machine; 0 takes a free one.
+    The page is opened with `browser` where there is a screen, and has the viewer of recordings beside it with `viewer`.
 
     Raises:
         WireRopeError: the port is taken.

@@ -63,13 +63,7 @@ _TIMELINES = (
 def record_branches(
     result: FrequencyResponse, findings: list[LevelSummary], content: Content, path: str | Path
 ) -> Path:
-    """Write the branches of a frequency response as a recording, and return its path.
-
-    Args:
-        result: the response; at least one level has a branch.
-        findings: what is read off it, level by level.
-        content: what it says.
-        path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
+    """Write the branches of a frequency response as a recording, a file or `run.rrd` of a folder, and return its path.
 
     Raises:
         ValueError: no level has a branch.

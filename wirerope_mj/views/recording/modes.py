@@ -32,13 +32,9 @@ _AWAY = 1.12  # Factor by which the camera stands farther away than for the mode
 
 
 def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
-    """Write modes in motion as a recording, and return its path.
+    """Write modes in motion as a recording, a file or `run.rrd` of a folder, and return its path.
 
-    Args:
-        animation: the modes in motion.
-        path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
-        title: name of the recording; that of the model by default.
-        larger: modes of the same system at other amplitudes, for the table of all.
+    `larger` are modes of the same system at other amplitudes, for the table of all.
 
     Raises:
         RecordError: the environment variable RERUN switches recordings off.

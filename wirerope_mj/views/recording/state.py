@@ -38,11 +38,9 @@ def log_state(rec: Any, response: Response) -> None:
 
 
 def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
-    """Return the columns under /state of a `run.rrd`, (n_t,) each, by name and in the order of `response.parquet`.
+    """Return the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
 
-    Args:
-        path: the recording.
-        run: name of the run, where the recording lays several runs over each other.
+    Where it lays several runs over each other, `run` is the name of one.
 
     Raises:
         RecordError: the file holds none.

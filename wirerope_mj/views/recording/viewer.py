@@ -20,11 +20,9 @@ _LOCAL = "127.0.0.1"  # The viewer listens on this machine only; its own default
 
 
 def show(path_or_folder: str | Path, *, web: bool = False) -> None:
-    """Open a recording and return when the viewer is closed or interrupted.
+    """Open a recording and return when the viewer is closed or interrupted; with `web`, serve it to a browser of this machine.
 
-    Args:
-        path_or_folder: a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
-        web: serve it to a browser of this machine, and print the address.
+    What is given is a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
 
     Raises:
         RecordError: there is no recording.
