@@ -229,12 +229,10 @@ def record_chart(played: Record) -> Chart:
     left = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
     how = "as measured and as it is played" if corrected else "as it is played"
     return Chart(
-        id=f"record-{played.path.name}",
-        rows=rows,
-        height=95.0,
+        id=f"record-{played.path.name}", rows=rows, height=95.0,
         caption=f"The whole record {played.path.name} along {along}, {how}, {text}. At its end {left}.",
         alt=f"Histories of {played.path.name} along {along}, {how}.",
-    )
+    )  # fmt: skip
 
 
 def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:

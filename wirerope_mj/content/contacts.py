@@ -39,11 +39,9 @@ def contact_history_blocks(run: JudgedRun) -> Iterator[Block]:
     if panels:
         below = " Below them the gaps: below zero the two overlap." if len(panels) > 1 else ""
         yield replace(
-            stacked(panels),
-            id="contact-forces",
-            caption=f"Forces of what presses hardest, at the samples.{below}",
+            stacked(panels), id="contact-forces", caption=f"Forces of what presses hardest, at the samples.{below}",
             alt="Forces of stops and contacts over time, and their gaps.",
-        )
+        )  # fmt: skip
 
 
 def _table(run: RunResult, contacts: Mapping[str, ContactPeak]) -> Table:

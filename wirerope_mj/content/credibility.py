@@ -47,11 +47,9 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
             f"{listed(unknown)}: no number, so that the true band is wider."
         )
     yield Statement(
-        id="credibility",
-        text=" ".join(texts),
-        tone="unjudged" if weakest.grade < 2 else "",
+        id="credibility", text=" ".join(texts), tone="unjudged" if weakest.grade < 2 else "",
         values={"grade": float(weakest.grade), "band": math.sqrt(total)},
-    )
+    )  # fmt: skip
     rows = [
         (
             part.name,
@@ -63,12 +61,9 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
         for part in parts
     ]
     columns = (
-        Column("part", align="left"),
-        Column("rests on", align="left"),
-        Column("what is known", align="text"),
-        Column("moves peaks by ±", "%", 2),
-        Column("share of these", "%", 2),
-    )
+        Column("part", align="left"), Column("rests on", align="left"), Column("what is known", align="text"),
+        Column("moves peaks by ±", "%", 2), Column("share of these", "%", 2),
+    )  # fmt: skip
     yield Table(id="credibility-parts", title="What the answer rests on", columns=columns, rows=rows)
 
 

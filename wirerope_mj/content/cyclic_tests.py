@@ -26,15 +26,11 @@ _WEAK = 100.0  # [N], below which forces are read in N
 _CLOSED = 1e-10  # of the force range: what cyclic tests close to
 _DAMPED = 1e-9  # damping ratio, below which loops have no width to speak of
 _COLUMNS = (
-    Column("axis", align="left"),
-    Column("amplitude", "mm", ".4g"),
-    Column("secant\nstiffness", "kN/m", ".4g"),
-    Column("energy\nper cycle", "J", ".4g"),
-    Column("damping\nratio", "%", ".4g"),
-    Column("tangent\nafter largest", "kN/m", "z.4g"),
-    Column("tangent\nafter smallest", "kN/m", "z.4g"),
+    Column("axis", align="left"), Column("amplitude", "mm", ".4g"), Column("secant\nstiffness", "kN/m", ".4g"),
+    Column("energy\nper cycle", "J", ".4g"), Column("damping\nratio", "%", ".4g"),
+    Column("tangent\nafter largest", "kN/m", "z.4g"), Column("tangent\nafter smallest", "kN/m", "z.4g"),
     Column("cycles\nto close", align="left"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

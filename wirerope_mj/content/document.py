@@ -9,11 +9,9 @@ from wirerope_mj.foundation.tables import Column, Table
 
 # Texts of a document's author, and where they stand
 TEXTS = {
-    "scope": "below the answer",
-    "assumptions": "with what is assumed",
-    "validation": "with what was validated",
+    "scope": "below the answer", "assumptions": "with what is assumed", "validation": "with what was validated",
     "conclusion": "after the results",
-}
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

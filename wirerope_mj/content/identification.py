@@ -117,11 +117,9 @@ def _warnings(warnings: Sequence[str]) -> Statement | None:
 def _parameter_blocks(result: Identification) -> tuple[Block | None, ...]:
     meanings = _meanings(result)
     return (
-        Statement(id="law", items=_laws(result)),
-        _parameter_table(result),
-        _scale_table(result),
+        Statement(id="law", items=_laws(result)), _parameter_table(result), _scale_table(result),
         Statement(id="meanings", items=meanings, tone="quiet") if meanings else None,
-    )
+    )  # fmt: skip
 
 
 def _parameter_table(result: Identification) -> Table:

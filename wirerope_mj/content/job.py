@@ -179,12 +179,10 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
     columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
     columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
     return Table(
-        id="matrix",
-        title="What each load case uses of the limits",
-        columns=[*columns, Column("verdict", align="left")],
+        id="matrix", title="What each load case uses of the limits", columns=[*columns, Column("verdict", align="left")],
         rows=rows,
         note="Used: value over limit, of all bodies, points and mounts the largest; above 100 % where it is exceeded.",
-    )
+    )  # fmt: skip
 
 
 def _governs(used: Sequence[tuple[float, int]], count: int) -> str:

@@ -108,12 +108,10 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
         for result, index in zip(results, indices, strict=True)
     ]  # fmt: skip
     return Table(
-        id="modes-at-amplitudes",
-        title="Natural frequency and damping by amplitude",
-        columns=(*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING),
-        rows=rows,
+        id="modes-at-amplitudes", title="Natural frequency and damping by amplitude",
+        columns=(*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING), rows=rows,
         note=f"Amplitude: of the mount that moves most, about the equilibrium {HISTORIES[small.history]}.",
-    )
+    )  # fmt: skip
 
 
 def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:

@@ -41,12 +41,10 @@ def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
     names = names or [row.name for row in rows[:MOST]]
     if selection.used:
         yield Chart(
-            id="used",
-            rows=[[replace(used_panel(run.response, selection), title="", xlabel="time [s]")]],
-            height=190.0,
+            id="used", rows=[[replace(used_panel(run.response, selection), title="", xlabel="time [s]")]], height=190.0,
             caption="What is used of the limits over time, the largest of all criteria of each mount, body or point.",
             alt="Utilisation of limits over time.",
-        )
+        )  # fmt: skip
     yield _histories_chart("deflection", run.response, names, selection, order)
     yield _histories_chart("force", run.response, names, selection, order)
     yield _loops_chart(run.response, names[0], selection)
@@ -148,12 +146,10 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     time = response.time[rows]
     interval = "" if rows == slice(None) else f" from {time[0]:.5g} to {time[-1]:.5g} s"
     return Chart(
-        id="loops",
-        rows=[row],
-        height=190.0,
+        id="loops", rows=[row], height=190.0,
         caption=f"Force over deflection of {name} ({isolator}){interval}; the dot is where it begins.",
         alt=f"Loops of {name}.",
-    )
+    )  # fmt: skip
 
 
 def _loop_rows(response: Response, name: str) -> slice:

@@ -125,12 +125,10 @@ def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
         curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz"
     )
     return Chart(
-        id="over-frequency",
-        rows=[[panel]],
-        height=210.0,
+        id="over-frequency", rows=[[panel]], height=210.0,
         caption="Accelerations along the base's motion over the frequency of the sweep.",
         alt="Accelerations over the frequency of the sweep.",
-    )
+    )  # fmt: skip
 
 
 def panel_over_frequency(run: JudgedRun) -> Panel | None:

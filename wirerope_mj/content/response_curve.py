@@ -88,11 +88,9 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     folds = sum(len(one.level.branch.jumps) for one in findings if one.level.branch is not None)
     text += f"; {several(folds, 'fold')} where a sweep jumps" if folds else ""
     return Statement(
-        id="headline",
-        text=f"{text}.",
-        tone="unjudged" if folds or first.at_edge or last.at_edge else "",
+        id="headline", text=f"{text}.", tone="unjudged" if folds or first.at_edge or last.at_edge else "",
         values={"frequency": last.frequency, "amplitude": last.amplitude, "transmissibility": last.transmissibility},
-    )
+    )  # fmt: skip
 
 
 def _top(summary: LevelSummary) -> ResonancePeak:
@@ -125,11 +123,8 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
             ratio = level.transmissibility(seen.peak)
             rows.append((level.acceleration, f"peak of the sweep {way}", seen.peak_frequency, seen.peak, ratio, ""))
     columns = (
-        Column("level", "m/s²", ".4g"),
-        Column("peak", align="left"),
-        *_NUMBERS,
-        Column("harmonic", align="text"),
-    )
+        Column("level", "m/s²", ".4g"), Column("peak", align="left"), *_NUMBERS, Column("harmonic", align="text"),
+    )  # fmt: skip
     note = "Harmonic: the largest one besides the fundamental, of which it is so many percent."
     return Table(id="peaks", title="Peaks", columns=columns, rows=rows, note=note)
 

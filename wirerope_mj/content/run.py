@@ -88,11 +88,9 @@ def numerics_statement(numerics: Numerics) -> Statement:
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
     steps = f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}{limit}"
     return Statement(
-        id="numerics",
-        text=f"{steps}, computed by {numerics.computed_by}, {numerics.error_text}",
-        tone="quiet",
+        id="numerics", text=f"{steps}, computed by {numerics.computed_by}, {numerics.error_text}", tone="quiet",
         values={"timestep_s": numerics.timestep, "steps": float(numerics.steps), "error": numerics.error_estimate},
-    )
+    )  # fmt: skip
 
 
 def _numerics(run: JudgedRun) -> Iterator[Block]:

@@ -129,11 +129,9 @@ def _payloads(table: StaticTable) -> Table:
     axes = [Column(axis, "mm", "z.3f") for axis in "xyz"] + [Column(f"about {axis}", "mrad", "z.3f") for axis in "xyz"]
     names = Column("payload", align="left"), Column("history", align="left"), Column("mass", "kg", ".5g")
     return Table(
-        id="payload-sag",
-        title="Displacement of the payloads' centres of mass, and their tilt",
-        columns=(*names, *axes),
+        id="payload-sag", title="Displacement of the payloads' centres of mass, and their tilt", columns=(*names, *axes),
         rows=rows,
-    )
+    )  # fmt: skip
 
 
 def _carried(history: str, sag: Sag) -> str:

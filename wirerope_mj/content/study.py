@@ -59,11 +59,9 @@ def study_facts(result: StudyResult, things: str, how: str) -> tuple[tuple[str, 
     """Return what stands below the title of a study or a search."""
     content = result.inputs
     return (
-        ("Model", content["model"]["file"].rpartition("/")[2]),
-        ("Base motion", _motion_text(result)),
-        (things, f"{result.variants}, {how}"),
-        ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
-    )
+        ("Model", content["model"]["file"].rpartition("/")[2]), ("Base motion", _motion_text(result)),
+        (things, f"{result.variants}, {how}"), ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
+    )  # fmt: skip
 
 
 def study_question(result: StudyResult, kind: str) -> tuple[str, ...]:
@@ -144,23 +142,16 @@ def varied_table(study: StudyDefinition) -> Table:
     rows = []
     for one in varied_of(study):
         group = one.distribution.group
-        rows.append(
-            (
-                f"{one.name} ({group})" if group else one.name,
-                f"{one.kind} [{one.unit}]" if one.unit else one.kind,
-                one.model,
-                one.distribution_text,
-                f"independent per {one.name.partition('/')[0]}" if one.distribution.each else "common",
-            )
-        )
+        rows.append((
+            f"{one.name} ({group})" if group else one.name, f"{one.kind} [{one.unit}]" if one.unit else one.kind, one.model,
+            one.distribution_text, f"independent per {one.name.partition('/')[0]}" if one.distribution.each else "common",
+        ))  # fmt: skip
     heads = ("quantity", "is a", "in the model", "values", "sampling")
     return Table(
-        id="varied",
-        title=f"Quantities that vary in {study.name}",
-        columns=[Column(head, align="text") for head in heads],
+        id="varied", title=f"Quantities that vary in {study.name}", columns=[Column(head, align="text") for head in heads],
         rows=rows,
         note="A value replaces what the model says, a shift is added to it, a factor multiplies it. SI: as the law states.",
-    )
+    )  # fmt: skip
 
 
 def measures_table(summary: StudySummary) -> Table:

@@ -103,11 +103,8 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
     sizes = np.array([max(100.0 * one.index, 0.0) for one in effects])
     kinds = [_kind_of(one) for one in effects]
     names: dict[int | str, str] = {
-        0: "rises with the input",
-        1: "falls",
-        BASE: "has no order",
-        OTHERS: "not significant",
-    }
+        0: "rises with the input", 1: "falls", BASE: "has no order", OTHERS: "not significant",
+    }  # fmt: skip
     end = _TEXT * max(float(sizes.max()), 2.5)
     panel = _bar_panel(
         [summary.labels.get(one.name, one.name) for one in effects],
@@ -342,11 +339,9 @@ def _field(along: Array, up: Array, grid: Array, shown: Measure) -> Field:
     ends = np.sin(np.radians(up[[0, -1]]))
     return Field(
         x=np.concatenate(([along[0]], (along[:-1] + along[1:]) / 2.0, [along[-1]])),
-        y=np.concatenate(([ends[0]], between, [ends[1]])),
-        values=grid,
-        name=shown.column.title(),
+        y=np.concatenate(([ends[0]], between, [ends[1]])), values=grid, name=shown.column.title(),
         limit=None if shown.limit is None else shown.factor * shown.limit,
-    )
+    )  # fmt: skip
 
 
 def _over_input(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any) -> Panel:

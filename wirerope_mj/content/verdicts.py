@@ -94,12 +94,10 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     if not rows:
         return None
     return Table(
-        id="worst-of-criteria",
-        title="The worst of every criterion",
-        columns=(*_COLUMNS, Column("values", form="d")),
+        id="worst-of-criteria", title="The worst of every criterion", columns=(*_COLUMNS, Column("values", form="d")),
         rows=[(*_cells(row), sum(other.criterion == row.criterion for other in verdicts)) for row in rows],
         note="Used: value over limit, above 100 % where it is exceeded. Values: how many the row is the worst of.",
-    )
+    )  # fmt: skip
 
 
 def full_table(verdicts: Sequence[Verdict]) -> Table | None:
@@ -151,12 +149,7 @@ def _known(row: Verdict) -> Verdict:
 def _cells(row: Verdict) -> tuple[Cell, ...]:
     """Return criterion, verdict, subject, value, limit, unit, utilisation and instant."""
     return (
-        str(row.criterion),
-        Mark(content=row.verdict, tone=TONE[row.verdict]),
-        row.subject,
-        shown(_known(row).value, row.unit),
-        shown(row.limit, row.unit),
-        shown_unit(row.unit),
-        used_mark(row.utilisation),
+        str(row.criterion), Mark(content=row.verdict, tone=TONE[row.verdict]), row.subject,
+        shown(_known(row).value, row.unit), shown(row.limit, row.unit), shown_unit(row.unit), used_mark(row.utilisation),
         _known(row).time,
-    )
+    )  # fmt: skip

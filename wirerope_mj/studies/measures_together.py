@@ -78,14 +78,11 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
         combined = combined_utilisation(farthest, of_judged, ways, rated)
     loads = _static_loads([isolators[number].limits.static_load for number in judged], forces, judged, n)
     result = {
-        "acceleration": _largest(np.array(bodies).reshape(-1, n).T),
-        "travel": _largest(used),
-        "combined_travel": _largest(combined),
-        "static_load": _largest(loads),
+        "acceleration": _largest(np.array(bodies).reshape(-1, n).T), "travel": _largest(used),
+        "combined_travel": _largest(combined), "static_load": _largest(loads),
         "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
-        "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))),
-        "struck": extremes.struck,
-    }
+        "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))), "struck": extremes.struck,
+    }  # fmt: skip
     result |= {f"acceleration/{name}": values for name, values in accelerations.items()}
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
@@ -107,13 +104,11 @@ def _channels(system: System) -> dict[str, dict[str, int]]:
     of_points = {name: n + 2 * i for i, name in enumerate(subjects.point_names) if name in points}
     of_bodies = {name: i for i, name in enumerate(subjects.body_names) if name in bodies}
     return {
-        "acceleration": of_bodies | of_points,
-        "body": of_bodies,
-        "point": of_points,
+        "acceleration": of_bodies | of_points, "body": of_bodies, "point": of_points,
         "displacement": {name: channel + 1 for name, channel in of_points.items()},
         "deflection": {name: first + 2 * i for i, name in enumerate(mounts)},
         "force": {name: first + 2 * i + 1 for i, name in enumerate(mounts)},
-    }
+    }  # fmt: skip
 
 
 def _largest(values: Array) -> Array:

@@ -97,11 +97,9 @@ def _moved(response: Response, by: float) -> Response:
     contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
     travels = None if travelled is None else {name: travel.later(by) for name, travel in travelled.items()}
     return replace(
-        response,
-        time=response.time + by,
-        events=tuple((time + by, text) for time, text in response.events),
+        response, time=response.time + by, events=tuple((time + by, text) for time, text in response.events),
         peaks=Peaks(**peaks, contacts=contacts, travels=travels),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -207,11 +205,9 @@ def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]
 def _row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
     sizes = [None if peak is None else _size(peak, axis) for peak in peaks]
     return PeakRow(
-        label=label,
-        values=tuple(None if size is None else size[0] for size in sizes),
-        times=tuple(None if size is None else size[1] for size in sizes),
-        notes=("",) * len(peaks),
-    )
+        label=label, values=tuple(None if size is None else size[0] for size in sizes),
+        times=tuple(None if size is None else size[1] for size in sizes), notes=("",) * len(peaks),
+    )  # fmt: skip
 
 
 def _size(peak: Peak, axis: int | None) -> tuple[float, float]:

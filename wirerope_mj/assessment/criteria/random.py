@@ -125,15 +125,10 @@ def judge_random(
         for axis in np.flatnonzero(np.ptp(acceleration, axis=0) > 1e-9 * np.ptp(acceleration)):
             history = acceleration[:, axis]
             verdicts += random_verdicts(
-                response.time,
-                history,
-                subject=name,
-                discard=_settled(response.time, history, first, last) if discard is None else discard,
-                end=last,
-                limit=values[axis % len(values)] or None,
-                resolution=resolution,
-                along="xyz"[axis],
-            )
+                response.time, history, subject=name,
+                discard=_settled(response.time, history, first, last) if discard is None else discard, end=last,
+                limit=values[axis % len(values)] or None, resolution=resolution, along="xyz"[axis],
+            )  # fmt: skip
     return _if_enough(response, verdicts)
 
 

@@ -74,16 +74,10 @@ class Verdict:
         """Return the verdict as plain values; what is not known or not finite is None."""
         margin = self.margin
         return {
-            "criterion": str(self.criterion),
-            "subject": self.subject,
-            "value": json_values(self.value),
-            "limit": self.limit,
-            "unit": self.unit,
-            "time_s": self.time,
-            "margin": json_values(margin),
-            "verdict": self.verdict,
-            "note": self.note,
-        }
+            "criterion": str(self.criterion), "subject": self.subject, "value": json_values(self.value),
+            "limit": self.limit, "unit": self.unit, "time_s": self.time, "margin": json_values(margin),
+            "verdict": self.verdict, "note": self.note,
+        }  # fmt: skip
 
 
 def one_each(verdicts: Iterable[Verdict]) -> list[Verdict]:

@@ -90,11 +90,9 @@ def _mission(content: dict[str, Any], folder: Path) -> Mission:
     one_of("quantity", quantity, get_args(Quantity))
     constant = content.get("constant")
     return Mission(
-        stages=tuple(_stage(stage, folder) for stage in stages),
-        exponent=positive("exponent", content["exponent"]),
-        quantity=quantity,
-        constant=None if constant is None else positive("constant", constant),
-    )
+        stages=tuple(_stage(stage, folder) for stage in stages), exponent=positive("exponent", content["exponent"]),
+        quantity=quantity, constant=None if constant is None else positive("constant", constant),
+    )  # fmt: skip
 
 
 def _stage(content: dict[str, Any], folder: Path) -> Stage:

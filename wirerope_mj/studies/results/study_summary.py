@@ -181,8 +181,6 @@ def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
     # Listed inputs go hand in hand: what one of them explains alone means nothing.
     listed = result.study.sampling == "list"
     return StudySummary(
-        result=result,
-        by=by,
-        effects=() if listed else effects(result.independent, input_names(table), by),
+        result=result, by=by, effects=() if listed else effects(result.independent, input_names(table), by),
         stated=read_stated(result),
-    )
+    )  # fmt: skip

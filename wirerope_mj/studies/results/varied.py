@@ -133,14 +133,10 @@ def summary(result: StudyResult) -> dict[str, Any]:
 def head(result: StudyResult) -> dict[str, Any]:
     """Return what the summaries of studies and of searches begin with."""
     return {
-        "format": result.inputs["format"],
-        "name": result.inputs["name"],
-        "id": result.inputs["id"],
-        "variants": result.table.num_rows,
-        "failed": len(result.failed),
-        "timestep_s": result.inputs["simulate"]["timestep"],
-        "varied": [one.to_dict() for one in varied_of(result.study)],
-    }
+        "format": result.inputs["format"], "name": result.inputs["name"], "id": result.inputs["id"],
+        "variants": result.table.num_rows, "failed": len(result.failed),
+        "timestep_s": result.inputs["simulate"]["timestep"], "varied": [one.to_dict() for one in varied_of(result.study)],
+    }  # fmt: skip
 
 
 def known(table: pa.Table) -> list[str]:

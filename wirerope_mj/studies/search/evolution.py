@@ -65,10 +65,8 @@ class Evolution:
         mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**often)}
         # One constraint more: that the design could be simulated at all.
         self._problem = Problem(
-            vars={name: _variable(one) for name, one in variables.items()},
-            n_obj=n_objectives,
-            n_ieq_constr=n_limits + 1,
-        )
+            vars={name: _variable(one) for name, one in variables.items()}, n_obj=n_objectives, n_ieq_constr=n_limits + 1,
+        )  # fmt: skip
         self._algorithm = NSGA2(
             pop_size=len(first),
             sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),

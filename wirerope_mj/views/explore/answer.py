@@ -66,12 +66,10 @@ def _told(run: ShownRun) -> dict[str, Any]:
 def _table(table: Table) -> dict[str, Any]:
     """Return a table as text and tone of its cells, the first rows of a long one."""
     return {
-        "id": table.id,
-        "title": table.title,
-        "note": table.note,
+        "id": table.id, "title": table.title, "note": table.note,
         "columns": [{"title": column.title(), "align": column.align} for column in table.columns],
         "rows": table.marks(absent=ABSENT, minus=MINUS)[:_ROWS],
-    }
+    }  # fmt: skip
 
 
 def _panels(comparison: Comparison, runs: list[ShownRun]) -> list[Panel]:
@@ -118,12 +116,9 @@ def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:
         x, y = in_unit(curve.x[rows], "ms"), curve.y[rows]
         lines.append({"role": role, "name": curve.name, "x": _short(x), "y": _short(y)})
     return {
-        "title": panel.title,
-        "unit": panel.unit,
-        "limits": [level for _, level in panel.limits],
-        "limit": panel.limits[0][0] if panel.limits else "",
-        "lines": lines,
-    }
+        "title": panel.title, "unit": panel.unit, "limits": [level for _, level in panel.limits],
+        "limit": panel.limits[0][0] if panel.limits else "", "lines": lines,
+    }  # fmt: skip
 
 
 def _short(values: Any) -> list[float]:

@@ -22,11 +22,8 @@ _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
 _COLUMNS = 90
 _CORNERS = {
-    "RightTop": (True, True),
-    "RightBottom": (True, False),
-    "LeftTop": (False, True),
-    "LeftBottom": (False, False),
-}
+    "RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False),
+}  # fmt: skip
 
 
 def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, every: bool) -> None:
@@ -98,11 +95,9 @@ def _log_others(rec: Any, path: str, curves: list[Curve], tolerance: float) -> N
         rows = rows_of_line(time, values, 3.0 * tolerance)
     many = len(curves)
     look = rr.SeriesLines(
-        names=[curve.name for curve in curves],
-        colors=[_OTHERS] * many,
-        widths=[1.0] * many,
+        names=[curve.name for curve in curves], colors=[_OTHERS] * many, widths=[1.0] * many,
         aggregation_policy=["MinMax"] * many,
-    )
+    )  # fmt: skip
     rec.log(path, look, static=True)
     rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
 

@@ -199,14 +199,11 @@ def _send_properties(rec: Any, run: DrawnRun, title: str) -> None:
     base = response.peaks.bodies.get(response.scene.base)
     worst = used[0].governing if used else None
     known = {
-        "model": response.scene.name,
-        "motion": str(response.motion.get("kind", "")),
-        "level_g": in_unit(base.acceleration.value, "g") if base else None,
-        "verdict": headline(run.verdicts),
+        "model": response.scene.name, "motion": str(response.motion.get("kind", "")),
+        "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts),
         "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
-        "worst": worst.subject if worst else None,
-        "criterion": worst.criterion if worst else None,
+        "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
         "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
-    }
+    }  # fmt: skip
     said = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
     rec.send_property("run", rr.AnyValues(**{name: value for name, value in said.items() if value is not None}))

@@ -49,12 +49,9 @@ def _solids(shape: str, geoms: list[Geom]) -> Any:
     sizes = np.array([geom.size for geom in geoms])
     centers = np.array([geom.position for geom in geoms])
     common = {
-        "quaternions": [quaternion(geom.orientation) for geom in geoms],
-        "colors": [rgba8(geom.rgba) for geom in geoms],
-        "labels": [geom.name for geom in geoms],
-        "show_labels": False,
-        "fill_mode": "Solid",
-    }
+        "quaternions": [quaternion(geom.orientation) for geom in geoms], "colors": [rgba8(geom.rgba) for geom in geoms],
+        "labels": [geom.name for geom in geoms], "show_labels": False, "fill_mode": "Solid",
+    }  # fmt: skip
     if shape == "box":
         return rr.Boxes3D(half_sizes=sizes, centers=centers, **common)
     if shape == "cylinder":
