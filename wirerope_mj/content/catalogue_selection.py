@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD
+from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.verdicts import used_mark

@@ -1,25 +1,26 @@
 """What a job says: which load case governs each limit, an envelope over the cases, and each case by itself."""
 
+import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from wirerope_mj.assessment.criteria import NOT_JUDGED, STRUCK, Verdict
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RATTLE_SPACE
+from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdict
 from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, limit_of
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.summary import OWN_RULE
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.document import Document
-from wirerope_mj.content.job_basis import basis_blocks, stated
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.model import model_blocks
+from wirerope_mj.content.model import devices_of, model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
-from wirerope_mj.content.numbers import listed, several, shown, shown_unit
+from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with_unit
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.mounts.isolator import Isolator
 
 # Sections of a run that a case of a job may show; the first seven by default
 REPORTED = (
@@ -27,6 +28,7 @@ REPORTED = (
     "grounds", "base", "contact-histories", "numerics",
 )  # fmt: skip
 
+STATED = "Stated by the author: "  # stands before what no computation says
 _GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
 # Kinds of limits that are those of the job, and stand before those of the mounts.
 _PAYLOAD = (ACCELERATION, RATTLE_SPACE)
@@ -268,3 +270,69 @@ def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
     for section in run_content(case.run).sections:
         for block in section.blocks if section.id in sections else ():
             yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
+
+
+def basis_blocks(
+    runs: Mapping[str, JudgedRun], assumptions: Sequence[str], validation: Sequence[str]
+) -> Iterator[Block | None]:
+    """Yield what is assumed and what was validated, the author's own paragraphs after what the runs say."""
+    devices = list({one.name: one for run in runs.values() for one in devices_of(run)}.values())
+    yield Statement(id="assumed", text="Assumed:", items=tuple(_assumed(runs, devices)))
+    yield from stated("assumptions", assumptions, STATED)
+    yield Statement(id="validated", text="Validated:", items=tuple(_validated(runs, devices)))
+    yield from stated("validation", validation, STATED)
+    yield Statement(
+        id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged"
+    )
+
+
+def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:
+    """Yield what a document's author states."""
+    for number, text in enumerate(paragraphs, start=1):
+        yield Statement(id=f"{name}-{number}", text=f"{before}{text}")
+
+
+def _assumed(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
+    starts: dict[str, list[str]] = {}
+    for case, run in runs.items():
+        initial = str(run.inputs.get("simulate", {}).get("initial", "settled"))
+        starts.setdefault(START.get(initial, initial), []).append(case)
+    for text, cases in starts.items():
+        yield f"{'Every load case begins' if len(starts) == 1 else f'{listed(cases)}: begins'} {text}."
+    first = next(iter(runs.values()))
+    yield f"Gravity is {first.gravity:g} m/s²." if first.gravity else "There is no gravity."
+    yield "The base moves as the load case says, whatever the mounts do to it; bodies are those of the model."
+    for device in devices:
+        if assumed := len(device.provenance.assumed):
+            yield f"{device.name}: {several(assumed, 'assumption')} about its figures, listed with the model and its mounts."
+    if any(row.criterion == COMBINED and row.utilisation is not None for run in runs.values() for row in run.verdicts):
+        yield OWN_RULE.partition(";")[0] + "."
+
+
+def _validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
+    errors = {case: run.response.numerics.error_estimate for case, run in runs.items()}
+    known = {case: error for case, error in errors.items() if math.isfinite(error)}
+    if known:
+        worst = max(known, key=lambda case: known[case])
+        yield (
+            f"Numerical error, by halving the step before each run: at most {with_unit(known[worst], '%', digits=2)} of the "
+            f"peaks ({worst})."
+        )
+    for device in devices:
+        stated = device.provenance
+        fitted = f", fitted to {stated.fitted_to.rstrip('.')}" if stated.fitted_to else ""
+        source = f" of {stated.source.rstrip('.')}" if stated.source else ""
+        yield f"{device.name}: {stated.kind} figures{source}{fitted}."
+
+
+def _not_validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
+    unknown = [case for case, run in runs.items() if not math.isfinite(run.response.numerics.error_estimate)]
+    if unknown:
+        yield f"No numerical error was estimated in {listed(unknown)}."
+    for case, run in runs.items():
+        if run.untested:
+            yield f"{case}: {run.untested}"
+    for kind in ("estimated", "illustrative"):
+        if names := [device.name for device in devices if device.provenance.kind == kind]:
+            yield f"{listed(names)}: the figures are {kind}, not measured."
+    yield "Results were not compared with a measurement of this installation by this program."

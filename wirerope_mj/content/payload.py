@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import Verdict, body_peaks
-from wirerope_mj.assessment.criteria.criterion import RMS, SIGMA, Criterion
+from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called

@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from wirerope_mj.assessment.criteria import NOT_JUDGED, Verdict
-from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD
 from wirerope_mj.assessment.criteria.summary import static_load_lines
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit

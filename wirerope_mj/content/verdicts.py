@@ -16,10 +16,9 @@ from wirerope_mj.assessment.criteria import (
     verdict_lines,
 )
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION
 from wirerope_mj.assessment.criteria.judge import PASS
 from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit

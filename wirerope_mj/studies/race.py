@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, COMBINED, RATTLE_SPACE, STATIC_LOAD, TRAVEL
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, COMBINED, RATTLE_SPACE, STATIC_LOAD, TRAVEL
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.stability import slowest_period

@@ -11,8 +11,7 @@ import numpy.typing as npt
 import scipy
 
 from wirerope_mj.assessment.comfort.people import WEIGHTINGS
-from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import power_spectral_density

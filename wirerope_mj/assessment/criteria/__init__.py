@@ -1,9 +1,6 @@
 """Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
-from wirerope_mj.assessment.criteria.criterion import COMBINED as COMBINED
-from wirerope_mj.assessment.criteria.criterion import STOP as STOP
-from wirerope_mj.assessment.criteria.criterion import Criterion as Criterion
 from wirerope_mj.assessment.criteria.judge import headline as headline
 from wirerope_mj.assessment.criteria.judge import judge as judge
 from wirerope_mj.assessment.criteria.loads import closing_text as closing_text
@@ -23,9 +20,12 @@ from wirerope_mj.assessment.criteria.summary import verdict_lines as verdict_lin
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts as bottoming_verdicts
 from wirerope_mj.assessment.criteria.travel import travel_verdicts as travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import CLEAR as CLEAR
+from wirerope_mj.assessment.criteria.verdict import COMBINED as COMBINED
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED as EXCEEDED
 from wirerope_mj.assessment.criteria.verdict import NOT_JUDGED as NOT_JUDGED
+from wirerope_mj.assessment.criteria.verdict import STOP as STOP
 from wirerope_mj.assessment.criteria.verdict import STRUCK as STRUCK
 from wirerope_mj.assessment.criteria.verdict import TOUCHING as TOUCHING
 from wirerope_mj.assessment.criteria.verdict import WITHIN as WITHIN
+from wirerope_mj.assessment.criteria.verdict import Criterion as Criterion
 from wirerope_mj.assessment.criteria.verdict import Verdict as Verdict

@@ -12,11 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, BOTTOMING, COMBINED, RATTLE_SPACE, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import STEADY, elements, read_columns, steady_interval
 from wirerope_mj.assessment.criteria.travel import combined_travel
-from wirerope_mj.assessment.criteria.verdict import CLEAR, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.verdict import (
+    ACCELERATION,
+    BOTTOMING,
+    CLEAR,
+    COMBINED,
+    NOT_JUDGED,
+    RATTLE_SPACE,
+    TRAVEL,
+    WITHIN,
+    Criterion,
+    Verdict,
+)
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array

@@ -5,9 +5,18 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.criterion import CONTACT, STATIC_LOAD, STOP, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_start
-from wirerope_mj.assessment.criteria.verdict import CLEAR, STRUCK, TOUCHING, Verdict, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    CLEAR,
+    CONTACT,
+    STATIC_LOAD,
+    STOP,
+    STRUCK,
+    TOUCHING,
+    Criterion,
+    Verdict,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import ContactPeak, Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array

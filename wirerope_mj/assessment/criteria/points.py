@@ -5,8 +5,7 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import ShockResponseSpectrum
 

@@ -9,9 +9,16 @@ import numpy.typing as npt
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
-from wirerope_mj.assessment.criteria.criterion import LARGEST, RMS, SIGMA, Criterion
 from wirerope_mj.assessment.criteria.sampled import elements, read_columns, sampled_peak, sampled_text, steady_interval
-from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    LARGEST,
+    RMS,
+    SIGMA,
+    Criterion,
+    Verdict,
+    limits_by_name,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit

@@ -6,9 +6,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from wirerope_mj.assessment.between_samples import peak_between
-from wirerope_mj.assessment.criteria.criterion import RATTLE_SPACE, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, one_each, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    RATTLE_SPACE,
+    Criterion,
+    Verdict,
+    limits_by_name,
+    one_each,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array

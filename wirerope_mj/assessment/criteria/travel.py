@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.criterion import BOTTOMING, COMBINED, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
+from wirerope_mj.assessment.criteria.verdict import BOTTOMING, COMBINED, EXCEEDED, TRAVEL, Criterion, Verdict
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount

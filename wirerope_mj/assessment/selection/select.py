@@ -4,8 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict, smallest_margin
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Criterion, Verdict, smallest_margin
 from wirerope_mj.assessment.selection.worksheet import (
     IMPULSE,
     ISOLATION_RATIO,

@@ -13,7 +13,7 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import Sine
 from wirerope_mj.studies.calibration.measured_test import work_of
 from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.engines.together import histories
 from wirerope_mj.studies.inputs.column import InputColumn
 
 # Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside

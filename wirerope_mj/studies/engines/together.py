@@ -1,5 +1,6 @@
 """Variants of a study side by side in the kernel's lanes, without systems of their own."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ import pyarrow as pa
 from wirerope_mj.engine.control.install import state_of
 from wirerope_mj.engine.kernel.equations import Equations, equations
 from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
@@ -311,3 +313,34 @@ def _lawful(system: System, lowest: Array, highest: Array) -> Flags:
     below, above = _ends(system)[:, :, 0], _ends(system)[:, :, 1]
     beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
     return np.asarray(~beyond.any(axis=(1, 2)))
+
+
+def histories(work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> tuple[Array, list[Array | None]]:
+    """Return sample instants [s], (n_t,), and columns of variants, (n_t, n_columns); None of one that fails.
+
+    Columns are those of a response, such as "bodies/rack/acceleration/z"; none of the base.
+    """
+    time, done = histories_together(work, rows, columns, threads=os.cpu_count() or 1)
+    found: list[Array | None] = [done.get(index) for index in range(len(rows))]
+    make = Maker(work.system, work.motions, work.columns)
+    systems: list[System] = []
+    motions: list[BaseMotion] = []
+    indices: list[int] = []
+    for index, row in enumerate(rows):
+        if found[index] is not None:
+            continue
+        try:
+            system, motion = make.system(row), make.motion(row)
+        except (ValueError, WireRopeError):
+            continue
+        systems, motions, indices = [*systems, system], [*motions, motion], [*indices, index]
+    if systems:
+        results = simulate_batch(
+            systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
+            sample_rate=work.sample_rate, corners=work.corners, responses=True,
+        )  # fmt: skip
+        for index, result in zip(indices, results, strict=True):
+            if not isinstance(result, BatchFailure) and result.response is not None:
+                time = result.response.time
+                found[index] = np.stack([result.response.column(name) for name in columns], axis=1)
+    return time, found

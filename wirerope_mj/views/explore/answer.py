@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import Comparison, compare_runs
 from wirerope_mj.assessment.criteria import MountPeak, Verdict, body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION
 from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
 from wirerope_mj.content.histories import TOTAL, Line, history_panel, subject_called
 from wirerope_mj.content.numbers import ABSENT, MINUS
@@ -20,7 +20,7 @@ from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.views.explore.shown import ShownRun
+from wirerope_mj.views.explore.recorder import ShownRun
 from wirerope_mj.views.thin import rows_of_extremes
 
 _ROWS = 8  # Rows of a table: those that a reader compares; the report of a run has them all
