@@ -12,7 +12,6 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import (
     bottoming_verdicts,
     judge,
-    peak_force_verdicts,
     starting_load_verdicts,
     travel_verdicts,
     verdict_lines,
@@ -169,16 +168,6 @@ def test_a_static_load_that_the_rating_does_not_speak_of_is_not_judged(changes, 
     for verdict in starting_load_verdicts(box_on_four(**changes)):
         assert verdict.verdict == "not judged"
         assert reason in verdict.note
-
-
-def test_largest_forces_are_judged_by_what_is_given(floor):
-    peak = floor.peaks.mounts["m02"].force
-    found = by_name(peak_force_verdicts(floor, {"m02": 0.5 * peak.value}))
-    assert found["m02", "peak force"].margin == pytest.approx(-0.5)
-    assert found["m02", "peak force"].time == peak.time
-    assert found["m01", "peak force"].verdict == "not judged"
-    with pytest.raises(ValueError, match="'m99', which is no mount. There are: m01, m02"):
-        peak_force_verdicts(floor, {"m99": 1.0})
 
 
 def test_a_mount_pressed_until_its_bars_meet_is_said_to_lack_a_stop(floor):

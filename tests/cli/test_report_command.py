@@ -127,7 +127,7 @@ def test_long_tables_repeat_their_heading_on_every_page():
 
     rows = tuple((f"m{place}", f"{place}") for place in range(200))
     long = Table(title="Mounts", columns=(Column("mount", align="left"), Column("headed")), rows=rows)
-    section = Section(id="table", title="Table", build=lambda: [long])
+    section = Section("table", "Table", lambda: [long])
     content = Content(title="Long", question=("?",), verdict=Statement(), sections=(section,))
     document = weasyprint.HTML(string=report_html(content)).render()
     pages = ["".join(words(page._page_box)) for page in document.pages]

@@ -5,7 +5,7 @@ from contextlib import nullcontext
 import numpy as np
 import pytest
 
-from wirerope_mj.content.record import record_chart
+from wirerope_mj.content.base import record_chart
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.motions import HalfSine, load_record, motion_from_dict
 from wirerope_mj.motions.records.record import records_in

@@ -12,7 +12,7 @@ from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.runs.explore import Exploration, scenario_or_model
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.runs.sliders import checked_values, frequency_ratio, groups_of, sliders_of, variant
-from wirerope_mj.views.explore.turns import OvertakenError
+from wirerope_mj.views.explore.server import OvertakenError
 
 FLOOR = wr.load_system("floating_floor")
 TABLE = load_scenario("shock_table").make()

@@ -13,9 +13,9 @@ from scipy.special import ndtri
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.study import effects_table, indices_tables
 from wirerope_mj.content.study_charts import indices_chart
 from wirerope_mj.content.study_statements import of_indices, statements
-from wirerope_mj.content.study_tables import effects_table, indices_tables
 from wirerope_mj.studies.inputs import sobol
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.indices import RESAMPLES, indices_of

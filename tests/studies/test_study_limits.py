@@ -7,8 +7,8 @@ import pytest
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.content.study import measures_table
 from wirerope_mj.content.study_statements import limit_statement
-from wirerope_mj.content.study_tables import measures_table
 from wirerope_mj.studies.results.stated_limits import StatedLimit, limit_of_text
 from wirerope_mj.studies.results.study_summary import summary_of
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria.criterion import COMBINED
 from wirerope_mj.assessment.criteria.travel import travel_verdicts
-from wirerope_mj.content.study_tables import measures_table
+from wirerope_mj.assessment.criteria.verdict import COMBINED
+from wirerope_mj.content.study import measures_table
 from wirerope_mj.studies.engines import compute
 from wirerope_mj.studies.engines.together import NONE
 from wirerope_mj.studies.results.measure import ALL, values_of

@@ -13,8 +13,8 @@ from genset import CENTRE, genset_study, genset_text
 from table_study import rows, table_study
 
 import wirerope_mj as wr
+from wirerope_mj.content.study import varied_table
 from wirerope_mj.content.study_statements import statements
-from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.study import write_study_report
 from wirerope_mj.studies.folder import TABLE

@@ -43,10 +43,10 @@ def content(document=FILED):
         facts=(("Model", "cabinet.xml"),),
         document=document,
         sections=(
-            Section(id="answer", title="", build=lambda: [Statement(text="In short", items=("first", "second"))]),
-            Section(id="short", title="Short", build=lambda: [table("s", 12, shown=3), chart]),
-            Section(id="last", title="Every verdict", build=lambda: [table("v", 9, shown=2)], appendix=True),
-            Section(id="long", title="Long", build=lambda: [table("l", 80, shown=4)]),
+            Section("answer", "", lambda: [Statement(text="In short", items=("first", "second"))]),
+            Section("short", "Short", lambda: [table("s", 12, shown=3), chart]),
+            Section("last", "Every verdict", lambda: [table("v", 9, shown=2)], appendix=True),
+            Section("long", "Long", lambda: [table("l", 80, shown=4)]),
         ),
     )
 
@@ -124,7 +124,7 @@ def test_columns_fit_the_page_whatever_stands_in_them(tmp_path):
         columns=[Column(f"a long heading {n}", "kN") for n in range(13)] + [Column("note", align="text")],
         rows=[[1234.5] * 13 + ["words " * 60]],
     )
-    section = Section(id="wide", title="Wide", build=lambda: [wide])
+    section = Section("wide", "Wide", lambda: [wide])
     one = Content(title="Wide", question=("?",), verdict=Statement(), sections=(section,))
     write_docx(one, tmp_path / "wide.docx")
     document = docx.Document(str(tmp_path / "wide.docx"))

@@ -26,13 +26,7 @@ def sample_rate(time: Array) -> float:
 
 
 def path(values: Array, rates: Array, spacing: float) -> tuple[Array, Array]:
-    """Return samples and extremes of the cubics between them in their order, and where they are, in samples.
-
-    Args:
-        values: samples, (n,).
-        rates: their derivatives, (n,).
-        spacing: of the samples [s].
-    """
+    """Return samples, (n,), and extremes of the cubics between them in their order, and where they are, in samples."""
     start, step = values[:-1], np.diff(values)
     slope, other = spacing * rates[:-1], spacing * rates[1:]
     square, cube = 3.0 * step - 2.0 * slope - other, slope + other - 2.0 * step

@@ -66,8 +66,6 @@ def compare(
     from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.job import is_job
     from wirerope_mj.runs.sources import run_inputs, run_verdicts
-    from wirerope_mj.views.recording.drawn_runs import several_runs
-    from wirerope_mj.views.recording.record import record_runs
     from wirerope_mj.views.terminal import console, print_headline, show
 
     for path in runs:
@@ -87,6 +85,9 @@ def compare(
     responses = {name: load_response(folder) for name, folder in zip(called, runs, strict=True)}
     inputs = {name: run_inputs(folder) for name, folder in zip(called, runs, strict=True)}
     verdicts = {name: run_verdicts(folder, responses[name]) for name, folder in zip(called, runs, strict=True)}
+    from wirerope_mj.views.recording.drawn_runs import several_runs  # late: rerun takes long to import
+    from wirerope_mj.views.recording.record import record_runs
+
     drawn = several_runs(responses, align, verdicts)
     record_runs(drawn, target, inputs=inputs)
     content, screen = comparison_content(drawn.comparison, inputs), console()

@@ -57,7 +57,7 @@ def _explore(name: str, tokens: Sequence[str]) -> None:
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))
         from wirerope_mj.runs.explore import Exploration
-        from wirerope_mj.views.explore.serve import serve
+        from wirerope_mj.views.explore.server import serve
 
         if not 0 <= own["port"] < 65536:
             raise ValueError(f"`--port` must be from 0 to 65535, got {own['port']}.")

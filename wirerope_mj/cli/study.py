@@ -13,7 +13,7 @@ from rich.markup import escape
 
 from wirerope_mj.cli.options import BAD_INPUT, DECK, listing_options, own_option, run_with_options
 from wirerope_mj.cli.tables import print_questions
-from wirerope_mj.content.study_tables import varied_table
+from wirerope_mj.content.study import varied_table
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system

@@ -30,13 +30,9 @@ def with_appendices(content: Content) -> Content:
                 )
                 blocks.append(cut)
                 title = f"{section.title}: {block.title}" if section.title else block.title
-                appendices.append(
-                    _section(
-                        replace(section, title=title, appendix=True),
-                        [replace(block, shown=None)],
-                        f"{section.id}-{block.id}",
-                    )
-                )
+                appendices.append(_section(
+                    replace(section, title=title, appendix=True), [replace(block, shown=None)], f"{section.id}-{block.id}",
+                ))  # fmt: skip
             else:
                 blocks.append(block)
         sections.append(_section(section, blocks))

@@ -1,4 +1,4 @@
-"""The base's motion: its histories, extremes, events and spectrum, and the measured records in it."""
+"""The base's motion: its histories, extremes, events and spectrum, and the measured records in it, their baselines."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -10,7 +10,6 @@ from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, listed
 from wirerope_mj.content.panels import Chart, Curve, Panel
-from wirerope_mj.content.record import record_blocks
 from wirerope_mj.content.run_spectra import BASE, moving_axes
 from wirerope_mj.content.spectra import base_spectrum_chart
 from wirerope_mj.engine.response import Response
@@ -18,7 +17,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Table
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions import BaseMotion, Record
+from wirerope_mj.motions.records.record import records_in
 
 _KEPT = 1e-3  # [m/s] at the end, from which it is said that the base keeps a velocity
 _FAINT = 1e-6  # of the largest component of a force, what is not drawn
@@ -26,6 +26,13 @@ _MOST_EVENTS = 12  # in the table of what the base does: a record may have any n
 _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are enough
 _BETWEEN = 64  # instants between two corners: the peak of a half-sine is then met to 0.03 %
 _MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
+_TEXTS = {
+    "none": "no baseline correction",
+    "rest": "baseline: the level at rest taken off",
+    "mean": "baseline: the mean taken off",
+    "velocity": "baseline: the constant taken off that leaves no final velocity",
+    "highpass": "baseline: high-pass filter without phase",
+}
 
 
 def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
@@ -65,9 +72,7 @@ def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
 
 def _extremes(run: JudgedRun, axes: list[int]) -> Table:
     base = run.response.base
-    peak = run.response.peaks.bodies[
-        run.response.scene.base
-    ].acceleration  # of every step, as in the table of the peaks
+    peak = run.response.peaks.bodies[run.response.scene.base].acceleration  # of every step, as in the table of peaks
     rows: list[list[Cell]] = []
     for axis in axes:
         extremes = [peak.minimum[axis], peak.maximum[axis]]
@@ -90,12 +95,9 @@ def _events(run: JudgedRun) -> Table | None:
     end = f"{run.response.final_state.time:g}"
     beyond = f"After the end of the run at {end} s, and not simulated: {listed(later)}." if later else ""
     return Table(
-        id="base-events",
-        title="What the base does when",
-        columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
-        rows=events[:_MOST_EVENTS],
-        note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
-    )
+        id="base-events", title="What the base does when", columns=(Column("at", "s", "z.4f"), Column("event", align="text")),
+        rows=events[:_MOST_EVENTS], note=" ".join(filter(None, [f"And {left} more." if left else "", beyond])),
+    )  # fmt: skip
 
 
 def base_acceleration(response: Response, motion: BaseMotion) -> tuple[Array, Array]:
@@ -155,3 +157,84 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
         for label, unit, x, values in parts
     ]
     return Chart(rows=rows, height=95.0, id="base-motion")
+
+
+def warnings_of(run: JudgedRun) -> Statement | None:
+    """Return the warnings of the records that were played; None if there are none."""
+    if not run.record_warnings:
+        return None
+    text = "Said of the measured record, on which every figure here rests:"
+    return Statement(id="record-warnings", text=text, items=run.record_warnings, tone="unjudged")
+
+
+def record_blocks(run: JudgedRun) -> Iterator[Block | None]:
+    """Yield the warnings of the records in the base's motion, and the baseline correction of each."""
+    yield warnings_of(run)
+    for record in records_in(run.motion):
+        yield record_chart(record)
+        if record.baseline != "none":
+            yield _correction(record)
+
+
+def baseline_text(record: Record) -> str:
+    """Return the baseline correction of a record, for instance "baseline: the mean taken off"."""
+    text = _TEXTS[record.baseline]
+    return text if record.highpass is None else f"{text}, {record.highpass:g} Hz"
+
+
+def _correction(record: Record) -> Table:
+    """Tabulate the ends of a record without its baseline correction and with it."""
+    measured = record.as_measured
+    axes = [axis for axis in range(3) if measured.samples[:, axis].any()]
+    rows = []
+    for axis in axes:
+        for one, text in ((measured, "as measured"), (record, "as played")):
+            velocity, displacement = ends(one)
+            peak = float(abs(one.samples[:, axis]).max())
+            rows.append(("xyz"[axis], text, peak, float(velocity[axis]), float(displacement[axis])))
+    return Table(
+        id=f"baseline-{record.path.name}",
+        title="What the baseline correction changes",
+        columns=(
+            Column("axis", align="left"), Column("record", align="left"), Column("largest acceleration", "g"),
+            Column("velocity at its end", "m/s"), Column("displacement at its end", "mm"),
+        ),
+        rows=rows,
+    )  # fmt: skip
+
+
+def record_chart(played: Record) -> Chart:
+    """Draw acceleration, velocity and displacement of a record along its axes, without its correction and with it."""
+    measured, corrected = played.as_measured, played.baseline != "none"
+    axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
+    rows: list[list[Panel]] = []
+    for number, (label, unit) in enumerate(
+        (("acceleration [g]", "g"), ("velocity [m/s]", "m/s"), ("displ. [mm]", "mm"))
+    ):
+        row = []
+        for axis in axes:
+            curves = []
+            for kind, (record, name) in enumerate(((played, "as played"), (measured, "as measured"))[: 1 + corrected]):
+                values = (in_unit(record.samples, "g"), record.velocity, record.displacement)[number]
+                y = values if isinstance(values, np.ndarray) else values(record.time)
+                y = in_unit(y, "mm") if unit == "mm" else y
+                curves.append(Curve(x=record.time, y=y[:, axis], name=name, kind=kind))
+            row.append(Panel(
+                curves=curves, ylabel=label if axis == axes[0] else "", xlabel="time [s]" if unit == "mm" else "",
+                title="xyz"[axis] if number == 0 else "", unit=unit,
+            ))  # fmt: skip
+        rows.append(row)
+    along, text = listed(["xyz"[axis] for axis in axes]), baseline_text(played)
+    velocity, displacement = ends(played)
+    left = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
+    how = "as measured and as it is played" if corrected else "as it is played"
+    return Chart(
+        id=f"record-{played.path.name}", rows=rows, height=95.0,
+        caption=f"The whole record {played.path.name} along {along}, {how}, {text}. At its end {left}.",
+        alt=f"Histories of {played.path.name} along {along}, {how}.",
+    )  # fmt: skip
+
+
+def ends(record: Record) -> tuple[np.ndarray, np.ndarray]:
+    """Return velocity [m/s] and displacement [m] at the last sample, (3,) each; what rounding leaves of nothing is zero."""
+    return record.velocity(record.end)[0].round(9) + 0.0, record.displacement(record.end)[0].round(9) + 0.0

@@ -17,21 +17,13 @@ Depth = Literal["headline", "summary", "full"]
 
 @dataclass(frozen=True, kw_only=True)
 class Statement:
-    """A sentence, and short ones below it.
+    """A sentence, and short ones below it."""
 
-    Attributes:
-        text: the sentence; "" where the list says all.
-        items: below it.
-        tone: one of `foundation.tables.TONES`.
-        id: the same in every output.
-        values: what it says in numbers, SI, by name.
-    """
-
-    text: str = ""
-    items: tuple[str, ...] = ()
-    tone: str = ""
-    id: str = ""
-    values: Mapping[str, float | str | None] = field(default_factory=dict)
+    text: str = ""  # the sentence; "" where the list says all
+    items: tuple[str, ...] = ()  # below it
+    tone: str = ""  # one of `foundation.tables.TONES`
+    id: str = ""  # the same in every output
+    values: Mapping[str, float | str | None] = field(default_factory=dict)  # what it says in numbers, SI, by name
 
     def __post_init__(self) -> None:
         if self.tone not in TONES:
@@ -40,47 +32,31 @@ class Statement:
 
 @dataclass(frozen=True, kw_only=True)
 class SceneView:
-    """A scene from two sides: in its modelled geometry, or as it stands at an instant over that.
+    """A scene from two sides: in its modelled geometry, or as it stands at an instant over that."""
 
-    Attributes:
-        scene: in the modelled geometry.
-        caption: what it shows.
-        moved: the same at an instant, relative to its base; None for the modelled geometry alone, with labels.
-        ring: name and position (3,) [m] of what is ringed; None for nothing.
-        exceeded: whether the ring is red.
-        absent: names of mounts that are not fitted, whose places are crossed; the others have no labels then. None: labels.
-        id: the same in every output.
-    """
-
-    scene: Scene
-    caption: str
+    scene: Scene  # in the modelled geometry
+    caption: str  # what it shows
+    # the same at an instant, relative to its base; None for the modelled geometry alone, with labels
     moved: Scene | None = None
-    ring: tuple[str, Array] | None = None
-    exceeded: bool = False
+    ring: tuple[str, Array] | None = None  # name and position (3,) [m] of what is ringed; None for nothing
+    exceeded: bool = False  # whether the ring is red
+    # names of mounts that are not fitted, whose places are crossed; the others have no labels then. None: labels.
     absent: tuple[str, ...] | None = None
-    id: str = ""
+    id: str = ""  # the same in every output
 
 
 Block = Statement | Table | Chart | SceneView
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Section:
-    """A part of a result with a heading, whose blocks are built when a renderer asks for them.
+    """A part of a result with a heading, whose blocks are built when a renderer asks for them."""
 
-    Attributes:
-        id: the same in every output.
-        title: its heading.
-        build: makes its blocks in reading order; None among them is left out.
-        depth: from which on it is shown.
-        appendix: whether it stands behind all others, with a letter in place of a number.
-    """
-
-    id: str
-    title: str
-    build: Callable[[], Iterable[Block | None]]
-    depth: Depth = "full"
-    appendix: bool = False
+    id: str  # the same in every output
+    title: str  # its heading
+    build: Callable[[], Iterable[Block | None]]  # makes its blocks in reading order; None among them is left out
+    depth: Depth = "full"  # from which on it is shown
+    appendix: bool = False  # whether it stands behind all others, with a letter in place of a number
 
     @cached_property
     def blocks(self) -> tuple[Block, ...]:
@@ -90,23 +66,14 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Content:
-    """What a result says.
+    """What a result says."""
 
-    Attributes:
-        title: what was computed.
-        verdict: the conclusion in one sentence.
-        sections: everything else, the grounds of the conclusion first.
-        facts: name and value of what stands below the title: model, base motion, date.
-        question: what was asked, a text for each paragraph.
-        document: data of a document that is filed and signed; None for a plain report.
-    """
-
-    title: str
-    verdict: Statement
-    sections: tuple[Section, ...]
-    facts: tuple[tuple[str, str], ...] = ()
-    question: tuple[str, ...] = ()
-    document: Document | None = None
+    title: str  # what was computed
+    verdict: Statement  # the conclusion in one sentence
+    sections: tuple[Section, ...]  # everything else, the grounds of the conclusion first
+    facts: tuple[tuple[str, str], ...] = ()  # name and value of what stands below the title: model, base motion, date
+    question: tuple[str, ...] = ()  # what was asked, a text for each paragraph
+    document: Document | None = None  # data of a document that is filed and signed; None for a plain report
 
     def blocks(self, *depths: Depth) -> Iterator[Block]:
         """Yield the blocks of the sections of these depths, of all without any."""

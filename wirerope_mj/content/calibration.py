@@ -19,14 +19,9 @@ _ACROSS = {
     "time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": "",
 }  # fmt: skip
 
-_DRAWN = 8
-"""Channels that are drawn, those that the model follows least first."""
-
-_NORMAL = 1.645
-"""Standard deviations about the middle of a normal distribution that hold 90 % of it."""
-
-_BEST = 1e-3
-"""Probability below which less is said than "less than 0.1 %": as many draws as there are do not tell."""
+_DRAWN = 8  # channels that are drawn, those that the model follows least first
+_NORMAL = 1.645  # standard deviations about the middle of a normal distribution that hold 90 % of it
+_BEST = 1e-3  # probability below which less is said than "less than 0.1 %": as many draws as there are do not tell
 
 
 def calibration_content(
@@ -52,31 +47,20 @@ def calibration_content(
         question=("Which values of the model follow the measured tests, and how well are they known?",),
         verdict=_headline(result),
         sections=(
-            Section(id="values", title="Values", build=lambda: (_values_table(result),), depth="summary"),
+            Section("values", "Values", lambda: (_values_table(result),), "summary"),
+            Section("answer", "", lambda: (_findings(result), _warnings(warnings)), "headline"),
             Section(
-                id="answer",
-                title="",
-                build=lambda: (_findings(result), _warnings(warnings)),
-                depth="headline",
+                "prediction",
+                "Prediction",
+                lambda: [block for one in predictions for block in _prediction_blocks(*one)],
+                "summary",
             ),
-            Section(
-                id="prediction",
-                title="Prediction",
-                build=lambda: [block for one in predictions for block in _prediction_blocks(*one)],
-                depth="summary",
-            ),
-            Section(
-                id="channels", title="How the model follows", build=lambda: (_channel_table(result),), depth="summary"
-            ),
-            Section(id="histories", title="Measured and calculated", build=lambda: _charts(result)),
-            Section(
-                id="known-together", title="Known together", build=lambda: (_correlation_table(result),)
-            ),
-            Section(
-                id="read-from", title="Read from", build=lambda: (Statement(id="sources", items=tuple(sources)),)
-            ),
+            Section("channels", "How the model follows", lambda: (_channel_table(result),), "summary"),
+            Section("histories", "Measured and calculated", lambda: _charts(result)),
+            Section("known-together", "Known together", lambda: (_correlation_table(result),)),
+            Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _headline(result: Calibration) -> Statement:

@@ -62,9 +62,9 @@ def isolator_content(device: Isolator, band: Band | None = None) -> Content:
         title=device.name,
         verdict=provenance_statement(device),
         sections=(
-            Section(id="isolator", title="", build=partial(isolator_blocks, device), depth="summary"),
-            Section(id="band", title="", build=lambda: [_band(band)] if band else [], depth="summary"),
-            Section(id="measures", title="", build=lambda: [measures_table(device)], depth="summary"),
+            Section("isolator", "", partial(isolator_blocks, device), "summary"),
+            Section("band", "", lambda: [_band(band)] if band else [], "summary"),
+            Section("measures", "", lambda: [measures_table(device)], "summary"),
         ),
     )
 
@@ -101,8 +101,8 @@ def estimate_content(estimate: LoopEstimate) -> Content:
         title="Estimate from the geometry",
         verdict=Statement(id="estimated", text="All values are estimated; nothing was measured.", tone="unjudged"),
         sections=(
-            Section(id="estimate", title="", build=lambda: [_estimate_table(estimate)], depth="summary"),
-            Section(id="remarks", title="", build=partial(_estimate_remarks, estimate), depth="summary"),
+            Section("estimate", "", lambda: [_estimate_table(estimate)], "summary"),
+            Section("remarks", "", partial(_estimate_remarks, estimate), "summary"),
         ),
     )
 

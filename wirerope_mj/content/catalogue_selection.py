@@ -4,7 +4,7 @@ import math
 from collections.abc import Iterator
 from functools import partial
 
-from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD
+from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.verdicts import used_mark
@@ -32,10 +32,8 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
     return Content(
         title="Selection of isolators",
         verdict=Statement(id="headline", text=text, tone="within" if meeting else "exceeded", values=values),
-        sections=(
-            Section(id="parts", title="Parts", build=partial(_parts, selection, every), depth="summary"),
-        ),
-    )  # fmt: skip
+        sections=(Section("parts", "Parts", partial(_parts, selection, every), "summary"),),
+    )
 
 
 def _parts(selection: CatalogueSelection, every: bool) -> Iterator[Block]:

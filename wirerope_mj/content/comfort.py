@@ -4,13 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.comfort import (
-    Exposure,
-    exposure,
-    iso_6954_1984,
-    iso_6954_2000_of_history,
-    velocity_lines,
-)
+from wirerope_mj.assessment.comfort import Exposure, exposure, iso_6954_1984, iso_6954_2000_of_history, velocity_lines
 from wirerope_mj.assessment.comfort.ship import RMS_2000
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
@@ -37,14 +31,7 @@ def comfort_content(
     spaces: Sequence[str] = tuple(RMS_2000),
     discard: float = 0.0,
 ) -> Content:
-    """Describe what people feel at bodies and points of a run.
-
-    Args:
-        name: of the run.
-        response: its response.
-        subjects: names of bodies and points.
-        spaces: classes of spaces of ISO 6954:2000, "A" to "C".
-        discard: length at the beginning that does not count [s].
+    """Describe what people feel at bodies and points of a run, in classes of `spaces` of ISO 6954:2000, after `discard` [s].
 
     Raises:
         ValueError: there is no such body or point, or nothing is left of the run.
@@ -59,12 +46,9 @@ def comfort_content(
     verdict = _reaction(worst, felt[worst])
 
     def build() -> list[Block]:
-        return [_exposure_table(felt), *_remarks(felt), *_ship(response.time, histories, spaces, discard)]
+        return [verdict, _exposure_table(felt), *_remarks(felt), *_ship(response.time, histories, spaces, discard)]
 
-    return Content(
-        title=f"Comfort: {name}", verdict=verdict,
-        sections=(Section(id="comfort", title="", build=lambda: [verdict, *build()], depth="summary"),),
-    )  # fmt: skip
+    return Content(title=f"Comfort: {name}", verdict=verdict, sections=(Section("comfort", "", build, "summary"),))
 
 
 def _reaction(subject: str, felt: Exposure) -> Statement:

@@ -7,7 +7,6 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import (
     BASE,
-    ComparedRun,
     Comparison,
     PeakRow,
     acceleration_rows,
@@ -16,8 +15,7 @@ from wirerope_mj.assessment.comparison import (
     mount_rows,
     travel_rows,
 )
-from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK, WITHIN, Verdict
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION
+from wirerope_mj.assessment.criteria import EXCEEDED, STRUCK, WITHIN
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.comparison_findings import (
     Inputs,
@@ -29,7 +27,7 @@ from wirerope_mj.content.comparison_findings import (
     size_text,
     subject_label,
 )
-from wirerope_mj.content.verdicts import headline, used_mark
+from wirerope_mj.content.verdicts import acceleration_limits, headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.mounts.isolator import AXES
 
@@ -45,21 +43,14 @@ def comparison_content(comparison: Comparison, inputs: Inputs) -> Content:
         title=" and ".join(run.name for run in comparison.runs),
         verdict=better_run(comparison),
         sections=(
-            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(comparison)),
-            Section(
-                id="differences", title="What differs", depth="headline", build=lambda: _summary(comparison, inputs)
-            ),
-            Section(id="findings", title="", depth="headline", build=lambda: [findings(comparison)]),
-            Section(
-                id="accelerations",
-                title="Peak accelerations",
-                depth="summary",
-                build=lambda: [accelerations_table(comparison)],
-            ),
-            Section(id="travel", title="Mounts", depth="summary", build=lambda: travel_tables(comparison)),
-            Section(id="components", title="Along the axes", build=lambda: _components(comparison)),
-            Section(id="mounts", title="Deflections and forces", build=lambda: _mounts(comparison)),
-            Section(id="apart", title="Farthest apart", build=lambda: _apart(comparison)),
+            Section("headlines", "", lambda: _headlines(comparison), "headline"),
+            Section("differences", "What differs", lambda: _summary(comparison, inputs), "headline"),
+            Section("findings", "", lambda: [findings(comparison)], "headline"),
+            Section("accelerations", "Peak accelerations", lambda: [accelerations_table(comparison)], "summary"),
+            Section("travel", "Mounts", lambda: travel_tables(comparison), "summary"),
+            Section("components", "Along the axes", lambda: _components(comparison)),
+            Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
+            Section("apart", "Farthest apart", lambda: _apart(comparison)),
         ),
     )
 
@@ -102,7 +93,7 @@ def accelerations_table(comparison: Comparison, axis: int | None = None) -> Tabl
     rows, where = acceleration_rows(comparison, axis), "" if axis is None else "xyz"[axis]
     title = f"Peak accelerations along {where}" if where else "Peak accelerations"
     table = _peaks(f"accelerations{where and '-'}{where}", title, comparison, rows, ("g", "z.2f"), times=True)
-    limits = [_limits(run) for run in comparison.runs]
+    limits = [acceleration_limits(run.verdicts) for run in comparison.runs]
     if where or not any(limits):
         return table
     columns, body = list(table.columns), [list(row) for row in table.rows]
@@ -114,12 +105,6 @@ def accelerations_table(comparison: Comparison, axis: int | None = None) -> Tabl
         cells += [used_mark(one.utilisation if one else None) for one in found]
         cells += [stated.limit if stated else None, stated.criterion.axis if stated else ""]
     return replace(table, columns=columns, rows=body)
-
-
-def _limits(run: ComparedRun) -> dict[str, Verdict]:
-    """Return the most critical verdict on the acceleration of each body and point that has a limit."""
-    judged = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
-    return {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
 
 
 def travel_tables(comparison: Comparison) -> Iterator[Table]:

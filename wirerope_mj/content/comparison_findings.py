@@ -16,9 +16,8 @@ from wirerope_mj.assessment.comparison import (
 )
 from wirerope_mj.assessment.comparison.compared import Subject
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED
-from wirerope_mj.assessment.criteria.criterion import TRAVEL
 from wirerope_mj.assessment.criteria.summary import against_limit
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.verdict import TRAVEL, most_used
 from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.foundation.units import STANDARD_GRAVITY

@@ -1,7 +1,7 @@
 """Stops and other contacts: what was struck when, how often and how hard, and its histories."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,7 +13,6 @@ from wirerope_mj.content.selection import or_other
 from wirerope_mj.content.verdicts import TONE
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.peaks import ContactPeak
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.foundation.units import in_unit
 
@@ -40,11 +39,9 @@ def contact_history_blocks(run: JudgedRun) -> Iterator[Block]:
     if panels:
         below = " Below them the gaps: below zero the two overlap." if len(panels) > 1 else ""
         yield replace(
-            stacked(panels),
-            id="contact-forces",
-            caption=f"Forces of what presses hardest, at the samples.{below}",
+            stacked(panels), id="contact-forces", caption=f"Forces of what presses hardest, at the samples.{below}",
             alt="Forces of stops and contacts over time, and their gaps.",
-        )
+        )  # fmt: skip
 
 
 def _table(run: RunResult, contacts: Mapping[str, ContactPeak]) -> Table:
@@ -68,46 +65,19 @@ def _table(run: RunResult, contacts: Mapping[str, ContactPeak]) -> Table:
     )
 
 
-@dataclass(frozen=True, kw_only=True)
-class Touching:
-    """A stop or a pair of geoms that touched: peaks, force [N] (n_t,), gap [m] (n_t,) or None of a mount's stop."""
-
-    name: str
-    contact: ContactPeak
-    force: Array
-    gap: Array | None
-
-
-def touching(response: Response) -> list[Touching]:
-    """Return what touched and has histories, the largest force first.
-
-    Pairs that the model does not declare have peaks alone, and so have stops that act beside other laws of their mount.
-    """
-    alone = {stop.name for stop in response.scene.stops}
-    found = []
-    for name, contact in (response.peaks.contacts or {}).items():
-        if not contact.touches:
-            continue
-        if name in response.contacts:
-            pair = response.contacts[name]
-            found.append(Touching(name=name, contact=contact, force=pair.force, gap=pair.gap))
-        elif contact.mount in alone:
-            force = np.linalg.norm(response.mounts[contact.mount].force, axis=1)
-            found.append(Touching(name=contact.called(name), contact=contact, force=force, gap=None))
-    return sorted(found, key=lambda one: one.contact.force, reverse=True)
-
-
 def contact_panels(response: Response, window: tuple[float, float]) -> list[Panel]:
     """Draw the forces of what touched over time, the largest first, and the gaps of what declares them."""
-    struck = touching(response)
-    forces, gaps = [], []
-    for rank, one in enumerate(struck):
-        name, kind = or_other(short(one.name), rank, rank, len(struck))
-        time, peak = one.contact.force_time, in_unit(one.contact.force, "kN")
-        marked = None if time is None else (time, peak)
-        forces.append(Curve(x=response.time, y=in_unit(one.force, "kN"), name=name, kind=kind, peak=marked))
-        if one.gap is not None:
-            gaps.append(Curve(x=response.time, y=in_unit(one.gap, "mm"), name=name, kind=kind))
+    alone, known, forces, gaps = {stop.name for stop in response.scene.stops}, response.contacts, [], []
+    # Pairs that the model does not declare have peaks alone, and so have stops that act beside other laws of their mount.
+    touched = {name: one for name, one in (response.peaks.contacts or {}).items() if one.touches}
+    struck = {name: one for name, one in touched.items() if name in known or one.mount in alone}
+    for rank, (called, one) in enumerate(sorted(struck.items(), key=lambda item: item[1].force, reverse=True)):
+        name, kind = or_other(short(called if called in known else one.called(called)), rank, rank, len(struck))
+        force = known[called].force if called in known else np.linalg.norm(response.mounts[one.mount].force, axis=1)
+        marked = None if one.force_time is None else (one.force_time, in_unit(one.force, "kN"))
+        forces.append(Curve(x=response.time, y=in_unit(force, "kN"), name=name, kind=kind, peak=marked))
+        if called in known:
+            gaps.append(Curve(x=response.time, y=in_unit(known[called].gap, "mm"), name=name, kind=kind))
     parts = (
         (forces, "force", "Force of stops and contacts [kN]", "kN"),
         (gaps, "gap", "Gap of contacts [mm], below zero pressed", "mm"),

@@ -17,11 +17,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.mounts.isolator import AXES
 
-MEASURED, MODEL = 0, 1
-"""Numbers of the colours of both, in every chart."""
-
-GHOST = 6
-"""Number of the colour of a measured channel among the curves of a run, in a recording."""
+MEASURED, MODEL = 0, 1  # numbers of the colours of both, in every chart
+GHOST = 6  # number of the colour of a measured channel among the curves of a run, in a recording
 
 _UNITS = {"acceleration": "g", "velocity": "m/s", "displacement": "mm", "deflection": "mm", "force": "kN"}
 _TONES = {"excellent": "within", "good": "within", "fair": "near", "poor": "exceeded"}
@@ -34,26 +31,21 @@ def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
     facts = tuple((f"Clock of {one.name}", _clock(one)) for one in tests)
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
-        title=f"{run} against {names}",
-        verdict=agreement(min(tests, key=_worst_rating)),
-        facts=facts,
-        question=(question,),
+        title=f"{run} against {names}", verdict=agreement(min(tests, key=_worst_rating)), facts=facts, question=(question,),
         sections=tuple(one for one in correlation_sections(tests) if len(tests) > 1 or one.id != "tests"),
-    )
+    )  # fmt: skip
 
 
 def correlation_sections(tests: Sequence[Correlation]) -> Iterator[Section]:
     """Yield the sections of tests, for a page of their own and for the run's report."""
-    yield Section(id="tests", title="Against measurements", depth="headline", build=lambda: map(agreement, tests))
+    yield Section("tests", "Against measurements", lambda: map(agreement, tests), "headline")
     for one in tests:
         name = one.name
-        yield Section(
-            id=f"measures-{name}", title=f"Agreement with {name}", depth="summary", build=partial(_measures, one)
-        )
+        yield Section(f"measures-{name}", f"Agreement with {name}", partial(_measures, one), "summary")
         for kind, build in (
             ("histories", _histories), ("spectra", _spectra), ("transmissibility", _transmissibility), ("loops", _loops),
         ):  # fmt: skip
-            yield Section(id=f"{kind}-{name}", title=f"{name}: {kind}", build=partial(build, one))
+            yield Section(f"{kind}-{name}", f"{name}: {kind}", partial(build, one))
 
 
 def agreement(test: Correlation) -> Statement:
@@ -63,11 +55,9 @@ def agreement(test: Correlation) -> Statement:
     band = max((one.worst_band for one in test.responses if one.worst_band), key=lambda one: one.weight, default=None)
     values = {} if band is None else {"first_Hz": band.first, "last_Hz": band.last, "deviation": band.deviation}
     return Statement(
-        id=f"agreement-{test.name}",
-        text=f"{test.name}: {test.statement[:-1]}; {rated}.",
-        tone=_TONES[worst.rating.grade],
+        id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.", tone=_TONES[worst.rating.grade],
         values={**values, "rating": worst.rating.overall, "delay_s": test.delay},
-    )
+    )  # fmt: skip
 
 
 def _worst_rating(test: Correlation) -> float:
@@ -174,16 +164,10 @@ def _ratio(ratio: SpectrumRatio) -> Panel:
     three = 20.0 * float(np.log10(THREE_DB))
     return Panel(
         curves=[Curve(x=ratio.frequency, y=np.clip(decibels, -_MOST_DB, _MOST_DB), name="", kind=MODEL)],
-        ylabel="model / meas. [dB]",
-        xlabel="frequency [Hz]",
-        title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
-        limits=[("+3 dB", three), ("-3 dB", -three)],
-        xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
-        ylim=(-_MOST_DB, _MOST_DB),
-        log="x",
-        unit="dB",
-        xunit="Hz",
-    )
+        ylabel="model / meas. [dB]", xlabel="frequency [Hz]", title=f"ratio, {100.0 * ratio.within_3db:.0f} % within 3 dB",
+        limits=[("+3 dB", three), ("-3 dB", -three)], xlim=(float(ratio.frequency[0]), float(ratio.frequency[-1])),
+        ylim=(-_MOST_DB, _MOST_DB), log="x", unit="dB", xunit="Hz",
+    )  # fmt: skip
 
 
 def _transmissibility(test: Correlation) -> Iterator[Block]:
@@ -226,9 +210,6 @@ def _loops(test: Correlation) -> Iterator[Block]:
             )
     if panels:
         yield Chart(
-            id=f"loops-{test.name}",
-            rows=[panels[row : row + 2] for row in range(0, len(panels), 2)],
-            height=190.0,
-            caption="Force over deflection, counted from the start.",
-            alt=f"Loops measured in {test.name} and of the model.",
-        )
+            id=f"loops-{test.name}", rows=[panels[row : row + 2] for row in range(0, len(panels), 2)], height=190.0,
+            caption="Force over deflection, counted from the start.", alt=f"Loops measured in {test.name} and of the model.",
+        )  # fmt: skip

@@ -14,11 +14,9 @@ from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.validity import MOVING
 
+# What a part of an answer rests on, from 0 to 4, in the spirit of NASA-STD-7009's credibility levels
 GRADES = ("not known", "assumed", "stated", "measured", "measured, error known")
-"""What a part of an answer rests on, from 0 to 4, in the spirit of NASA-STD-7009's credibility levels."""
-
-NORMAL = 1.645
-"""Standard deviations of a normal distribution on both sides of its mean between which nine of ten lie."""
+NORMAL = 1.645  # standard deviations of a normal distribution on both sides of its mean between which nine of ten lie
 
 _KINDS = {"illustrative": 1, "estimated": 1, "catalogue": 2, "published": 2, "identified": 3}
 _STEP = 1e-3  # of a parameter, by which it is moved for its effect on the stiffness
@@ -49,11 +47,9 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
             f"{listed(unknown)}: no number, so that the true band is wider."
         )
     yield Statement(
-        id="credibility",
-        text=" ".join(texts),
-        tone="unjudged" if weakest.grade < 2 else "",
+        id="credibility", text=" ".join(texts), tone="unjudged" if weakest.grade < 2 else "",
         values={"grade": float(weakest.grade), "band": math.sqrt(total)},
-    )
+    )  # fmt: skip
     rows = [
         (
             part.name,
@@ -65,12 +61,9 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
         for part in parts
     ]
     columns = (
-        Column("part", align="left"),
-        Column("rests on", align="left"),
-        Column("what is known", align="text"),
-        Column("moves peaks by ±", "%", 2),
-        Column("share of these", "%", 2),
-    )
+        Column("part", align="left"), Column("rests on", align="left"), Column("what is known", align="text"),
+        Column("moves peaks by ±", "%", 2), Column("share of these", "%", 2),
+    )  # fmt: skip
     yield Table(id="credibility-parts", title="What the answer rests on", columns=columns, rows=rows)
 
 

@@ -26,34 +26,22 @@ _WEAK = 100.0  # [N], below which forces are read in N
 _CLOSED = 1e-10  # of the force range: what cyclic tests close to
 _DAMPED = 1e-9  # damping ratio, below which loops have no width to speak of
 _COLUMNS = (
-    Column("axis", align="left"),
-    Column("amplitude", "mm", ".4g"),
-    Column("secant\nstiffness", "kN/m", ".4g"),
-    Column("energy\nper cycle", "J", ".4g"),
-    Column("damping\nratio", "%", ".4g"),
-    Column("tangent\nafter largest", "kN/m", "z.4g"),
-    Column("tangent\nafter smallest", "kN/m", "z.4g"),
+    Column("axis", align="left"), Column("amplitude", "mm", ".4g"), Column("secant\nstiffness", "kN/m", ".4g"),
+    Column("energy\nper cycle", "J", ".4g"), Column("damping\nratio", "%", ".4g"),
+    Column("tangent\nafter largest", "kN/m", "z.4g"), Column("tangent\nafter smallest", "kN/m", "z.4g"),
     Column("cycles\nto close", align="left"),
-)
+)  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class CyclicTests:
-    """Cyclic tests of the axes of an isolator.
-
-    Attributes:
-        isolator: that was tested.
-        laws: of its axes, by what they are called.
-        loops: of each, by the same names.
-        operating_point: about which it was tested [m].
-        frequency: of the tests [Hz].
-    """
+    """Cyclic tests of the axes of an isolator."""
 
     isolator: Isolator
-    laws: Mapping[str, Law]
-    loops: Mapping[str, Sequence[Loop]]
-    operating_point: float
-    frequency: float
+    laws: Mapping[str, Law]  # of its axes, by what they are called
+    loops: Mapping[str, Sequence[Loop]]  # of each, by the same names
+    operating_point: float  # about which it was tested [m]
+    frequency: float  # of the tests [Hz]
 
 
 def loops_content(tests: CyclicTests) -> Content:
@@ -65,8 +53,8 @@ def loops_content(tests: CyclicTests) -> Content:
         title=title,
         verdict=Statement(id="tests", text=title),
         sections=(
-            Section(id="tests", title="", build=lambda: _test_blocks(tests), depth="summary"),
-            Section(id="loops", title="", build=lambda: [loops_chart(_titled(tests))]),
+            Section("tests", "", lambda: _test_blocks(tests), "summary"),
+            Section("loops", "", lambda: [loops_chart(_titled(tests))]),
         ),
     )
 
@@ -155,11 +143,7 @@ def isolator_chart(device: Isolator, *, frequency: float = FREQUENCY) -> Chart:
     """Return a panel for each axis: steady loops at 25, 50 and 100 % of the rated travel, first loading, and the ratings.
 
     Without a rated travel the largest loop is 5 % of the height, beyond the gap of a stop, or the whole of a table. Axes that
-    share their law share a panel.
-
-    Args:
-        device: what to draw.
-        frequency: of the test [Hz]; without effect on a rate-independent law.
+    share their law share a panel; `frequency` [Hz] is that of the test.
     """
     panels = []
     for title, axis, law in distinct_axes(device):
@@ -175,13 +159,9 @@ def _chart(panels: Sequence[Panel], caption: str) -> Chart:
 
 def _panel(curves: Sequence[Curve], title: str, unit: str) -> Panel:
     return Panel(
-        curves=curves,
-        xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
-        ylabel=f"force [{unit}]",
-        title=title,
-        unit=unit,
-        xunit="mm",
-    )
+        curves=curves, xlabel="deflection [mm], tension positive" if title.startswith("axial") else "deflection [mm]",
+        ylabel=f"force [{unit}]", title=title, unit=unit, xunit="mm",
+    )  # fmt: skip
 
 
 def _curves(loops: Sequence[Loop], unit: str) -> list[Curve]:

@@ -4,15 +4,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 
+from wirerope_mj.content.numbers import paragraphs
 from wirerope_mj.foundation.tables import Column, Table
 
+# Texts of a document's author, and where they stand
 TEXTS = {
-    "scope": "below the answer",
-    "assumptions": "with what is assumed",
-    "validation": "with what was validated",
+    "scope": "below the answer", "assumptions": "with what is assumed", "validation": "with what was validated",
     "conclusion": "after the results",
-}
-"""Texts of a document's author, and where they stand."""
+}  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,32 +26,23 @@ class Revision:
 
 @dataclass(frozen=True, kw_only=True)
 class Document:
-    """Data of a document; what is empty is left open in its title block.
+    """Data of a document; what is empty is left open in its title block."""
 
-    Attributes:
-        project, number, revision, date: by which it is filed.
-        author, checker, approver: who signs.
-        classification: said on every page.
-        client: for whom it is written.
-        standard: by which the load cases and limits were chosen.
-        logo: PNG or JPEG file; None for none.
-        history: revisions, the first one first.
-        texts: paragraphs by the names of `TEXTS`.
-    """
-
+    # project, number, revision, date: by which it is filed
     project: str = ""
     number: str = ""
     revision: str = ""
     date: str = ""
+    # author, checker, approver: who signs
     author: str = ""
     checker: str = ""
     approver: str = ""
-    classification: str = ""
-    client: str = ""
-    standard: str = ""
-    logo: Path | None = None
-    history: tuple[Revision, ...] = ()
-    texts: Mapping[str, str] = field(default_factory=dict)
+    classification: str = ""  # said on every page
+    client: str = ""  # for whom it is written
+    standard: str = ""  # by which the load cases and limits were chosen
+    logo: Path | None = None  # PNG or JPEG file; None for none
+    history: tuple[Revision, ...] = ()  # revisions, the first one first
+    texts: Mapping[str, str] = field(default_factory=dict)  # paragraphs by the names of `TEXTS`
 
     @property
     def facts(self) -> tuple[tuple[str, str], ...]:
@@ -86,4 +76,4 @@ class Document:
 
     def paragraphs(self, name: str) -> list[str]:
         """Return the paragraphs of one of the `TEXTS`."""
-        return [" ".join(part.split()) for part in self.texts.get(name, "").strip().split("\n\n") if part.strip()]
+        return paragraphs(self.texts.get(name, ""))

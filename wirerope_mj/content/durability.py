@@ -13,21 +13,13 @@ _FEW = 12  # rows of a density that are shown at once
 
 
 def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows: int) -> Content:
-    """Describe the damage of a service life: what is damaged most and how long it lasts, and a table of the worst.
-
-    Args:
-        mission: the service life.
-        damages: of every axis of every mount, the largest first.
-        rows: of the table.
-    """
+    """Describe the damage of a service life, the largest first: what is damaged most, how long it lasts, a table of `rows`."""
     names = " + ".join(_often(stage) for stage in mission.stages)
     worst = _worst(mission, damages)
     return Content(
         title=f"Durability: {names}",
         verdict=worst,
-        sections=(
-            Section(id="durability", title="", build=lambda: [_table(mission, damages, rows), worst], depth="summary"),
-        ),
+        sections=(Section("durability", "", lambda: [_table(mission, damages, rows), worst], "summary"),),
     )
 
 
@@ -49,7 +41,7 @@ def equivalent_content(found: EquivalentVibration) -> Content:
     )  # fmt: skip
     return Content(
         title=f"Vibration in place of the run at {found.subject}", verdict=verdict,
-        sections=(Section(id="equivalent", title="", build=lambda: [verdict, table], depth="summary"),),
+        sections=(Section("equivalent", "", lambda: [verdict, table], "summary"),),
     )  # fmt: skip
 
 

@@ -75,9 +75,8 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
     ):
         curves = _measure_curves(fits, measure, unit)
         values = np.concatenate([curve.y for curve in curves])
-        log = measure == "energy" and bool(
-            (values > 0.0).all()
-        )  # that of a device without loss is noise of either sign
+        # That of a device without loss is noise of either sign.
+        log = measure == "energy" and bool((values > 0.0).all())
         limits = (float(values.min()) / 1.3, float(values.max()) * 1.3) if log else None
         if measure == "secant_stiffness" and values.min() > 0.0:
             limits = (0.0, 1.1 * float(values.max()))
@@ -88,12 +87,9 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
             )
         )  # fmt: skip
     return Chart(
-        id="measures",
-        rows=[panels],
-        height=180.0,
-        caption="Energy per cycle and secant stiffness over the amplitude.",
+        id="measures", rows=[panels], height=180.0, caption="Energy per cycle and secant stiffness over the amplitude.",
         alt="Measures over the amplitude.",
-    )
+    )  # fmt: skip
 
 
 def _residual_curves(fit: FittedLoop) -> list[Curve]:

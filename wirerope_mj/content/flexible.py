@@ -4,17 +4,15 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.engine.flexible import FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Table
 
 CAPTURED = 0.9  # of the mass along an axis below which modes that are left out matter: usual in seismic rules
-_LIGHTEST, _HEAVIEST = (
-    1.0,
-    1e6,
-)  # effective mass that decks and machines have [kg]; beyond it units are perhaps other ones
+# Effective mass that decks and machines have [kg]; beyond it units are perhaps other ones.
+_LIGHTEST, _HEAVIEST = 1.0, 1e6
 
 
 def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | None = None) -> Content:
@@ -26,8 +24,8 @@ def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | Non
         tone="strong",
     )
     sections = (
-        Section(id="modes", title="", build=lambda: [_table(part, mass)], depth="summary"),
-        Section(id="checks", title="", build=lambda: _checks(part, mass), depth="summary"),
+        Section("modes", "", lambda: [_table(part, mass)], "summary"),
+        Section("checks", "", lambda: _checks(part, mass), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 
@@ -58,39 +56,26 @@ def _shares(total: Array, mass: float | Array) -> Array:
     return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
 
 
-def _checks(part: FlexiblePart, mass: float | Array | None) -> Iterator[Block]:
+def _checks(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statement]:
     """Yield a sentence on each thing that is perhaps not meant."""
-    effective = part.participation**2
-    total = effective.sum(axis=0)
+    for name, text in _doubts(part, mass):
+        yield Statement(id=f"flexible-{name}", text=text, tone="unjudged")
+
+
+def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[tuple[str, str]]:
+    total = (part.participation**2).sum(axis=0)
+    largest = float(total.max())
     if not total.any():
-        yield _warning(
-            "free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck."
-        )
-    elif not _LIGHTEST <= float(total.max()) <= _HEAVIEST:
-        yield _warning(
-            "units",
-            f"The modes bring along {with_unit(float(total.max()), 'kg')}: are the units those that --units says?",
-        )
+        yield "free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck."
+    elif not _LIGHTEST <= largest <= _HEAVIEST:
+        yield "units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?"
     for axis, share in zip("xyz", _shares(total, mass) if mass is not None else (), strict=False):
+        text = f"Along {axis} the modes bring along {100 * share:.1f} % of the mass,"
         if share > 1.0 + 1e-6:
-            yield _warning(
-                "mass", f"Along {axis} the modes bring along {100 * share:.1f} % of the mass, more than there is."
-            )
+            yield "mass", f"{text} more than there is."
         elif 0.01 < share < CAPTURED:
-            yield _warning(
-                "captured",
-                f"Along {axis} the modes bring along {100 * share:.1f} % of the mass, less than {100 * CAPTURED:.0f} %: take "
-                "more modes, or residual vectors.",
-            )
+            yield "captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors."
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
-        yield _warning(
-            "twice",
-            "Two modes have one frequency: right where the part is symmetric; else one stands there twice.",
-        )
-    largest = max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values())
-    if largest == 0.0:
-        yield _warning("still", "No point moves in any mode: mounts there stand as on a rigid part.")
-
-
-def _warning(name: str, text: str) -> Statement:
-    return Statement(id=f"flexible-{name}", text=text, tone="unjudged")
+        yield "twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice."
+    if max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values()) == 0.0:
+        yield "still", "No point moves in any mode: mounts there stand as on a rigid part."

@@ -49,14 +49,10 @@ def subject_called(response: Response, name: str) -> Component:
 def history_panel(
     quantity: str, along: str, lines: Sequence[Line], window: tuple[float, float], *, part: str = ""
 ) -> Panel:
-    """Draw a quantity along an axis, or the size of all together, one curve for each line, the first in front.
+    """Draw a quantity of `UNITS` along an axis, or its size ("total"), the first line in front and with its rated travel.
 
-    Args:
-        quantity: one of `UNITS`.
-        along: "x", "y", "z" or "total" of an acceleration; "roll", "shear" or "axial" of a mount.
-        lines: what is drawn; rated travels are those of the first.
-        window: first and last instant that are shown [s].
-        part: what all lines are of, in several runs; "" in one.
+    Axes are those of the world for an acceleration, of the mount for others; `part` is what all lines are of, in several runs;
+    the window is what is shown [s].
     """
     unit = UNITS[quantity]
     curves = [_curve(line, quantity, along, unit) for line in lines]
@@ -112,14 +108,10 @@ def used_panel(response: Response, selection: Selection) -> Panel:
         curves.append(Curve(x=response.time, y=in_unit(one.course, "%"), name=name, kind=kind, peak=peak))
     worst = selection.used[0]
     return Panel(
-        curves=curves,
-        ylabel="used of the limit [%]",
-        title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}",
-        limits=[("limit", 100.0)],
-        xlim=selection.window,
-        ylim=(0.0, 108.0 * max(1.0, worst.largest)),
-        unit="%",
-    )
+        curves=curves, ylabel="used of the limit [%]",
+        title=f"Used of the limits [%]: {worst.subject}, {worst.governing.criterion}", limits=[("limit", 100.0)],
+        xlim=selection.window, ylim=(0.0, 108.0 * max(1.0, worst.largest)), unit="%",
+    )  # fmt: skip
 
 
 def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:

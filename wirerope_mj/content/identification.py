@@ -30,15 +30,9 @@ def identification_content(
     warnings: Sequence[str],
     given: Sequence[str],
 ) -> Content:
-    """Compose what an identification says.
+    """Compose what an identification says: its loops beside the law's, and doubts.
 
-    Args:
-        result: the fit.
-        fits: its loops beside the law's.
-        title: of the whole.
-        sources: the files that were read, with their loops.
-        warnings: what the records show of faults of the rig, and what makes the fit doubtful.
-        given: what was given and not searched for, one text each.
+    `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.
     """
     return Content(
         title=title,
@@ -47,25 +41,22 @@ def identification_content(
         verdict=_headline(result, fits, warnings),
         sections=(
             Section(
-                id="answer",
-                title="",
-                build=lambda: (fit_chart(fits), _findings(result, fits, given), _warnings(warnings)),
-                depth="headline",
+                "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), _warnings(warnings)), "headline"
             ),
-            Section(id="parameters", title="Parameters", build=lambda: _parameter_blocks(result), depth="summary"),
+            Section("parameters", "Parameters", lambda: _parameter_blocks(result), "summary"),
             Section(
-                id="loops-and-residuals",
-                title="Loops and residuals",
-                build=lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)),
-                depth="summary",
+                "loops-and-residuals",
+                "Loops and residuals",
+                lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)),
+                "summary",
             ),
-            Section(id="search", title="Search", build=lambda: (_stage_table(result),), depth="summary"),
+            Section("search", "Search", lambda: (_stage_table(result),), "summary"),
             Section(
-                id="how-well-the-parameters-are-known",
-                title="How well the parameters are known",
-                build=lambda: (_correlation_table(result), _singular_values(result)),
+                "how-well-the-parameters-are-known",
+                "How well the parameters are known",
+                lambda: (_correlation_table(result), _singular_values(result)),
             ),
-            Section(id="read-from", title="Read from", build=lambda: (Statement(id="sources", items=tuple(sources)),)),
+            Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
     )
 
@@ -126,11 +117,9 @@ def _warnings(warnings: Sequence[str]) -> Statement | None:
 def _parameter_blocks(result: Identification) -> tuple[Block | None, ...]:
     meanings = _meanings(result)
     return (
-        Statement(id="law", items=_laws(result)),
-        _parameter_table(result),
-        _scale_table(result),
+        Statement(id="law", items=_laws(result)), _parameter_table(result), _scale_table(result),
         Statement(id="meanings", items=meanings, tone="quiet") if meanings else None,
-    )
+    )  # fmt: skip
 
 
 def _parameter_table(result: Identification) -> Table:

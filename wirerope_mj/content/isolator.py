@@ -16,15 +16,15 @@ _SOFTER = 0.05  # share of a mount's stiffness that a bracket takes before its f
 
 def ratings_table(devices: Sequence[Isolator]) -> Table:
     """Tabulate provenance, laws, sizes and ratings of isolators."""
-    rows = [(one.name, one.provenance.kind, ", ".join(_laws(one)), *ratings(one)) for one in devices]
+    laws = [dict.fromkeys(law.name for law in one.axes.values() if law is not None) for one in devices]
+    rows = [
+        (one.name, one.provenance.kind, ", ".join(own), *ratings(one)) for one, own in zip(devices, laws, strict=True)
+    ]
     names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
     return Table(
-        id="isolators",
-        title="Isolators and their ratings",
-        columns=(*names, *RATING_COLUMNS),
-        rows=rows,
+        id="isolators", title="Isolators and their ratings", columns=(*names, *RATING_COLUMNS), rows=rows,
         note=f"{ABSENT}: not stated, and so not judged.",
-    )
+    )  # fmt: skip
 
 
 RATING_COLUMNS = (
@@ -38,10 +38,6 @@ def ratings(device: Isolator) -> tuple[float | None, ...]:
     size, limits = device.geometry, device.limits
     sizes = (size.height, size.width) if size else (None, None)
     return *sizes, limits.static_load, *(getattr(limits.travel, rating) for rating in RATINGS)
-
-
-def _laws(device: Isolator) -> list[str]:
-    return list(dict.fromkeys(law.name for law in device.axes.values() if law is not None))
 
 
 def provenance_statement(device: Isolator) -> Statement:

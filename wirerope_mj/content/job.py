@@ -1,37 +1,37 @@
 """What a job says: which load case governs each limit, an envelope over the cases, and each case by itself."""
 
-from collections.abc import Iterator, Mapping, Sequence
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from wirerope_mj.assessment.criteria import NOT_JUDGED, STRUCK, Verdict
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RATTLE_SPACE
+from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdict
 from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, limit_of
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.summary import OWN_RULE
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.document import Document
-from wirerope_mj.content.job_basis import basis_blocks
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
-from wirerope_mj.content.model import model_blocks
+from wirerope_mj.content.model import devices_of, model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
-from wirerope_mj.content.numbers import listed, several, shown, shown_unit
+from wirerope_mj.content.numbers import listed, several, shown, shown_unit, with_unit
 from wirerope_mj.content.run import START, run_content
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import TONE, headline, unjudged, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.mounts.isolator import Isolator
 
+# Sections of a run that a case of a job may show; the first seven by default
 REPORTED = (
     "accelerations", "mounts", "contacts", "payload", "mounts-in-motion", "deck", "verdicts",
     "grounds", "base", "contact-histories", "numerics",
 )  # fmt: skip
-"""Sections of a run that a case of a job may show; the first seven by default."""
 
+STATED = "Stated by the author: "  # stands before what no computation says
 _GOVERNING = 12  # limits that are shown before the others are folded away, or go into an appendix
-_PAYLOAD = (
-    ACCELERATION,
-    RATTLE_SPACE,
-)  # kinds of limits that are those of the job, and stand before those of the mounts
+# Kinds of limits that are those of the job, and stand before those of the mounts.
+_PAYLOAD = (ACCELERATION, RATTLE_SPACE)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,23 +46,14 @@ class JudgedCase:
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedJob:
-    """A job whose load cases were simulated and judged.
-
-    Attributes:
-        name: its title.
-        question: what it answers.
-        cases: in the order of the job.
-        report: sections of a run that each case shows, of `REPORTED`.
-        document: data of the document; None for a plain report.
-        written: when.
-    """
+    """A job whose load cases were simulated and judged."""
 
     name: str
-    question: str
-    cases: tuple[JudgedCase, ...]
-    report: tuple[str, ...]
-    document: Document | None
-    written: str
+    question: str  # what it answers
+    cases: tuple[JudgedCase, ...]  # in the order of the job
+    report: tuple[str, ...]  # sections of a run that each case shows, of `REPORTED`
+    document: Document | None  # data of the document; None for a plain report
+    written: str  # when
 
     @property
     def runs(self) -> dict[str, JudgedRun]:
@@ -92,22 +83,20 @@ def job_content(job: JudgedJob) -> Content:
         question=(job.question,),
         verdict=job_headline(job.verdicts),
         sections=(
-            Section(id="answer", title="", depth="headline", build=lambda: _answers(job)),
-            Section(id="scope", title="Scope", build=lambda: _paragraphs("scope", texts("scope"))),
+            Section("answer", "", lambda: _answers(job), "headline"),
+            Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
+            Section("limits", "Limits and what governs them", lambda: _limits(job.verdicts), "summary"),
+            Section("load-cases", "Load cases", lambda: [_cases(job)]),
+            Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
+            Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
             Section(
-                id="limits", title="Limits and what governs them", depth="summary", build=lambda: _limits(job.verdicts)
+                "basis",
+                "What is assumed, and what was validated",
+                lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
             ),
-            Section(id="load-cases", title="Load cases", build=lambda: [_cases(job)]),
-            Section(id="envelope", title="Envelope over all load cases", build=lambda: envelope_blocks(job.runs)),
-            Section(id="conclusion", title="Conclusion", build=lambda: _paragraphs("conclusion", texts("conclusion"))),
-            Section(
-                id="basis",
-                title="What is assumed, and what was validated",
-                build=lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
-            ),
-            Section(id="model", title="Model and mounts", build=partial(model_blocks, first)),
-            Section(id="statics", title="At rest under gravity", build=partial(run_statics_blocks, first)),
-            Section(id="modes", title="Modes", build=partial(run_modes_blocks, first)),
+            Section("model", "Model and mounts", partial(model_blocks, first)),
+            Section("statics", "At rest under gravity", partial(run_statics_blocks, first)),
+            Section("modes", "Modes", partial(run_modes_blocks, first)),
             *(_case(case, job.report) for case in job.cases),
             *(_appendix(case) for case in job.cases if "verdicts" in job.report),
         ),
@@ -160,11 +149,6 @@ def _answers(job: JudgedJob) -> Iterator[Block | None]:
     yield Statement(id="cases-answers", items=items)
 
 
-def _paragraphs(name: str, paragraphs: Sequence[str]) -> Iterator[Statement]:
-    for number, text in enumerate(paragraphs, start=1):
-        yield Statement(id=f"{name}-{number}", text=text)
-
-
 def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]:
     yield matrix_table(verdicts)
     yield governing_table(verdicts)
@@ -197,12 +181,10 @@ def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
     columns += [Column(kind.replace(" ", "\n", 1), "%", "z.0f") for kind in kinds]
     columns += [Column("stops,\ncontacts struck", align="left")] if contacts else []
     return Table(
-        id="matrix",
-        title="What each load case uses of the limits",
-        columns=[*columns, Column("verdict", align="left")],
+        id="matrix", title="What each load case uses of the limits", columns=[*columns, Column("verdict", align="left")],
         rows=rows,
         note="Used: value over limit, of all bodies, points and mounts the largest; above 100 % where it is exceeded.",
-    )
+    )  # fmt: skip
 
 
 def _governs(used: Sequence[tuple[float, int]], count: int) -> str:
@@ -269,25 +251,88 @@ def _cases(job: JudgedJob) -> Table:
 def _case(case: JudgedCase, report: Sequence[str]) -> Section:
     """Return the section of a case: its answer, and what is reported of its run under ids that begin with the case's."""
 
-    def build() -> Iterator[Block | None]:
-        content = run_content(case.run)
-        answer = content.verdict
-        yield replace(answer, id=f"{case.folder}/headline")
-        yield Statement(
-            id=f"{case.folder}/motion", text=f"{case.run.motion.description}. {case.note}".strip(), tone="quiet"
-        )
-        for section in content.sections:
-            if section.id in ("answer", *report) and section.id != "verdicts":
-                for block in section.blocks:
-                    yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
+    def build() -> Iterator[Block]:
+        yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
+        text = f"{case.run.motion.description}. {case.note}".strip()
+        yield Statement(id=f"{case.folder}/motion", text=text, tone="quiet")
+        yield from _blocks(case, {"answer", *report} - {"verdicts"})
 
-    return Section(id=f"case-{case.folder}", title=f"Load case: {case.name}", build=build)
+    return Section(f"case-{case.folder}", f"Load case: {case.name}", build)
 
 
 def _appendix(case: JudgedCase) -> Section:
-    def build() -> Iterator[Block | None]:
-        (section,) = (one for one in run_content(case.run).sections if one.id == "verdicts")
-        for block in section.blocks:
-            yield replace(block, id=f"{case.folder}/{block.id}")
+    blocks = partial(_blocks, case, ("verdicts",))
+    return Section(f"verdicts-{case.folder}", f"All verdicts of {case.name}", blocks, appendix=True)
 
-    return Section(id=f"verdicts-{case.folder}", title=f"All verdicts of {case.name}", build=build, appendix=True)
+
+def _blocks(case: JudgedCase, sections: Collection[str]) -> Iterator[Block]:
+    """Yield the blocks of some sections of a case's run under ids that begin with the case's."""
+    for section in run_content(case.run).sections:
+        for block in section.blocks if section.id in sections else ():
+            yield replace(block, id=f"{case.folder}/{block.id}") if block.id else block
+
+
+def basis_blocks(
+    runs: Mapping[str, JudgedRun], assumptions: Sequence[str], validation: Sequence[str]
+) -> Iterator[Block | None]:
+    """Yield what is assumed and what was validated, the author's own paragraphs after what the runs say."""
+    devices = list({one.name: one for run in runs.values() for one in devices_of(run)}.values())
+    yield Statement(id="assumed", text="Assumed:", items=tuple(_assumed(runs, devices)))
+    yield from stated("assumptions", assumptions, STATED)
+    yield Statement(id="validated", text="Validated:", items=tuple(_validated(runs, devices)))
+    yield from stated("validation", validation, STATED)
+    yield Statement(
+        id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged"
+    )
+
+
+def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:
+    """Yield what a document's author states."""
+    for number, text in enumerate(paragraphs, start=1):
+        yield Statement(id=f"{name}-{number}", text=f"{before}{text}")
+
+
+def _assumed(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
+    starts: dict[str, list[str]] = {}
+    for case, run in runs.items():
+        initial = str(run.inputs.get("simulate", {}).get("initial", "settled"))
+        starts.setdefault(START.get(initial, initial), []).append(case)
+    for text, cases in starts.items():
+        yield f"{'Every load case begins' if len(starts) == 1 else f'{listed(cases)}: begins'} {text}."
+    first = next(iter(runs.values()))
+    yield f"Gravity is {first.gravity:g} m/s²." if first.gravity else "There is no gravity."
+    yield "The base moves as the load case says, whatever the mounts do to it; bodies are those of the model."
+    for device in devices:
+        if assumed := len(device.provenance.assumed):
+            yield f"{device.name}: {several(assumed, 'assumption')} about its figures, listed with the model and its mounts."
+    if any(row.criterion == COMBINED and row.utilisation is not None for run in runs.values() for row in run.verdicts):
+        yield OWN_RULE.partition(";")[0] + "."
+
+
+def _validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
+    errors = {case: run.response.numerics.error_estimate for case, run in runs.items()}
+    known = {case: error for case, error in errors.items() if math.isfinite(error)}
+    if known:
+        worst = max(known, key=lambda case: known[case])
+        yield (
+            f"Numerical error, by halving the step before each run: at most {with_unit(known[worst], '%', digits=2)} of the "
+            f"peaks ({worst})."
+        )
+    for device in devices:
+        stated = device.provenance
+        fitted = f", fitted to {stated.fitted_to.rstrip('.')}" if stated.fitted_to else ""
+        source = f" of {stated.source.rstrip('.')}" if stated.source else ""
+        yield f"{device.name}: {stated.kind} figures{source}{fitted}."
+
+
+def _not_validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> Iterator[str]:
+    unknown = [case for case, run in runs.items() if not math.isfinite(run.response.numerics.error_estimate)]
+    if unknown:
+        yield f"No numerical error was estimated in {listed(unknown)}."
+    for case, run in runs.items():
+        if run.untested:
+            yield f"{case}: {run.untested}"
+    for kind in ("estimated", "illustrative"):
+        if names := [device.name for device in devices if device.provenance.kind == kind]:
+            yield f"{listed(names)}: the figures are {kind}, not measured."
+    yield "Results were not compared with a measurement of this installation by this program."

@@ -10,8 +10,8 @@ from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
+# Names and values of what was given to each load case of each job
 Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]
-"""Names and values of what was given to each load case of each job."""
 
 _SAME = 0.005  # of a limit, below which two utilisations are shown as the same percentage
 _SHOWN = 12
@@ -26,12 +26,10 @@ def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Con
         title=" and ".join(names),
         verdict=_conclusion(names, first, second),
         sections=(
-            Section(id="headlines", title="", depth="headline", build=lambda: _headlines(jobs)),
-            Section(id="cases", title="Load cases", depth="summary", build=lambda: [_cases(names, first, second)]),
-            Section(id="limits", title="Limits", depth="summary", build=lambda: [_limits(names, first, second)]),
-            Section(
-                id="inputs", title="Inputs", depth="summary", build=lambda: [_inputs(names, first, second, inputs)]
-            ),
+            Section("headlines", "", lambda: _headlines(jobs), "headline"),
+            Section("cases", "Load cases", lambda: [_cases(names, first, second)], "summary"),
+            Section("limits", "Limits", lambda: [_limits(names, first, second)], "summary"),
+            Section("inputs", "Inputs", lambda: [_inputs(names, first, second, inputs)], "summary"),
         ),
     )
 
@@ -119,12 +117,9 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
     for name in names:
         columns += [Column(name, "%", "z.0f"), Column("in", align="left")]
     return Table(
-        id="limits",
-        title=f"{several(len(rows), 'limit')} of which they use different fractions",
-        columns=[*columns, Column("change", "%", "+.0f")],
-        rows=[cells for _, cells in rows],
-        shown=_SHOWN,
-    )
+        id="limits", title=f"{several(len(rows), 'limit')} of which they use different fractions",
+        columns=[*columns, Column("change", "%", "+.0f")], rows=[cells for _, cells in rows], shown=_SHOWN,
+    )  # fmt: skip
 
 
 def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: Inputs) -> Statement:

@@ -43,12 +43,10 @@ def _accelerations(runs: Mapping[str, JudgedRun]) -> Table:
         rows.append([name, Mark(in_si(worst.value), "strong"), case, *axes])
     columns = [Column(align="left"), Column("peak", "g", "z.2f"), Column("in", align="left")]
     return Table(
-        id="envelope-accelerations",
-        title="Largest accelerations of all load cases",
-        columns=[*columns, *(Column(axis, "g", "z.2f") for axis in "xyz")],
-        rows=rows,
+        id="envelope-accelerations", title="Largest accelerations of all load cases",
+        columns=[*columns, *(Column(axis, "g", "z.2f") for axis in "xyz")], rows=rows,
         note="The peak is the size of the vector; along x, y and z each the largest of any case.",
-    )
+    )  # fmt: skip
 
 
 def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
@@ -76,12 +74,10 @@ def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
     columns = [Column("mount", align="left"), *(Column(head, "mm", "z.1f") for head in heads)]
     columns += [Column(head, "kN", "z.2f") for head in heads]
     return Table(
-        id="envelope-mounts",
-        title="Largest travels and forces of the mounts in all load cases",
-        columns=[*columns, Column("largest travel in", align="left")],
-        rows=rows,
+        id="envelope-mounts", title="Largest travels and forces of the mounts in all load cases",
+        columns=[*columns, Column("largest travel in", align="left")], rows=rows,
         note="Sizes; each figure is the largest of any case, so that those of a row need not occur together.",
-    )
+    )  # fmt: skip
 
 
 def _spectra(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:

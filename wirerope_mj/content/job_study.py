@@ -8,9 +8,8 @@ import numpy.typing as npt
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several
-from wirerope_mj.content.study import failed_blocks
+from wirerope_mj.content.study import failed_blocks, measures_table, varied_table
 from wirerope_mj.content.study_statements import exceedance_text, not_counted, percent
-from wirerope_mj.content.study_tables import measures_table, varied_table
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE

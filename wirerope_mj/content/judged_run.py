@@ -11,9 +11,9 @@ from typing import Any, TypeVar
 import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
-from wirerope_mj.assessment.criteria.criterion import LARGEST
 from wirerope_mj.assessment.criteria.sampled import SAMPLED, steady_interval
 from wirerope_mj.assessment.criteria.tested import falling_line, untested_line
+from wirerope_mj.assessment.criteria.verdict import LARGEST
 from wirerope_mj.content.numbers import title_of
 from wirerope_mj.content.run_spectra import RunSpectra, spectra_of
 from wirerope_mj.content.selection import Selection, select
@@ -32,20 +32,15 @@ Result = TypeVar("Result")
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
-    """A response with the verdicts on it: all that peaks, histories and the answer need.
-
-    Attributes:
-        response: what came out.
-        verdicts: on everything; static loads on the first loading and relaxed, not those at the start of the run.
-        random: rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
-            else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
-        untested: a sentence on the mounts that leave what their laws were identified from; "" where none does.
-    """
+    """A response with the verdicts on it: all that peaks, histories and the answer need."""
 
     response: Response
+    # on everything; static loads on the first loading and relaxed, not those at the start of the run
     verdicts: tuple[Verdict, ...]
+    # rms and 3-sigma acceleration of everything on the payload, where the base vibrates at random and does nothing
+    # else; those of them with a limit are among the verdicts. Absent where the run is too short for them.
     random: tuple[Verdict, ...] | Absent = ()
-    untested: str = ""
+    untested: str = ""  # a sentence on the mounts that leave what their laws were identified from; "" where none does
 
     @property
     def headline(self) -> str:
@@ -75,21 +70,14 @@ class RunResult:
 
 @dataclass(frozen=True, kw_only=True)
 class JudgedRun(RunResult):
-    """A run with the verdicts on it.
+    """A run with the verdicts on it."""
 
-    Attributes:
-        system: that was simulated.
-        motion: of its base.
-        statics: where the system rests, on the first loading and relaxed.
-        model_warnings: what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`.
-        inputs: resolved inputs, the content of the run's scenario.toml.
-    """
-
-    system: System
+    system: System  # that was simulated
     motion: BaseMotion
-    statics: StaticTable | Absent
+    statics: StaticTable | Absent  # where the system rests, on the first loading and relaxed
+    # what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`
     model_warnings: tuple[str, ...] = ()
-    inputs: Mapping[str, Any] = field(default_factory=dict)
+    inputs: Mapping[str, Any] = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
 
     @property
     def validity(self) -> Mapping[str, Validity]:
@@ -152,16 +140,11 @@ def judged_run(
     limited = tuple(row for row in rows if row.limit is not None or row.note.startswith(SAMPLED))
     isolators = {name: mount.isolator for name, mount in system.mounts.items()}
     return JudgedRun(
-        system=system,
-        motion=motion,
-        response=response,
-        statics=statics,
-        verdicts=(*judge(response, statics=known), *limited),
-        random=random,
+        system=system, motion=motion, response=response, statics=statics,
+        verdicts=(*judge(response, statics=known), *limited), random=random,
         untested=" ".join(filter(None, (untested_line(isolators, response), falling_line(isolators, response)))),
-        model_warnings=model_warnings(system),
-        inputs=inputs or {},
-    )
+        model_warnings=model_warnings(system), inputs=inputs or {},
+    )  # fmt: skip
 
 
 def _random(response: Response) -> tuple[Verdict, ...]:

@@ -34,14 +34,7 @@ _NOTE = (
 def modes_content(
     system: System, small: Modes, large: Sequence[Modes] = (), *, ddam: tuple[Ship, Location] | None = None
 ) -> Content:
-    """Describe the modes of a system.
-
-    Args:
-        system: the system.
-        small: its modes at small amplitude.
-        large: those at other amplitudes.
-        ddam: ship and location, for the design accelerations of DDAM.
-    """
+    """Describe the modes of a system at small and at other amplitudes, and the design accelerations of DDAM."""
     stability = list(stability_blocks({small.history: small.stability}))
     parts: dict[str, Callable[[], Iterable[Block | None]]] = {
         "modes": partial(_modes_blocks, system, small, bool(large)),
@@ -49,11 +42,11 @@ def modes_content(
         "stability": lambda: stability,
         "ddam": lambda: [_ddam(small, *ddam)] if ddam else [],
     }
-    sections = [Section(id=name, title="", build=build, depth="summary") for name, build in parts.items()]
+    sections = [Section(name, "", build, "summary") for name, build in parts.items()]
     return Content(title=f"{system.name}: modes", verdict=stability[0], sections=tuple(sections))
 
 
-def run_modes_blocks(run: JudgedRun) -> Iterator[Block]:
+def run_modes_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield the modes of a run's system about its equilibria at small amplitude, and how stable it stands."""
     found = {history: modes for history, modes in run.modes.items() if isinstance(modes, Modes)}
     for history, modes in run.modes.items():
@@ -61,8 +54,7 @@ def run_modes_blocks(run: JudgedRun) -> Iterator[Block]:
             yield Statement(id=f"modes-{history}", text=modes.reason, tone="unjudged")
     for number, modes in enumerate(found.values()):
         yield modes_table(modes, note=_NOTE if number + 1 == len(found) else "")
-        if (energy := energy_table(run.system, modes)) is not None:
-            yield energy
+        yield energy_table(run.system, modes)
     if found:
         yield _quote(at_amplitudes=False)
         yield from _statements("below-tests", below_tests(run.system))
@@ -79,12 +71,9 @@ def modes_table(modes: Modes, *, note: str = _NOTE) -> Table:
         damping = float(modes.damping_ratio[number])
         rows.append((str(number + 1), shape, _hertz(modes.frequencies[number]), damping, *frequencies, *mass))
     return Table(
-        id=f"modes-{modes.history}",
-        title=f"Modes about the equilibrium {HISTORIES[modes.history]}",
-        columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS),
-        rows=rows,
-        note=note,
-    )
+        id=f"modes-{modes.history}", title=f"Modes about the equilibrium {HISTORIES[modes.history]}",
+        columns=(*_MODE, _FREQUENCY, _DAMPING, *tangents, *_MASS), rows=rows, note=note,
+    )  # fmt: skip
 
 
 def energy_table(system: System, modes: Modes) -> Table | None:
@@ -119,12 +108,10 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
         for result, index in zip(results, indices, strict=True)
     ]  # fmt: skip
     return Table(
-        id="modes-at-amplitudes",
-        title="Natural frequency and damping by amplitude",
-        columns=(*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING),
-        rows=rows,
+        id="modes-at-amplitudes", title="Natural frequency and damping by amplitude",
+        columns=(*_MODE, Column("amplitude", "mm", ".4g"), _FREQUENCY, _DAMPING), rows=rows,
         note=f"Amplitude: of the mount that moves most, about the equilibrium {HISTORIES[small.history]}.",
-    )
+    )  # fmt: skip
 
 
 def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
@@ -147,10 +134,9 @@ def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
     yield Table(id="mode-shape", title="Deflections of the mounts, the largest 1", columns=columns, rows=rows)
 
 
-def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block]:
+def _modes_blocks(system: System, small: Modes, at_amplitudes: bool) -> Iterator[Block | None]:
     yield modes_table(small)
-    if (energy := energy_table(system, small)) is not None:
-        yield energy
+    yield energy_table(system, small)
     yield _quote(at_amplitudes=at_amplitudes)
     yield from _statements("small-amplitude", about_small(system, small))
     yield from _statements("below-tests", below_tests(system))

@@ -11,7 +11,7 @@ from wirerope_mj.content.events import events_of
 from wirerope_mj.content.histories import Line, history_panel, used_panel
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed
-from wirerope_mj.content.panels import Chart, Curve, Panel, short, stacked
+from wirerope_mj.content.panels import Chart, Curve, Panel, short, stacked, with_room
 from wirerope_mj.content.selection import MOST, Selection, kind_of
 from wirerope_mj.content.verdicts import TONE, used_mark
 from wirerope_mj.engine.response import Response
@@ -41,12 +41,10 @@ def mount_history_blocks(run: JudgedRun) -> Iterator[Block | None]:
     names = names or [row.name for row in rows[:MOST]]
     if selection.used:
         yield Chart(
-            id="used",
-            rows=[[replace(used_panel(run.response, selection), title="", xlabel="time [s]")]],
-            height=190.0,
+            id="used", rows=[[replace(used_panel(run.response, selection), title="", xlabel="time [s]")]], height=190.0,
             caption="What is used of the limits over time, the largest of all criteria of each mount, body or point.",
             alt="Utilisation of limits over time.",
-        )
+        )  # fmt: skip
     yield _histories_chart("deflection", run.response, names, selection, order)
     yield _histories_chart("force", run.response, names, selection, order)
     yield _loops_chart(run.response, names[0], selection)
@@ -83,12 +81,8 @@ def _peaks(run: RunResult, peaks: Sequence[MountPeak]) -> Table:
     if marked:
         note += " *: outside the cycles that the isolator was identified from, so that its forces are extrapolated."
     return Table(
-        id="mounts",
-        title="Peaks of the mounts",
-        columns=[*columns, Column("verdict", align="left")],
-        rows=rows,
-        note=note,
-    )
+        id="mounts", title="Peaks of the mounts", columns=[*columns, Column("verdict", align="left")], rows=rows, note=note,
+    )  # fmt: skip
 
 
 def _verdict(row: MountPeak, combined: Verdict | None) -> Mark:
@@ -143,29 +137,19 @@ def _loops_chart(response: Response, name: str, selection: Selection) -> Chart:
     row = []
     for axis in axes:
         x, y = deflection[:, axis], force[:, axis]
-        room = 0.05 * float(np.ptp(x)) or 1.0
-        row.append(
-            Panel(
-                curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
-                ylabel="force [kN]" if axis == axes[0] else "",
-                xlabel="deflection [mm]",
-                title=AXES[axis],
-                dots=[(float(x[0]), float(y[0]))],
-                xlim=(float(x.min()) - room, float(x.max()) + room),
-                unit="kN",
-                xunit="mm",
-            )
-        )
+        row.append(Panel(
+            curves=[Curve(x=x, y=y, name=short(name), kind=kind_of(selection, name, 0))],
+            ylabel="force [kN]" if axis == axes[0] else "", xlabel="deflection [mm]", title=AXES[axis],
+            dots=[(float(x[0]), float(y[0]))], xlim=with_room(x), unit="kN", xunit="mm",
+        ))  # fmt: skip
     isolator = next(mount.isolator for mount in response.scene.mounts if mount.name == name)
     time = response.time[rows]
     interval = "" if rows == slice(None) else f" from {time[0]:.5g} to {time[-1]:.5g} s"
     return Chart(
-        id="loops",
-        rows=[row],
-        height=190.0,
+        id="loops", rows=[row], height=190.0,
         caption=f"Force over deflection of {name} ({isolator}){interval}; the dot is where it begins.",
         alt=f"Loops of {name}.",
-    )
+    )  # fmt: skip
 
 
 def _loop_rows(response: Response, name: str) -> slice:

@@ -13,11 +13,9 @@ from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.mounts.isolator import AXES
 
 _COLUMNS = (
-    Column(align="left"),
-    *(Column(axis, "mm", "z.1f") for axis in reversed(AXES)),
-    *(Column(axis, "kN", "z.2f") for axis in reversed(AXES)),
-    Column("used", "%", "z.0f"),
-)
+    Column(align="left"), *(Column(axis, "mm", "z.1f") for axis in reversed(AXES)),
+    *(Column(axis, "kN", "z.2f") for axis in reversed(AXES)), Column("used", "%", "z.0f"),
+)  # fmt: skip
 
 
 def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:

@@ -47,6 +47,11 @@ def title_of(name: str) -> str:
     return text[:1].upper() + text[1:]
 
 
+def paragraphs(text: str) -> list[str]:
+    """Return the paragraphs of a text, each on one line."""
+    return [" ".join(part.split()) for part in text.strip().split("\n\n") if part.strip()]
+
+
 def listed(names: list[str], *, most: int = 6) -> str:
     """Return names in a row; of many the first, and how many more there are."""
     if len(names) <= most:

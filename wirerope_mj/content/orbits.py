@@ -5,10 +5,9 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from wirerope_mj.content.blocks import Block, Statement
-from wirerope_mj.content.panels import BASE, Chart, Curve, Panel
+from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, with_room
 from wirerope_mj.dynamics.frequency_response.curve import along_resonance, busiest_loops
 from wirerope_mj.dynamics.periodic import Branch, PeriodicOrbit
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
@@ -60,19 +59,11 @@ def _loops_panel(level: Sequence[Motion], mount: str, axis: int) -> Panel:
         curves.append(curve)
     curves.sort(key=lambda curve: (curve.kind == BASE, not curve.dash))  # dashed ones in front of what they run along
     return Panel(
-        curves=curves,
-        ylabel=f"force [{unit}]",
+        curves=curves, ylabel=f"force [{unit}]",
         xlabel="deflection [mm], tension positive" if AXES[axis] == "axial" else "deflection [mm]",
         title=f"{abs(float(level[0][0].acceleration[0])):.4g} m/s²",
-        xlim=_wide(np.concatenate([curve.x for curve in curves])),
-        unit=unit,
-        xunit="mm",
-    )
-
-
-def _wide(x: Array) -> tuple[float, float]:
-    room = 0.05 * float(np.ptp(x)) or 1.0
-    return float(x.min()) - room, float(x.max()) + room
+        xlim=with_room(np.concatenate([curve.x for curve in curves])), unit=unit, xunit="mm",
+    )  # fmt: skip
 
 
 def _force_unit(motions: Sequence[Motion], mount: str, axis: int) -> str:

@@ -13,50 +13,33 @@ BASE, OTHERS, LIMIT = "base", "others", "limit"
 
 @dataclass(frozen=True, kw_only=True)
 class Curve:
-    """A line, dots, or bars.
+    """A line, dots, or bars."""
 
-    Attributes:
-        x, y: positions, (n,).
-        name: in the legend; "" for none.
-        kind: number of a colour, `BASE`, `OTHERS` or `LIMIT`.
-        marks: whether dots are drawn at the positions instead of a line.
-        bars: height of the bars that go from zero to each x instead; 0 for none.
-        ends: of an interval across the end of each bar, (n, 2).
-        dash: "dashed" or "dotted".
-        weight: width of the line, size of the dots, times the usual.
-        opacity: from 0 to 1, by which curves of a family are told apart.
-        peak: largest value and where it is, of every step and not of the positions alone; None where nobody asks.
-    """
-
+    # x, y: positions, (n,)
     x: Array
     y: Array
-    name: str
-    kind: int | str
-    marks: bool = False
-    bars: float = 0.0
-    ends: Array | None = None
-    dash: str = ""
-    weight: float = 1.0
-    opacity: float = 1.0
+    name: str  # in the legend; "" for none
+    kind: int | str  # number of a colour, `BASE`, `OTHERS` or `LIMIT`
+    marks: bool = False  # whether dots are drawn at the positions instead of a line
+    bars: float = 0.0  # height of the bars that go from zero to each x instead; 0 for none
+    ends: Array | None = None  # of an interval across the end of each bar, (n, 2)
+    dash: str = ""  # "dashed" or "dotted"
+    weight: float = 1.0  # width of the line, size of the dots, times the usual
+    opacity: float = 1.0  # from 0 to 1, by which curves of a family are told apart
+    # largest value and where it is, of every step and not of the positions alone; None where nobody asks
     peak: tuple[float, float] | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
 class Field:
-    """Values over two axes as colours of cells.
+    """Values over two axes as colours of cells."""
 
-    Attributes:
-        x, y: edges of the cells, (n_x + 1,) and (n_y + 1,), rising.
-        values: (n_y, n_x); NaN for none.
-        name: of what they are, with the unit.
-        limit: beyond which a value is set apart; None for none.
-    """
-
+    # x, y: edges of the cells, (n_x + 1,) and (n_y + 1,), rising
     x: Array
     y: Array
-    values: Array
-    name: str
-    limit: float | None = None
+    values: Array  # (n_y, n_x); NaN for none
+    name: str  # of what they are, with the unit
+    limit: float | None = None  # beyond which a value is set apart; None for none
 
 
 Note = tuple[float, float, str, bool]  # A text beside a position, and whether it stands on its left
@@ -65,59 +48,40 @@ Ticks = Sequence[tuple[float, str]]  # Positions along an axis with their texts;
 
 @dataclass(frozen=True, kw_only=True)
 class Panel:
-    """Curves between two axes.
+    """Curves between two axes."""
 
-    Attributes:
-        curves: the first in front.
-        ylabel, xlabel, title: texts; "" for none.
-        limits: levels that are dashed, with their names.
-        xlimits: the same across.
-        dots: positions of single points.
-        notes: texts at positions.
-        field: behind the curves; None for none.
-        yticks, xticks: where round numbers would not do: names of bars, angles.
-        bands: ranges across that are shaded, with their names.
-        xlim, ylim: ranges; None for what the curves take.
-        log: whether both axes are logarithmic, or only the one across ("x").
-        unit, xunit: of the values that are read.
-    """
-
-    curves: Sequence[Curve]
+    curves: Sequence[Curve]  # the first in front
+    # ylabel, xlabel, title: texts; "" for none
     ylabel: str
     xlabel: str = ""
     title: str = ""
-    limits: Sequence[tuple[str, float]] = ()
-    xlimits: Sequence[tuple[str, float]] = ()
-    dots: Sequence[tuple[float, float]] = ()
-    notes: Sequence[Note] = ()
-    field: Field | None = None
+    limits: Sequence[tuple[str, float]] = ()  # levels that are dashed, with their names
+    xlimits: Sequence[tuple[str, float]] = ()  # the same across
+    dots: Sequence[tuple[float, float]] = ()  # positions of single points
+    notes: Sequence[Note] = ()  # texts at positions
+    field: Field | None = None  # behind the curves; None for none
+    # yticks, xticks: where round numbers would not do: names of bars, angles
     yticks: Ticks = ()
     xticks: Ticks = ()
-    bands: Sequence[tuple[str, float, float]] = ()
+    bands: Sequence[tuple[str, float, float]] = ()  # ranges across that are shaded, with their names
+    # xlim, ylim: ranges; None for what the curves take
     xlim: tuple[float, float] | None = None
     ylim: tuple[float, float] | None = None
-    log: str = ""
+    log: str = ""  # whether both axes are logarithmic, or only the one across ("x")
+    # unit, xunit: of the values that are read
     unit: str = ""
     xunit: str = "s"
 
 
 @dataclass(frozen=True, kw_only=True)
 class Chart:
-    """Panels in rows, whose curves are named once above all of them.
+    """Panels in rows, whose curves are named once above all of them."""
 
-    Attributes:
-        rows: of panels beside each other.
-        height: of a panel without its texts; a page is 760 wide.
-        id: the same in every output.
-        caption: what it shows, below it.
-        alt: the same in few words, for who cannot see it.
-    """
-
-    rows: Sequence[Sequence[Panel]]
-    height: float = 120.0
-    id: str = ""
-    caption: str = ""
-    alt: str = ""
+    rows: Sequence[Sequence[Panel]]  # of panels beside each other
+    height: float = 120.0  # of a panel without its texts; a page is 760 wide
+    id: str = ""  # the same in every output
+    caption: str = ""  # what it shows, below it
+    alt: str = ""  # the same in few words, for who cannot see it
 
 
 _NOTHING = 1e-6  # g or mm: an axis on which nothing is larger has no panel
@@ -144,3 +108,9 @@ def stacked(panels: Sequence[Panel]) -> Chart:
     kept = [one for one in panels if any(np.abs(curve.y).max() > _NOTHING for curve in one.curves)] or panels[-1:]
     rows = [[replace(one, title="", xlabel="time [s]" if one is kept[-1] else "")] for one in kept]
     return Chart(rows=rows, height=190.0 if len(kept) == 1 else 140.0)
+
+
+def with_room(x: Array, part: float = 0.05) -> tuple[float, float]:
+    """Return the range of positions with some room on either side, as a part of it."""
+    room = part * float(np.ptp(x)) or 1.0
+    return float(x.min()) - room, float(x.max()) + room

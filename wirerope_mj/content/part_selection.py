@@ -21,10 +21,10 @@ def selection_content(selection: PartSelection, *, every: bool) -> Content:
         title="Selection of isolators",
         verdict=_verdict(selection),
         sections=(
-            Section(id="worksheet", title="Worksheet", build=lambda: (_worksheet(selection.worksheet),), depth="summary"),
-            Section(id="parts", title="Parts", build=lambda: _parts(selection, every), depth="summary"),
+            Section("worksheet", "Worksheet", lambda: (_worksheet(selection.worksheet),), "summary"),
+            Section("parts", "Parts", lambda: _parts(selection, every), "summary"),
         ),
-    )  # fmt: skip
+    )
 
 
 def _verdict(selection: PartSelection) -> Statement:

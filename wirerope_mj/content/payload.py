@@ -1,4 +1,4 @@
-"""What reaches the payload: peak accelerations against their limits, their histories, and random vibration."""
+"""What reaches the payload: its accelerations against their limits, over time and over frequency, and random vibration."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -7,17 +7,17 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import Verdict, body_peaks
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, RMS, SIGMA, Criterion
+from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.histories import DIRECTIONS, Line, history_panel, subject_called
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
-from wirerope_mj.content.numbers import listed
+from wirerope_mj.content.numbers import listed, number
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
-from wirerope_mj.content.selection import MOST, kind_of, worst_names
-from wirerope_mj.content.spectra import spectra_blocks
-from wirerope_mj.content.verdicts import used_mark
+from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
+from wirerope_mj.content.spectra import densities_chart, shock_chart, spectra_blocks
+from wirerope_mj.content.verdicts import acceleration_limits, used_mark
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
@@ -54,15 +54,17 @@ def payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
 def _accelerations(run: RunResult) -> Table:
     """Tabulate the peaks of base, bodies and points; against their limits where the model states any."""
     sweep = run.sweep
-    judged = [row for row in run.verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
-    limited = {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
+    limited = acceleration_limits(run.verdicts)
     rows: list[Row] = []
     for row in body_peaks(run.response):
         name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
         sizes = [in_si(value) for value in (row.value, *row.axes)]
         cells: list[Cell] = [name, Mark(sizes[0], "strong"), *sizes[1:], row.time]
         cells += [] if sweep is None else [float(sweep.frequency([row.time])[0])]
-        rows.append([*cells, *(_against_limit(limited.get(row.name)) if limited else [])])
+        if limited:
+            worst = limited.get(row.name)
+            cells += [worst.limit, worst.criterion.axis, used_mark(worst.utilisation)] if worst else [None, "", None]
+        rows.append(cells)
     columns = [Column(align="left"), *(Column(name, "g", "z.2f") for name in ("peak", "x", "y", "z"))]
     columns += [Column("at", "s", "z.4f"), *([] if sweep is None else [Column("at", "Hz", "z.2f")])]
     columns += [Column("limit", "g"), Column("of", align="left"), Column("used", "%", "z.0f")] if limited else []
@@ -77,13 +79,6 @@ def _accelerations(run: RunResult) -> Table:
 def in_si(g: float) -> float:
     """Convert an acceleration in g to m/s^2."""
     return g * STANDARD_GRAVITY
-
-
-def _against_limit(row: Verdict | None) -> list[Cell]:
-    """Return limit, axis and utilisation of the component that uses most of its limit."""
-    if row is None:
-        return [None, "", None]
-    return [row.limit, row.criterion.axis, used_mark(row.utilisation)]
 
 
 def _random(verdicts: Sequence[Verdict]) -> Table | None:
@@ -120,19 +115,48 @@ def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
     """Draw accelerations over the frequency of a sweep along the base's motion, as far from zero as they reach."""
     response, curves = run.response, []
     frequency = sweep.frequency(response.time)
-    for number, name in enumerate((*worst_names(response), BASE)):
+    for rank, name in enumerate((*worst_names(response), BASE)):
         size = np.zeros(response.time.size)
         for axis in moving_axes(response):
             size += acceleration_along(response, name, axis) ** 2
         x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
-        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else number))
+        curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else rank))
     panel = Panel(
         curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz"
     )
     return Chart(
-        id="over-frequency",
-        rows=[[panel]],
-        height=210.0,
+        id="over-frequency", rows=[[panel]], height=210.0,
         caption="Accelerations along the base's motion over the frequency of the sweep.",
         alt="Accelerations over the frequency of the sweep.",
-    )
+    )  # fmt: skip
+
+
+def panel_over_frequency(run: JudgedRun) -> Panel | None:
+    """Return what is drawn over frequency; None where there is nothing."""
+    if isinstance(run.motion, Sweep):
+        chart = sweep_chart(run, run.motion)
+        ends = sorted((run.motion.start, run.motion.stop))
+        return _with_peaks(replace(chart.rows[0][0], xlim=(ends[0], ends[1])))
+    axis = main_direction(run.response)
+    if run.spectra.densities:
+        panel = _along(densities_chart(run), list(run.spectra.densities), axis)
+        along = run.spectra.densities.get(axis, next(iter(run.spectra.densities.values())))
+        rms = {short(name): in_unit(float(density.rms), "g") for name, density in along.items()}
+        curves = [replace(curve, name=f"{curve.name}, {number(rms[curve.name])} g rms") for curve in panel.curves]
+        return replace(panel, curves=curves)
+    if isinstance(run.spectra.shock, Absent):
+        return None
+    return _with_peaks(_along(shock_chart(run), list(run.spectra.shock), axis))
+
+
+def _with_peaks(panel: Panel) -> Panel:
+    """Mark the largest value of each curve."""
+    tops = [(curve, int(curve.y.argmax())) for curve in panel.curves]
+    return replace(panel, curves=[replace(one, peak=(float(one.x[top]), float(one.y[top]))) for one, top in tops])
+
+
+def _along(chart: Chart, axes: list[str], axis: str) -> Panel:
+    """Return the panel of a chart along an axis, or its first; the label is that of the first alone."""
+    row = chart.rows[0]
+    panel = row[axes.index(axis) if axis in axes else 0]
+    return replace(panel, ylabel=f"{row[0].ylabel} {panel.title}")

@@ -15,12 +15,7 @@ from wirerope_mj.content.panels import BASE, Chart, Curve, Panel
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.curve import BranchCurve
-from wirerope_mj.dynamics.frequency_response.summary import (
-    LevelSummary,
-    OrderBand,
-    ResonancePeak,
-    order_statements,
-)
+from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, OrderBand, ResonancePeak, order_statements
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.directions import direction_text
@@ -36,13 +31,7 @@ _NUMBERS = (
 def response_content(
     result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()
 ) -> Content:
-    """Compose what a frequency response says.
-
-    Args:
-        result: what was computed.
-        findings: what is read off it, level by level.
-        bands: frequencies of a machine's orders, held against the resonances.
-    """
+    """Compose what a frequency response says, level by level, with the orders of a machine against its resonances."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None
     return Content(
@@ -57,33 +46,28 @@ def response_content(
         verdict=_headline(findings, str(options.payload)),
         sections=(
             Section(
-                id="answer",
-                title="",
-                build=lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands)),
-                depth="headline",
+                "answer", "", lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands)), "headline"
             ),
             Section(
-                id="peaks",
-                title="Peaks and changes of stability",
-                build=lambda: (peak_table(findings), event_table(findings)),
-                depth="summary",
+                "peaks",
+                "Peaks and changes of stability",
+                lambda: (peak_table(findings), event_table(findings)),
+                "summary",
             ),
             Section(
-                id="levels",
-                title="How each level was computed",
-                build=lambda: [_level_statement(one, options.rate) for one in findings],
-                depth="summary",
+                "levels",
+                "How each level was computed",
+                lambda: [_level_statement(one, options.rate) for one in findings],
+                "summary",
             ),
             Section(
-                id="transmissibility",
-                title="Transmissibility",
-                build=lambda: (amplitude_chart(result, findings, bands, relative=True),),
+                "transmissibility",
+                "Transmissibility",
+                lambda: (amplitude_chart(result, findings, bands, relative=True),),
             ),
-            Section(
-                id="motions", title="Motions along the resonance", build=partial(orbit_blocks, result.branches)
-            ),
+            Section("motions", "Motions along the resonance", partial(orbit_blocks, result.branches)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
@@ -104,11 +88,9 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     folds = sum(len(one.level.branch.jumps) for one in findings if one.level.branch is not None)
     text += f"; {several(folds, 'fold')} where a sweep jumps" if folds else ""
     return Statement(
-        id="headline",
-        text=f"{text}.",
-        tone="unjudged" if folds or first.at_edge or last.at_edge else "",
+        id="headline", text=f"{text}.", tone="unjudged" if folds or first.at_edge or last.at_edge else "",
         values={"frequency": last.frequency, "amplitude": last.amplitude, "transmissibility": last.transmissibility},
-    )
+    )  # fmt: skip
 
 
 def _top(summary: LevelSummary) -> ResonancePeak:
@@ -141,11 +123,8 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
             ratio = level.transmissibility(seen.peak)
             rows.append((level.acceleration, f"peak of the sweep {way}", seen.peak_frequency, seen.peak, ratio, ""))
     columns = (
-        Column("level", "m/s²", ".4g"),
-        Column("peak", align="left"),
-        *_NUMBERS,
-        Column("harmonic", align="text"),
-    )
+        Column("level", "m/s²", ".4g"), Column("peak", align="left"), *_NUMBERS, Column("harmonic", align="text"),
+    )  # fmt: skip
     note = "Harmonic: the largest one besides the fundamental, of which it is so many percent."
     return Table(id="peaks", title="Peaks", columns=columns, rows=rows, note=note)
 
@@ -247,16 +226,11 @@ def amplitude_chart(
     curves = _curves(findings, relative=relative)
     x, y = (np.concatenate([getattr(curve, part) for curve in curves]) for part in "xy")
     panel = Panel(
-        curves=curves,
-        ylabel=f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
-        xlabel="frequency of the base [Hz]",
-        xlim=(float(x.min()) / _BESIDE, float(x.max()) * _BESIDE),
-        ylim=(float(y.min()) / _ABOVE, float(y.max()) * _ABOVE),
-        log="xy",
-        unit="" if relative else "m/s²",
-        xunit="Hz",
+        curves=curves, ylabel=f"transmissibility of {what} [-]" if relative else f"largest acceleration of {what} [m/s²]",
+        xlabel="frequency of the base [Hz]", xlim=(float(x.min()) / _BESIDE, float(x.max()) * _BESIDE),
+        ylim=(float(y.min()) / _ABOVE, float(y.max()) * _ABOVE), log="xy", unit="" if relative else "m/s²", xunit="Hz",
         bands=[(band.label, band.low, band.high) for band in bands],
-    )
+    )  # fmt: skip
     name = "Transmissibility" if relative else "Largest acceleration"
     return Chart(
         id="transmissibility" if relative else "amplitude",

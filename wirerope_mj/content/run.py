@@ -5,19 +5,17 @@ from collections.abc import Callable, Iterable, Iterator
 from functools import partial
 
 from wirerope_mj.assessment.criteria.sampled import samples_hold
-from wirerope_mj.content.base import base_blocks
+from wirerope_mj.content.base import base_blocks, warnings_of
 from wirerope_mj.content.blocks import Block, Content, Depth, Section, Statement
 from wirerope_mj.content.contacts import contact_blocks, contact_history_blocks
 from wirerope_mj.content.credibility import credibility_blocks
-from wirerope_mj.content.deck import deck_blocks
-from wirerope_mj.content.decks import decks_blocks
+from wirerope_mj.content.decks import deck_blocks, decks_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks, mount_history_blocks
-from wirerope_mj.content.numbers import several, with_unit
+from wirerope_mj.content.numbers import paragraphs, several, with_unit
 from wirerope_mj.content.payload import acceleration_blocks, payload_blocks
-from wirerope_mj.content.record import warnings_of
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import answer_blocks, full_table, grounds_blocks, headline
 from wirerope_mj.content.worst import worst_instant
@@ -34,7 +32,6 @@ START = {
 
 def run_content(run: JudgedRun) -> Content:
     """Compose what a run says: the verdict first, what it rests on after it."""
-    question = [" ".join(part.split()) for part in str(run.inputs.get("question", "")).strip().split("\n\n")]
     versions = run.inputs.get("versions", {})
     return Content(
         title=run.title,
@@ -44,7 +41,7 @@ def run_content(run: JudgedRun) -> Content:
             ("Simulated", run.written),
             ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
         ),
-        question=tuple(filter(None, question)) or ("The scenario asks no question.",),
+        question=tuple(paragraphs(str(run.inputs.get("question", "")))) or ("The scenario asks no question.",),
         verdict=headline(run.verdicts),
         sections=(
             _section(run, "warnings", "", _warnings, "headline"),
@@ -70,13 +67,9 @@ def run_content(run: JudgedRun) -> Content:
 
 
 def _section(
-    run: JudgedRun,
-    name: str,
-    title: str,
-    blocks: Callable[[JudgedRun], Iterable[Block | None]],
-    depth: Depth = "full",
+    run: JudgedRun, name: str, title: str, blocks: Callable[[JudgedRun], Iterable[Block | None]], depth: Depth = "full"
 ) -> Section:
-    return Section(id=name, title=title, build=partial(blocks, run), depth=depth)
+    return Section(name, title, partial(blocks, run), depth)
 
 
 def _warnings(run: JudgedRun) -> Iterator[Block | None]:
@@ -95,11 +88,9 @@ def numerics_statement(numerics: Numerics) -> Statement:
     limit = f", limited by {numerics.limited_by}" if numerics.limited_by else ""
     steps = f"{several(numerics.steps, 'step')} of at most {with_unit(numerics.timestep, 'ms', digits=4)}{limit}"
     return Statement(
-        id="numerics",
-        text=f"{steps}, computed by {numerics.computed_by}, {numerics.error_text}",
-        tone="quiet",
+        id="numerics", text=f"{steps}, computed by {numerics.computed_by}, {numerics.error_text}", tone="quiet",
         values={"timestep_s": numerics.timestep, "steps": float(numerics.steps), "error": numerics.error_estimate},
-    )
+    )  # fmt: skip
 
 
 def _numerics(run: JudgedRun) -> Iterator[Block]:

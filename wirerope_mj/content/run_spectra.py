@@ -68,14 +68,7 @@ def spectra_of(motion: BaseMotion, response: Response, sample_rate: float) -> Ru
 def run_spectra(
     motion: BaseMotion, response: Response, names: Sequence[str], sample_rate: float
 ) -> Mapping[str, Mapping[str, ShockResponseSpectrum]] | Absent:
-    """Return the spectra along every axis in which the base moves, by axis and name, the base first; or why there are none.
-
-    Args:
-        motion: of the base.
-        response: to it.
-        names: bodies and points.
-        sample_rate: of the response [Hz].
-    """
+    """Return the spectra along every axis in which the base moves, by axis and name, the base first; or why there are none."""
     terms = motion.parts
     axes = moving_axes(response)
     if not axes:
@@ -111,11 +104,6 @@ def run_densities(
 
     They begin where the base is stationary and the response has settled, all at the same instant: after the longest
     `settling` of the densities without it.
-
-    Args:
-        motion: of the base.
-        response: to it.
-        names: bodies and points.
     """
     alone, first, last = steady_interval(motion.to_dict())
     axes = moving_axes(response)

@@ -37,16 +37,12 @@ _FROM_SIDE = View("from the side, along +y", 0, 2, 1, -1.0)
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnScene:
-    """A scene with its shapes in the world frame.
-
-    Attributes:
-        scene: what is drawn.
-        shapes: body, geom and points whose convex hull it is, (n, 3) [m], of every shape.
-        low, high: least and largest coordinates of shapes and mounts [m], (3,).
-    """
+    """A scene with its shapes in the world frame."""
 
     scene: Scene
+    # body, geom and points whose convex hull it is, (n, 3) [m], of every shape
     shapes: tuple[tuple[SceneBody, Geom, Array], ...]
+    # low, high: least and largest coordinates of shapes and mounts [m], (3,)
     low: Array
     high: Array
 

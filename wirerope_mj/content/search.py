@@ -8,9 +8,8 @@ import numpy.typing as npt
 from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
 from wirerope_mj.content.numbers import number, several
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
-from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question
+from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question, varied_table
 from wirerope_mj.content.study_statements import travel_statements
-from wirerope_mj.content.study_tables import varied_table
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of
@@ -34,14 +33,12 @@ def search_content(result: SearchResult) -> Content:
         question=study_question(result, "search"),
         verdict=_verdict(result),
         sections=(
-            Section(id="answer", title="", build=lambda: _answer(result), depth="headline"),
-            Section(
-                id="sought", title="Objectives and limits", build=lambda: (_sought(result), varied_table(study))
-            ),
-            Section(id="results", title="Results", build=lambda: _results(result), depth="summary"),
-            Section(id="numerics", title="Numerics and versions", build=lambda: (numerics_table(result),)),
+            Section("answer", "", lambda: _answer(result), "headline"),
+            Section("sought", "Objectives and limits", lambda: (_sought(result), varied_table(study))),
+            Section("results", "Results", lambda: _results(result), "summary"),
+            Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
-    )  # fmt: skip
+    )
 
 
 def _verdict(result: SearchResult) -> Statement:
@@ -151,18 +148,12 @@ def front_chart(result: SearchResult) -> Chart:
         result.failed
     )
     panel = Panel(
-        curves=curves,
-        ylabel=up.column.title(),
-        xlabel="design" if across is None else across.label,
-        limits=_limit(result, up),
-        xlimits=[] if across is None else _limit(result, across),
-        notes=_labels(result, front, (x, y), (xlim, ylim)),
-        xlim=xlim,
-        ylim=ylim,
-        title=f"not shown: {'; '.join(left_out)}" if left_out else "",
-        unit=up.unit,
+        curves=curves, ylabel=up.column.title(), xlabel="design" if across is None else across.label,
+        limits=_limit(result, up), xlimits=[] if across is None else _limit(result, across),
+        notes=_labels(result, front, (x, y), (xlim, ylim)), xlim=xlim, ylim=ylim,
+        title=f"not shown: {'; '.join(left_out)}" if left_out else "", unit=up.unit,
         xunit="" if across is None else across.unit,
-    )
+    )  # fmt: skip
     text = " and ".join(measure_of(name).text for name in result.minimise)
     front_text = " Line: the front, designs within the limits that no other one beats." if front.size else ""
     caption = f"All designs by {text}, some with their numbers of mounts.{front_text}"

@@ -25,34 +25,22 @@ _SETTLED = 0.1  # The event is over when deflections stay within this fraction o
 
 @dataclass(frozen=True, kw_only=True)
 class Selection:
-    """Selection of what is shown.
+    """Selection of what is shown."""
 
-    Attributes:
-        event: instant of the first event of the motion [s].
-        window: first and last instant of what follows from it [s].
-        utilisations: peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated.
-        mounts: names of the mounts that are no stops, in the order of `utilisations`.
-        ranked: per axis the mounts that act in it, largest fraction of the rated travel first.
-        leading: per quantity and axis the mounts that act in it, largest peak of the quantity first.
-        bodies, points: names of what rides on the base, largest peak acceleration first.
-        verdicts: on the run.
-        used: what has limits that it uses more or less of over time, largest utilisation first.
-        numbers: in the table of colours, of mounts, bodies and points by name.
-        run_color: of all mounts, among several runs.
-    """
-
-    event: float
-    window: tuple[float, float]
-    utilisations: Array
-    mounts: tuple[str, ...]
-    ranked: dict[str, tuple[str, ...]]
+    event: float  # instant of the first event of the motion [s]
+    window: tuple[float, float]  # first and last instant of what follows from it [s]
+    utilisations: Array  # peak deflection over rated travel, (n_mounts, 3); NaN where nothing is rated
+    mounts: tuple[str, ...]  # names of the mounts that are no stops, in the order of `utilisations`
+    ranked: dict[str, tuple[str, ...]]  # per axis the mounts that act in it, largest fraction of the rated travel first
+    # per quantity and axis the mounts that act in it, largest peak of the quantity first
     leading: dict[tuple[str, str], tuple[str, ...]]
+    # bodies, points: names of what rides on the base, largest peak acceleration first
     bodies: tuple[str, ...]
     points: tuple[str, ...]
-    verdicts: tuple[Verdict, ...]
-    used: tuple[Used, ...]
-    numbers: dict[str, int]
-    run_color: tuple[int, int, int] | None = None
+    verdicts: tuple[Verdict, ...]  # on the run
+    used: tuple[Used, ...]  # what has limits that it uses more or less of over time, largest utilisation first
+    numbers: dict[str, int]  # in the table of colours, of mounts, bodies and points by name
+    run_color: tuple[int, int, int] | None = None  # of all mounts, among several runs
 
     @property
     def axes(self) -> tuple[str, ...]:
@@ -105,18 +93,10 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     groups = [[one.subject for one in used[:NAMED]], *(names[:NAMED] for names in leading.values())]
     groups.append(_largest(bodies | points)[:NAMED])
     return Selection(
-        event=event,
-        window=_window(response, event, last),
-        utilisations=utilisations,
-        mounts=mounts,
-        ranked=ranked,
-        leading=leading,
-        bodies=_largest(bodies),
-        points=_largest(points),
-        verdicts=verdicts,
-        used=used,
+        event=event, window=_window(response, event, last), utilisations=utilisations, mounts=mounts, ranked=ranked,
+        leading=leading, bodies=_largest(bodies), points=_largest(points), verdicts=verdicts, used=used,
         numbers=numbered(groups),
-    )
+    )  # fmt: skip
 
 
 def main_direction(response: Response) -> str:

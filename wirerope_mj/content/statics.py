@@ -5,9 +5,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
 from wirerope_mj.assessment.criteria import NOT_JUDGED, Verdict
-from wirerope_mj.assessment.criteria.criterion import STATIC_LOAD
 from wirerope_mj.assessment.criteria.summary import static_load_lines
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -35,13 +34,13 @@ def statics_content(
         title=f"{name}: at rest under gravity",
         verdict=_static_load(verdicts) or Statement(id="static-load", text="Static load: not judged.", tone="unjudged"),
         sections=(
-            Section(id="statics", title="", build=partial(statics_blocks, table, verdicts), depth="summary"),
-            Section(id="stability", title="", build=partial(stability_blocks, stability), depth="summary"),
+            Section("statics", "", partial(statics_blocks, table, verdicts), "summary"),
+            Section("stability", "", partial(stability_blocks, stability), "summary"),
         ),
     )
 
 
-def run_statics_blocks(run: JudgedRun) -> Iterator[Block]:
+def run_statics_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield sag and load of every mount and payload of a run's system under gravity."""
     if not run.response.scene.mounts:
         return
@@ -53,7 +52,7 @@ def run_statics_blocks(run: JudgedRun) -> Iterator[Block]:
         yield from statics_blocks(run.statics, run.verdicts)
 
 
-def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block]:
+def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
     """Yield sag and load of every mount and payload, what carries the weight, and the static loads against their ratings."""
     for history, reason in table.missing.items():
         yield Statement(id=f"statics-{history}", text=f"{history.capitalize()}: {reason}", tone="unjudged")
@@ -70,8 +69,7 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
             "above as well, so they add up to more than 100 %."
         )
         yield Statement(id="stacked", text=text)
-    if (judged := _static_load(verdicts)) is not None:
-        yield judged
+    yield _static_load(verdicts)
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
     for (subject, _), row in static.items():
         if row.limit is None and not math.isnan(row.value):
@@ -130,11 +128,9 @@ def _payloads(table: StaticTable) -> Table:
     axes = [Column(axis, "mm", "z.3f") for axis in "xyz"] + [Column(f"about {axis}", "mrad", "z.3f") for axis in "xyz"]
     names = Column("payload", align="left"), Column("history", align="left"), Column("mass", "kg", ".5g")
     return Table(
-        id="payload-sag",
-        title="Displacement of the payloads' centres of mass, and their tilt",
-        columns=(*names, *axes),
+        id="payload-sag", title="Displacement of the payloads' centres of mass, and their tilt", columns=(*names, *axes),
         rows=rows,
-    )
+    )  # fmt: skip
 
 
 def _carried(history: str, sag: Sag) -> str:

@@ -1,11 +1,15 @@
 """What a study says: how often limits are exceeded, the inputs that matter, the worst variants."""
 
+import math
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.numbers import several, with_unit
+from wirerope_mj.content.numbers import paragraphs, several, with_unit
 from wirerope_mj.content.study_charts import study_charts
 from wirerope_mj.content.study_statements import (
+    exceedance_text,
     failures,
     limit_statement,
     not_counted,
@@ -13,18 +17,15 @@ from wirerope_mj.content.study_statements import (
     percent,
     statements,
 )
-from wirerope_mj.content.study_tables import (
-    effects_table,
-    indices_tables,
-    measures_table,
-    varied_table,
-    worst_table,
-)
-from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
+from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION
-from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.study_summary import StudySummary
+from wirerope_mj.studies.results.indices import SobolIndices
+from wirerope_mj.studies.results.measure import ALL, input_names, measure_of
+from wirerope_mj.studies.results.statistics import CONFIDENCE
+from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
+from wirerope_mj.studies.results.varied import varied_of
 
 _FAILED = 20  # messages that are read
 _METHODS = {
@@ -44,35 +45,28 @@ def study_content(summary: StudySummary) -> Content:
         question=study_question(result, "study"),
         verdict=_verdict(summary),
         sections=(
-            Section(id="answer", title="", build=lambda: _answer(summary), depth="headline"),
-            Section(id="varied", title="Varied quantities", build=lambda: (varied_table(study),)),
-            Section(
-                id="results", title="Results", build=lambda: (measures_table(summary), *study_charts(summary)),
-                depth="summary",
-            ),
-            Section(id="inputs", title="Inputs that matter", build=lambda: _of_inputs(summary), depth="summary"),
-            Section(id="worst", title="Worst variants", build=lambda: (worst_table(summary),), depth="summary"),
-            Section(id="numerics", title="Numerics and versions", build=lambda: (numerics_table(result),)),
+            Section("answer", "", lambda: _answer(summary), "headline"),
+            Section("varied", "Varied quantities", lambda: (varied_table(study),)),
+            Section("results", "Results", lambda: (measures_table(summary), *study_charts(summary)), "summary"),
+            Section("inputs", "Inputs that matter", lambda: _of_inputs(summary), "summary"),
+            Section("worst", "Worst variants", lambda: (worst_table(summary),), "summary"),
+            Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
-    )  # fmt: skip
+    )
 
 
 def study_facts(result: StudyResult, things: str, how: str) -> tuple[tuple[str, str], ...]:
     """Return what stands below the title of a study or a search."""
     content = result.inputs
     return (
-        ("Model", content["model"]["file"].rpartition("/")[2]),
-        ("Base motion", _motion_text(result)),
-        (things, f"{result.variants}, {how}"),
-        ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
-    )
+        ("Model", content["model"]["file"].rpartition("/")[2]), ("Base motion", _motion_text(result)),
+        (things, f"{result.variants}, {how}"), ("By", f"wirerope-mj {content['versions'].get('wirerope-mj', 'unknown')}"),
+    )  # fmt: skip
 
 
 def study_question(result: StudyResult, kind: str) -> tuple[str, ...]:
     """Return what a study or a search asks, a text for each paragraph."""
-    paragraphs = result.study.question.strip().split("\n\n")
-    asked = tuple(" ".join(part.split()) for part in paragraphs if part.strip())
-    return asked or (f"The {kind} asks no question.",)
+    return tuple(paragraphs(result.study.question)) or (f"The {kind} asks no question.",)
 
 
 def _motion_text(result: StudyResult) -> str:
@@ -137,3 +131,147 @@ def numerics_table(result: StudyResult) -> Table:
     rows += [(f"version of {name}", str(version)) for name, version in content["versions"].items()]
     columns = [Column("item", align="left"), Column("value", align="text")]
     return Table(id="settings", title="How it was computed", columns=columns, rows=rows)
+
+
+_WORST, _COLUMNS, _EFFECTS, _FEW = 10, 6, 15, 8  # rows and columns that are read, and effects at once
+_LONG = 11  # letters of a heading that stands on two lines where lines are short
+
+
+def varied_table(study: StudyDefinition) -> Table:
+    """Tabulate the quantities that vary: kinds and units, what the model says of them, and their distributions."""
+    rows = []
+    for one in varied_of(study):
+        group = one.distribution.group
+        rows.append((
+            f"{one.name} ({group})" if group else one.name, f"{one.kind} [{one.unit}]" if one.unit else one.kind, one.model,
+            one.distribution_text, f"independent per {one.name.partition('/')[0]}" if one.distribution.each else "common",
+        ))  # fmt: skip
+    heads = ("quantity", "is a", "in the model", "values", "sampling")
+    return Table(
+        id="varied", title=f"Quantities that vary in {study.name}", columns=[Column(head, align="text") for head in heads],
+        rows=rows,
+        note="A value replaces what the model says, a shift is added to it, a factor multiplies it. SI: as the law states.",
+    )  # fmt: skip
+
+
+def measures_table(summary: StudySummary) -> Table:
+    """Tabulate the statistics of each measure: percentiles of sampled variants, smallest and median of listed ones."""
+    sampled = summary.result.is_sampled
+    heads = [f"{100.0 * q:.0f} %" for q in QUANTILES] if sampled else ["smallest", "median"]
+    meanings = "; ".join(f"{one.name.replace('_', ' ')}: {one.text}" for one in summary.measures)
+    percentiles = " A percentile is given if at least five variants lie beyond it." if sampled else ""
+    return Table(
+        id="measures",
+        title="Measures and their percentiles" if sampled else "Measures",
+        columns=[
+            Column("measure", align="left"),
+            *map(Column, ("nominal", *heads)),
+            *map(Column, ("largest", "in\nvariant", "limit")),
+            Column("beyond it", align="text"),
+        ],
+        rows=[_measure_row(one, sampled) for one in summary.statistics],
+        note=f"{meanings[0].upper()}{meanings[1:]}.{percentiles}",
+    )
+
+
+def _measure_row(one: Statistics, sampled: bool) -> list[Cell]:
+    column = one.measure.column
+    values = [one.nominal, *(one.quantiles if sampled else (one.smallest, one.median)), one.largest]
+    texts = [column.text(value) if math.isfinite(value) else None for value in values]
+    row: list[Cell] = [column.title(), *texts, str(one.variant)]
+    if one.beyond is None:
+        return [*row, None, None]
+    tone = "exceeded" if one.beyond.count else "within"
+    return [*row, column.text(one.measure.limit), Mark(exceedance_text(one.beyond, one.ratio), tone)]
+
+
+def indices_tables(summary: StudySummary) -> list[Table]:
+    """Return Sobol's indices of each measure; none of a study that was not sampled for them."""
+    return [_indices_table(indices) for indices in summary.indices]
+
+
+def _indices_table(indices: SobolIndices) -> Table:
+    dropped = f"; {indices.dropped} more were dropped, because variants of them failed" if indices.dropped else ""
+    few = " So few base rows say nothing: take more." if indices.too_few else ""
+    rows = "1 base row" if indices.rows == 1 else f"{indices.rows} base rows"
+    return Table(
+        id=f"indices-{indices.measure}",
+        title=f"Variance explained of: {measure_of(indices.measure).text}",
+        columns=[
+            Column("factor", align="text"),
+            *(Column(head, "%", "z.1f") for head in ("alone", "from", "to", "with others", "from", "to")),
+        ],
+        rows=[(one.name, one.first, *one.first_interval, one.total, *one.total_interval) for one in indices.factors],
+        note=f"Sobol's first-order and total indices with bounds of {100.0 * CONFIDENCE:.0f} % confidence (bootstrap) from "
+        f"{rows}{dropped}. A factor may be several quantities of one group. Indices lie between 0 and 100 %: one that is "
+        "estimated below or above them is so by chance. Those with others may add up to more than 100 %, because "
+        f"what factors do together counts for each of them.{few}",
+    )
+
+
+def effects_table(summary: StudySummary) -> Table | None:
+    """Tabulate the effects of the strongest inputs; None of fewer than two."""
+    if len(summary.effects) < 2:
+        return None
+    significant = {True: Mark("yes", "strong"), False: Mark("no", "quiet")}
+    return Table(
+        id="effects",
+        title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
+        columns=[
+            Column("input", align="text"),
+            Column("first-order index", "%", ".1f"),
+            Column("significant", align="left"),
+            Column("rank correlation", form="+.2f"),
+        ],
+        rows=[
+            (one.name, max(one.index, 0.0), significant[one.certain], one.rank) for one in summary.effects[:_EFFECTS]
+        ],
+        shown=_FEW,
+        note="Estimated from the variants as they are. Significant: an input without any effect would hardly reach such an "
+        "index. What is missing to 100 % comes from inputs that act together, and from what so "
+        "few variants do not show. If some inputs rise and fall together, what they explain in common is counted for the "
+        "strongest alone.",
+    )
+
+
+def worst_table(summary: StudySummary) -> Table:
+    """Tabulate the variants with the largest values of the measure that is looked at most, with their strongest inputs."""
+    names = [measure.name for measure in summary.measures]
+    # Of accelerations those of bodies, of points or of both.
+    measures = [one for one in summary.measures if one.name != "acceleration" or ALL not in names]
+    names = list(summary.ranked_inputs[: max(_COLUMNS - len(measures), 2)])
+    return Table(
+        id="worst-variants",
+        title=f"Worst variants by {summary.by}, with the inputs that matter most",
+        columns=[
+            Column("variant", align="left"),
+            *(replace(measure.column, heading=two_lines(measure.name)) for measure in measures),
+            *(Column(two_lines(summary.labels[name]), form=4) for name in names),
+        ],
+        rows=[
+            (
+                str(row["variant"]),
+                *(row[measure.name] for measure in measures),
+                *(input_cell(row[name]) for name in names),
+            )
+            for row in summary.worst(_WORST)
+        ],
+        note=f"Not shown: {', '.join(summary.left_out)}." if summary.left_out else "",
+    )
+
+
+def input_cell(value: Any) -> Cell:
+    """Return the value of an input; of the mount that fails "none" where none does."""
+    return value if isinstance(value, float) else str(value) or "none"
+
+
+def two_lines(name: str) -> str:
+    """Return a heading on lines if it is long: "mount/m16/", "axial/k1", "[factor]"; "combined_", "travel"."""
+    name, bracket, unit = name.partition(" [")
+    parts = name.split("/")
+    if len(name) > _LONG and len(parts) > 1:
+        half = len(parts) // 2
+        name = "/".join(parts[:half]) + "/\n" + "/".join(parts[half:])
+    elif len(name) > _LONG:
+        name = name.replace("_", "_\n", 1)
+    return f"{name}\n[{unit}" if bracket else name

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.content.numbers import MINUS
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel
+from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel, with_room
 from wirerope_mj.content.study_statements import capital, exceedance_text
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
@@ -103,11 +103,8 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
     sizes = np.array([max(100.0 * one.index, 0.0) for one in effects])
     kinds = [_kind_of(one) for one in effects]
     names: dict[int | str, str] = {
-        0: "rises with the input",
-        1: "falls",
-        BASE: "has no order",
-        OTHERS: "not significant",
-    }
+        0: "rises with the input", 1: "falls", BASE: "has no order", OTHERS: "not significant",
+    }  # fmt: skip
     end = _TEXT * max(float(sizes.max()), 2.5)
     panel = _bar_panel(
         [summary.labels.get(one.name, one.name) for one in effects],
@@ -153,8 +150,7 @@ def scatter_chart(summary: StudySummary, table: pa.Table, names: Sequence[str]) 
         x, y = x[known], y[known]
         at, means = _means(x, y)
         curves = [Curve(x=at, y=means, name="mean", kind=1), Curve(x=x, y=y, name="variants", kind=0, marks=True)]
-        room = 0.04 * float(np.ptp(x)) or 1.0
-        xlim = (float(x.min()) - room, float(x.max()) + room) if x.size else None
+        xlim = with_room(x, 0.04) if x.size else None
         panels.append(_over_input(curves, shown, summary.labels.get(name, name), xlim=xlim))
     panels[1:] = [replace(panel, ylabel="") for panel in panels[1:]]
     listed = summary.result.study.sampling in LISTED
@@ -272,6 +268,7 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
         where = "" if abs(elevation[top]) == 90.0 else f"azimuth {azimuth[top]:.4g}°, "
         title = f"largest: {values[top]:.3g} {shown.unit} at {where}elevation {elevation[top]:.4g}°"
         dots = [(float(azimuth[top]), float(height[top]))]
+    ends = min(-180.0, float(azimuth.min())), max(180.0, float(azimuth.max()))
     angles = (-90, -60, -45, -30, -15, 0, 15, 30, 45, 60, 90)
     panel = Panel(
         curves=curves,
@@ -280,11 +277,11 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
         xlabel="azimuth [°], 0 = along x, 90 = along y",
         title=title.replace("-", MINUS),
         dots=dots,
-        xlim=(min(-180.0, float(azimuth.min())), max(180.0, float(azimuth.max()))) if grid is None else None,
+        xlim=ends if grid is None else None,
         ylim=(-1.0, 1.0),
         yticks=[(math.sin(math.radians(angle)), f"{angle}".replace("-", MINUS)) for angle in angles],
         xticks=[
-            (float(angle), f"{angle}".replace("-", MINUS)) for angle in range(-180, 361, 45) if _in(angle, azimuth)
+            (float(one), f"{one}".replace("-", MINUS)) for one in range(-180, 361, 45) if ends[0] <= one <= ends[1]
         ],
     )
     caption = (
@@ -292,10 +289,6 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
         "sphere; the dot is the largest, red is beyond the limit."
     )
     return Chart(id="directions", rows=[[panel]], height=250.0, caption=caption, alt=caption)
-
-
-def _in(angle: float, azimuth: Array) -> bool:
-    return bool(min(-180.0, azimuth.min()) <= angle <= max(180.0, azimuth.max()))
 
 
 def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
@@ -346,25 +339,17 @@ def _field(along: Array, up: Array, grid: Array, shown: Measure) -> Field:
     ends = np.sin(np.radians(up[[0, -1]]))
     return Field(
         x=np.concatenate(([along[0]], (along[:-1] + along[1:]) / 2.0, [along[-1]])),
-        y=np.concatenate(([ends[0]], between, [ends[1]])),
-        values=grid,
-        name=shown.column.title(),
+        y=np.concatenate(([ends[0]], between, [ends[1]])), values=grid, name=shown.column.title(),
         limit=None if shown.limit is None else shown.factor * shown.limit,
-    )
+    )  # fmt: skip
 
 
 def _over_input(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any) -> Panel:
     """Return a panel of a measure over an input."""
     limits = _limits(shown)
     return Panel(
-        curves=curves,
-        ylabel=shown.column.title(),
-        xlabel=shortened(xlabel),
-        limits=limits,
-        unit=shown.unit,
-        xunit="",
-        **how,
-    )
+        curves=curves, ylabel=shown.column.title(), xlabel=shortened(xlabel), limits=limits, unit=shown.unit, xunit="", **how,
+    )  # fmt: skip
 
 
 def _bar_panel(names: Sequence[str], curves: Sequence[Curve], **how: Any) -> Panel:

@@ -19,14 +19,7 @@ from wirerope_mj.studies.results.effects import directions_text, fraction_of_dir
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
 from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statistics import (
-    CONFIDENCE,
-    Exceedance,
-    exceedance_of,
-    row_of,
-    struck_variants,
-    worst,
-)
+from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_of, row_of, struck_variants, worst
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers
@@ -200,15 +193,9 @@ def capital(text: str) -> str:
 
 
 def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limit: float) -> str:
-    """Return for which values of the only input a limit is exceeded; "" if none is, or several inputs vary.
+    """Return for which values of the only input a limit is exceeded by `values`, (n,); "" if none is, or several inputs vary.
 
     Of a number the value at which the limit is first crossed, interpolated between two variants; of choices their names.
-
-    Args:
-        table: of a study.
-        inputs: what was sampled in it.
-        values: of a measure, (n,).
-        limit: of the measure.
     """
     beyond = values > limit
     if len(inputs) != 1 or not beyond.any():

@@ -18,7 +18,7 @@ from wirerope_mj.assessment.criteria import (
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.assessment.criteria.judge import PASS
 from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines
-from wirerope_mj.assessment.criteria.verdict import most_used
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit
@@ -93,12 +93,10 @@ def worst_table(verdicts: Sequence[Verdict]) -> Table | None:
     if not rows:
         return None
     return Table(
-        id="worst-of-criteria",
-        title="The worst of every criterion",
-        columns=(*_COLUMNS, Column("values", form="d")),
+        id="worst-of-criteria", title="The worst of every criterion", columns=(*_COLUMNS, Column("values", form="d")),
         rows=[(*_cells(row), sum(other.criterion == row.criterion for other in verdicts)) for row in rows],
         note="Used: value over limit, above 100 % where it is exceeded. Values: how many the row is the worst of.",
-    )
+    )  # fmt: skip
 
 
 def full_table(verdicts: Sequence[Verdict]) -> Table | None:
@@ -128,6 +126,12 @@ def ordered(verdicts: Sequence[Verdict]) -> list[Verdict]:
     return sorted(verdicts, key=lambda row: (_ORDER.index(row.verdict), -(row.utilisation or 0.0)))
 
 
+def acceleration_limits(verdicts: Sequence[Verdict]) -> dict[str, Verdict]:
+    """Return the most critical verdict on the acceleration of each body and point that has a limit, by its name."""
+    judged = [row for row in verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
+    return {row.subject: row for row in sorted(judged, key=lambda row: row.utilisation or 0.0)}
+
+
 def used_mark(utilisation: float | None) -> Mark:
     """Return a utilisation in the tone of what it means."""
     if utilisation is None:
@@ -144,12 +148,7 @@ def _known(row: Verdict) -> Verdict:
 def _cells(row: Verdict) -> tuple[Cell, ...]:
     """Return criterion, verdict, subject, value, limit, unit, utilisation and instant."""
     return (
-        str(row.criterion),
-        Mark(content=row.verdict, tone=TONE[row.verdict]),
-        row.subject,
-        shown(_known(row).value, row.unit),
-        shown(row.limit, row.unit),
-        shown_unit(row.unit),
-        used_mark(row.utilisation),
+        str(row.criterion), Mark(content=row.verdict, tone=TONE[row.verdict]), row.subject,
+        shown(_known(row).value, row.unit), shown(row.limit, row.unit), shown_unit(row.unit), used_mark(row.utilisation),
         _known(row).time,
-    )
+    )  # fmt: skip

@@ -14,7 +14,6 @@ from wirerope_mj.motions import load_measured
 from wirerope_mj.runs.folder import update_checksums, warn_of_alterations
 from wirerope_mj.runs.measured import store_test
 from wirerope_mj.runs.sources import is_run, run_verdicts
-from wirerope_mj.views.recording.record import record_run
 from wirerope_mj.views.report import report_html
 
 
@@ -46,6 +45,8 @@ def write_correlation(
     content = correlation_content(folder.resolve().name, tests)
     with atomic_file(page) as beside:
         beside.write_text(report_html(content), encoding="utf-8")
+    from wirerope_mj.views.recording.record import record_run  # late: rerun takes long to import
+
     recording = page.with_suffix(".rrd")
     run = RunResult(response=response, verdicts=run_verdicts(folder, response))
     record_run(run, recording, title=content.title, scenario_text=content.verdict.text, tests=tests)

@@ -25,9 +25,8 @@ from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer
-from wirerope_mj.views.explore.recorder import Recorder
-from wirerope_mj.views.explore.shown import ShownRun
-from wirerope_mj.views.explore.turns import OvertakenError
+from wirerope_mj.views.explore.recorder import Recorder, ShownRun
+from wirerope_mj.views.explore.server import OvertakenError
 
 _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest before it
 

@@ -24,8 +24,7 @@ from wirerope_mj.runs.sources import judged_folder
 from wirerope_mj.runs.study import result_content, write_study_report
 from wirerope_mj.studies.inputs_file import STUDY
 from wirerope_mj.studies.study import load_study
-from wirerope_mj.views.recording.paths import FILE
-from wirerope_mj.views.recording.viewer import find_recording
+from wirerope_mj.views.recording.viewer import FILE, find_recording
 from wirerope_mj.views.share import VIEWER, linked_report, viewer_pages
 
 

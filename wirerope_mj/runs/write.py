@@ -278,7 +278,7 @@ def _write_views(
     scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool, case: str
 ) -> None:
     # Here, because matplotlib and rerun take longer to import than a small simulation takes.
-    from wirerope_mj.content.over_frequency import panel_over_frequency
+    from wirerope_mj.content.payload import panel_over_frequency
     from wirerope_mj.content.run import run_content
     from wirerope_mj.runs.page import REPORT
     from wirerope_mj.views.plots.png_chart import save_charts

@@ -18,9 +18,9 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
+from wirerope_mj.studies.race import CRITERIA as CRITERIA
 from wirerope_mj.studies.race import LEVELS, Race
-from wirerope_mj.studies.tried_part import CRITERIA as CRITERIA
-from wirerope_mj.studies.tried_part import TriedPart as TriedPart
+from wirerope_mj.studies.race import TriedPart as TriedPart
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits
 Progress = Callable[[float], None]
@@ -42,17 +42,8 @@ def try_parts(
     along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved until what
     is judged of a part keeps within `accuracy`, or is beyond a limit for certain.
 
-    Args:
-        system: the model, with the limits that are judged.
-        parts: isolators by name.
-        cases: base motions by the name of the load case.
-        initial: "settled" or "relaxed".
-        placement: how many mounts there are and where, for the results.
-        accuracy: of what is judged, relative to it.
-        progress: takes the fraction of the work that is done.
-
     Raises:
-        ValueError: `initial` is neither, or a motion has no end.
+        ValueError: `initial` is neither "settled" nor "relaxed", or a motion has no end.
         ModelError: no mount of the model carries an isolator.
     """
     if initial not in HISTORIES:
@@ -137,18 +128,13 @@ def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class CatalogueSelection(Summarised):
-    """Parts of a catalogue that were simulated, ranked.
+    """Parts of a catalogue that were simulated, ranked."""
 
-    Attributes:
-        tried: those that keep every limit by `by`, then the nearest to their limits, then those without figures.
-        cases: base motions by the name of the load case.
-        by: what they are ranked by, one of `BY`.
-        stated: "price" and "mass" of one part, by the part's name, as a table of one's own states them.
-    """
-
+    # those that keep every limit by `by`, then the nearest to their limits, then those without figures
     tried: tuple[TriedPart, ...]
-    cases: Mapping[str, BaseMotion]
-    by: str
+    cases: Mapping[str, BaseMotion]  # base motions by the name of the load case
+    by: str  # what they are ranked by, one of `BY`
+    # "price" and "mass" of one part, by the part's name, as a table of one's own states them
     stated: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     @property

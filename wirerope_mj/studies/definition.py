@@ -118,17 +118,12 @@ class StudyDefinition:
             check_records(motion, folder)
         vary = {one["name"]: {key: value for key, value in one.items() if key != "name"} for one in content["vary"]}
         return cls(
-            model=model,
-            changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
+            model=model, changes=read_changes(folder / content["model"]["changes"]) if "changes" in content["model"] else (),
             motions=[motion_from_dict(motion, folder=folder) for motion in content["motions"]],
             vary={name: distribution_from_dict(value) for name, value in vary.items()},
-            variants=content["sampling"]["variants"],
-            sampling=content["sampling"]["method"],
-            seed=content["sampling"]["seed"],
-            name=content["name"],
-            question=content["question"],
-            **content["simulate"],
-        )
+            variants=content["sampling"]["variants"], sampling=content["sampling"]["method"],
+            seed=content["sampling"]["seed"], name=content["name"], question=content["question"], **content["simulate"],
+        )  # fmt: skip
 
     def table(self) -> pa.Table:
         """Return the inputs of all variants: `variant` and one column for every sampled number.

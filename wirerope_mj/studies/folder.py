@@ -40,12 +40,11 @@ def prepare(
 ) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
-    Without a single part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
-    process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
+    Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose process
+    died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
 
     Raises:
-        RecordError: something else stands there, or a study that is neither resumed nor replaced, or on which another process
-            works.
+        RecordError: something else stands there, or a study that is not resumed nor replaced, or that another process works on.
     """
     clear_half_written(folder.resolve().parent)
     if not (folder / STUDY).is_file():

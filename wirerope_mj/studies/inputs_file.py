@@ -34,10 +34,8 @@ _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)
 _TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
     "model": ({"file": str}, {"changes": str, "path": str}),
     "simulate": ({"duration": Any, "timestep": Any, "sample_rate": Any, "initial": Any}, {}),
-    "sampling": ({"method": str, "variants": int, "seed": int}, {}),
-    "versions": ({}, None),
-    "files": ({}, None),
-}
+    "sampling": ({"method": str, "variants": int, "seed": int}, {}), "versions": ({}, None), "files": ({}, None),
+}  # fmt: skip
 
 
 def read_inputs(folder: Path) -> dict[str, Any]:

@@ -21,22 +21,16 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class Extremes:
-    """Peaks of variants over every step.
+    """Peaks of variants over every step."""
 
-    Attributes:
-        failed: whether the kernel gave a variant up, (n,).
-        value: largest norm of every channel, (n, n_channels); of what is fixed to the base 0.
-        lowest, highest: extremes of the components, (n, n_channels, 3).
-        struck: number of stops that closed, (n,).
-        travels: largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
-            any, (n, n_mounts, 2).
-    """
-
-    failed: Flags
-    value: Array
+    failed: Flags  # whether the kernel gave a variant up, (n,)
+    value: Array  # largest norm of every channel, (n, n_channels); of what is fixed to the base 0
+    # lowest, highest: extremes of the components, (n, n_channels, 3)
     lowest: Array
     highest: Array
-    struck: Array
+    struck: Array  # number of stops that closed, (n,)
+    # largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
+    # any, (n, n_mounts, 2)
     travels: Array
 
     @classmethod
@@ -61,12 +55,9 @@ class Extremes:
 
 
 def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:
-    """Return the measures of variants by name, (n,) each.
+    """Return the measures of variants by name, (n,) each, of a system with their limits, ratings and fitted mounts.
 
-    Args:
-        system: whose limits and ratings, and whose mounts that are fitted, are those of all variants.
-        extremes: of the variants.
-        forces: of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there.
+    `forces` are those of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there.
     """
     n = len(extremes.value)
     channels = _channels(system)
@@ -87,14 +78,11 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
         combined = combined_utilisation(farthest, of_judged, ways, rated)
     loads = _static_loads([isolators[number].limits.static_load for number in judged], forces, judged, n)
     result = {
-        "acceleration": _largest(np.array(bodies).reshape(-1, n).T),
-        "travel": _largest(used),
-        "combined_travel": _largest(combined),
-        "static_load": _largest(loads),
+        "acceleration": _largest(np.array(bodies).reshape(-1, n).T), "travel": _largest(used),
+        "combined_travel": _largest(combined), "static_load": _largest(loads),
         "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
-        "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))),
-        "struck": extremes.struck,
-    }
+        "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))), "struck": extremes.struck,
+    }  # fmt: skip
     result |= {f"acceleration/{name}": values for name, values in accelerations.items()}
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
@@ -116,13 +104,11 @@ def _channels(system: System) -> dict[str, dict[str, int]]:
     of_points = {name: n + 2 * i for i, name in enumerate(subjects.point_names) if name in points}
     of_bodies = {name: i for i, name in enumerate(subjects.body_names) if name in bodies}
     return {
-        "acceleration": of_bodies | of_points,
-        "body": of_bodies,
-        "point": of_points,
+        "acceleration": of_bodies | of_points, "body": of_bodies, "point": of_points,
         "displacement": {name: channel + 1 for name, channel in of_points.items()},
         "deflection": {name: first + 2 * i for i, name in enumerate(mounts)},
         "force": {name: first + 2 * i + 1 for i, name in enumerate(mounts)},
-    }
+    }  # fmt: skip
 
 
 def _largest(values: Array) -> Array:

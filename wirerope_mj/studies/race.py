@@ -1,31 +1,83 @@
-"""Many systems under load cases side by side, with steps that are halved where it is not yet known what is judged of them."""
+"""Parts in the places of a model's mounts under load cases, with steps that are halved until it is known what is judged."""
 
 import math
 import os
 from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass, field
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, COMBINED, RATTLE_SPACE, STATIC_LOAD, TRAVEL
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.measures import measures, payload_bodies, payload_points
-from wirerope_mj.studies.tried_part import CRITERIA, TriedPart
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
 _PATIENCE = 4  # of them, after which a part whose run fails with each is given up
-_FINER = (
-    2.0  # difference of two runs over the error of the finer: 3 at order 2, a little less at the order that is seen
-)
+# Difference of two runs over the error of the finer: 3 at order 2, a little less at the order that is seen.
+_FINER = 2.0
 _CERTAIN = 5.0  # differences of two runs beyond a limit from which on it is exceeded for certain
 _SWINGS = 6.0  # slowest periods after the motion: the largest peaks lie within them
 _SAMPLES = 10.0  # ends of steps asked for [1/s]: peaks are those of every step, and fewer samples are faster
 _GREW = "a mount goes beyond where its law holds, or the motion grows without bound"
+# Measures that are utilisations of limits, and the criteria that they stand for.
+CRITERIA = {
+    "static_load": STATIC_LOAD, "travel": TRAVEL, "combined_travel": str(COMBINED), "fragility": ACCELERATION,
+    "clearance": RATTLE_SPACE,
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class TriedPart:
+    """A part in the places of a model's mounts."""
+
+    name: str  # of the part
+    isolator: Isolator | None = None  # the part; None if it has none
+    system: System | None = field(default=None, repr=False)  # the model on it; None without an isolator
+    placement: str = ""  # how many mounts there are and where, as it was asked for
+    mounts: int = 0  # number of mounts that carry the part
+    # by the load case, those of `wirerope_mj.studies.measures`; of cases that were computed
+    measures: Mapping[str, Mapping[str, float]] = field(default_factory=dict, repr=False)
+    reason: str = ""  # why it was not computed, "" if it was
+
+    def used(self, measure: str) -> tuple[float, str]:
+        """Return the largest utilisation of a criterion over the load cases [-], NaN if it is not judged, and the case."""
+        known = {case: own[measure] for case, own in self.measures.items() if not math.isnan(own[measure])}
+        worst = max(known, key=lambda case: known[case], default="")
+        return known.get(worst, math.nan), worst
+
+    @property
+    def governing(self) -> tuple[float, str, str]:
+        """Utilisation, criterion and load case that are the most critical; NaN and "" if nothing is judged."""
+        judged = [(*self.used(measure), criterion) for measure, criterion in CRITERIA.items()]
+        value, case, criterion = max(judged, key=lambda one: -1.0 if math.isnan(one[0]) else one[0])
+        return (value, "", "") if math.isnan(value) else (value, criterion, case)
+
+    @property
+    def meets(self) -> bool:
+        """Whether everything that is judged is within its limits."""
+        return not self.reason and not self.governing[0] > 1.0
+
+    @property
+    def acceleration(self) -> float:
+        """Largest acceleration of the payload's bodies and points over the load cases [m/s^2]."""
+        return self._largest("acceleration")
+
+    @property
+    def displacement(self) -> float:
+        """Largest displacement of a point relative to the base over the load cases [m]; NaN without points."""
+        return self._largest("displacement/")
+
+    def _largest(self, start: str) -> float:
+        found = [value for own in self.measures.values() for name, value in own.items() if name.startswith(start)]
+        return max((one for one in found if not math.isnan(one)), default=math.nan)
 
 
 class Race:

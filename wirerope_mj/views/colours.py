@@ -17,37 +17,25 @@ Color = tuple[int, int, int]
 
 @dataclass(frozen=True, kw_only=True)
 class Colours:
-    """Colours on one ground.
+    """Colours on one ground."""
 
-    Attributes:
-        ground: on which they are read.
-        series: of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green.
-        limit: of what must not be exceeded, and of what exceeds it.
-        base: of the base, which everything is compared with.
-        others: of lines that are not named.
-    """
-
-    ground: Color
+    ground: Color  # on which they are read
+    # of lines that are told apart, the most important first: blue, orange, violet, teal, pink, green
     series: tuple[Color, ...]
-    limit: Color
-    base: Color
-    others: Color
+    limit: Color  # of what must not be exceeded, and of what exceeds it
+    base: Color  # of the base, which everything is compared with
+    others: Color  # of lines that are not named
 
 
 DARK = Colours(
     ground=(24, 27, 31),
     series=((63, 167, 245), (254, 182, 74), (165, 128, 186), (122, 236, 228), (214, 155, 206), (124, 188, 141)),
-    limit=(255, 90, 90),
-    base=(150, 156, 164),
-    others=(138, 144, 153),
-)
+    limit=(255, 90, 90), base=(150, 156, 164), others=(138, 144, 153),
+)  # fmt: skip
 LIGHT = Colours(
-    ground=(255, 255, 255),
-    series=((18, 100, 200), (176, 90, 0), (74, 20, 134), (10, 125, 110), (176, 48, 144), (77, 92, 0)),
-    limit=(210, 0, 80),
-    base=(64, 68, 74),
-    others=(112, 117, 124),
-)
+    ground=(255, 255, 255), series=((18, 100, 200), (176, 90, 0), (74, 20, 134), (10, 125, 110), (176, 48, 144), (77, 92, 0)),
+    limit=(210, 0, 80), base=(64, 68, 74), others=(112, 117, 124),
+)  # fmt: skip
 
 
 def hexadecimal(colour: Color) -> str:

@@ -7,12 +7,7 @@ from wirerope_mj.foundation.tables import Table
 
 
 def plain_content(content: Content, *sections: str) -> dict[str, Any]:
-    """Return statements and tables of some sections by their ids, the headline first: SI values, texts and tones.
-
-    Args:
-        content: of a result.
-        sections: ids of those that are written; charts and scenes are not.
-    """
+    """Return statements and tables of some sections by their ids, the headline first: SI values, texts and tones."""
     said: dict[str, Any] = {"headline": _statement(content.verdict)}
     for section in content.sections:
         for block in section.blocks if section.id in sections else ():

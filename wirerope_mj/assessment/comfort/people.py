@@ -19,22 +19,19 @@ _RINGS = 3.0
 class Weighting:
     """A frequency weighting of acceleration, as ISO 8041 defines it by analogue filters.
 
-        H(p) = p^2 / (p^2 + r w1 p + w1^2)  w2^2 / (p^2 + r w2 p + w2^2)      r = sqrt(2), band limits
-               (1 + p / w3) / (1 + p / (Q4 w4) + (p / w4)^2)                  from acceleration to velocity
-               (w5 / w6)^2 (1 + p / (Q5 w5) + (p / w5)^2) / (1 + p / (Q6 w6) + (p / w6)^2)     upward step
-
-    Attributes:
-        low, high: band limits f1, f2 [Hz].
-        f3, f4, q4: of the passage from acceleration to velocity [Hz]; f3 may be infinite.
-        step: f5 [Hz], Q5, f6 [Hz], Q6 of the upward step; empty without one.
+    H(p) = p^2 / (p^2 + r w1 p + w1^2)  w2^2 / (p^2 + r w2 p + w2^2)      r = sqrt(2), band limits
+           (1 + p / w3) / (1 + p / (Q4 w4) + (p / w4)^2)                  from acceleration to velocity
+           (w5 / w6)^2 (1 + p / (Q5 w5) + (p / w5)^2) / (1 + p / (Q6 w6) + (p / w6)^2)     upward step
     """
 
+    # low, high: band limits f1, f2 [Hz]
     low: float
     high: float
+    # f3, f4, q4: of the passage from acceleration to velocity [Hz]; f3 may be infinite
     f3: float
     f4: float
     q4: float
-    step: tuple[float, ...] = ()
+    step: tuple[float, ...] = ()  # f5 [Hz], Q5, f6 [Hz], Q6 of the upward step; empty without one
 
     def gain(self, frequency: npt.ArrayLike) -> ComplexArray:
         """Evaluate H at frequencies [Hz], (...)."""
@@ -62,23 +59,14 @@ WEIGHTINGS = {
 
 @dataclass(frozen=True, kw_only=True)
 class Exposure:
-    """Weighted vibration of a person at a point, along x, y and z of the world, z upwards.
+    """Weighted vibration of a person at a point, along x, y and z of the world, z upwards."""
 
-    Attributes:
-        rms: weighted rms acceleration [m/s^2], (3,): Wd horizontally, Wk vertically.
-        running: largest running rms over 1 s, the maximum transient vibration value [m/s^2], (3,).
-        peak: largest weighted acceleration [m/s^2], (3,).
-        dose: fourth power vibration dose value [m/s^1.75], (3,).
-        sickness: motion sickness dose value MSDV of z, by Wf [m/s^1.5].
-        duration: time that counts [s].
-    """
-
-    rms: Array
-    running: Array
-    peak: Array
-    dose: Array
-    sickness: float
-    duration: float
+    rms: Array  # weighted rms acceleration [m/s^2], (3,): Wd horizontally, Wk vertically
+    running: Array  # largest running rms over 1 s, the maximum transient vibration value [m/s^2], (3,)
+    peak: Array  # largest weighted acceleration [m/s^2], (3,)
+    dose: Array  # fourth power vibration dose value [m/s^1.75], (3,)
+    sickness: float  # motion sickness dose value MSDV of z, by Wf [m/s^1.5]
+    duration: float  # time that counts [s]
 
     @property
     def total(self) -> float:

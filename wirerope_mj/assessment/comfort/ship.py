@@ -11,9 +11,7 @@ import numpy.typing as npt
 import scipy
 
 from wirerope_mj.assessment.comfort.people import WEIGHTINGS
-from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.assessment.criteria.points import check_rows
-from wirerope_mj.assessment.criteria.verdict import Verdict
+from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import power_spectral_density
@@ -44,7 +42,7 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
     Raises:
         ValueError: lines are not as they must be, or none lies between 1 and 100 Hz.
     """
-    f, v = check_rows("velocity", frequency, velocity)
+    f, v = _rows(frequency, velocity)
     inside = (f >= _RANGE_1984[0]) & (f <= _RANGE_1984[1])
     if not inside.any():
         raise ValueError(f"`frequency` must hold a line from 1 to 100 Hz, got {f.min():.6g} to {f.max():.6g}.")
@@ -53,16 +51,10 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
     for name, (plateau, acceleration) in PEAKS_1984.items():
         allowed = np.where(f < _KNEE, acceleration / (2.0 * math.pi * f), plateau)
         worst = int((v / allowed).argmax())
-        verdicts.append(
-            Verdict(
-                criterion=Criterion(f"ISO 6954:1984 {name}"),
-                subject=subject,
-                value=float(v[worst]),
-                limit=float(allowed[worst]),
-                unit="m/s",
-                note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_MEANING[name]}",
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=Criterion(f"ISO 6954:1984 {name}"), subject=subject, value=float(v[worst]), limit=float(allowed[worst]),
+            unit="m/s", note=f"peak velocity at {f[worst]:.4g} Hz, taken as the largest that repeats; {_MEANING[name]}",
+        ))  # fmt: skip
     return tuple(verdicts)
 
 
@@ -80,7 +72,7 @@ def iso_6954_2000(
     Raises:
         ValueError: lines or space are not as they must be, or no line lies in these bands.
     """
-    f, v = check_rows("velocity", frequency, velocity)
+    f, v = _rows(frequency, velocity)
     inside = (f >= _RANGE_2000[0]) & (f <= _RANGE_2000[1])
     if not inside.any():
         raise ValueError(
@@ -192,3 +184,15 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
         )
         for name, limit in zip(("lower", "upper"), RMS_2000[space], strict=True)
     )
+
+
+def _rows(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:
+    """Return frequencies [Hz] and velocities [m/s] in any order as arrays, and refuse what are none."""
+    f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
+    if f.ndim != 1 or f.shape != v.shape or not f.size:
+        raise ValueError(
+            f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
+        )
+    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
+        raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
+    return f, v

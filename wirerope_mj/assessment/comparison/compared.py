@@ -13,19 +13,12 @@ from wirerope_mj.foundation.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class ComparedRun:
-    """One of the runs.
+    """One of the runs."""
 
-    Attributes:
-        name: of the run in every output.
-        response: its response, on the timeline that all runs share.
-        moved: by how much it was moved to that timeline [s].
-        verdicts: on it.
-    """
-
-    name: str
-    response: Response
-    moved: float
-    verdicts: tuple[Verdict, ...]
+    name: str  # of the run in every output
+    response: Response  # its response, on the timeline that all runs share
+    moved: float  # by how much it was moved to that timeline [s]
+    verdicts: tuple[Verdict, ...]  # on it
 
 
 @dataclass(frozen=True, kw_only=True, order=True)
@@ -74,21 +67,13 @@ _BLOCK = 64  # columns that are compared at once
 
 @dataclass(frozen=True, kw_only=True)
 class HistoryDifference:
-    """Largest difference of two histories.
+    """Largest difference of two histories."""
 
-    Attributes:
-        subject: component or mount.
-        run: the other run; the histories are compared with those of the first.
-        value: largest norm of the difference [m/s^2] or [m].
-        time: its instant [s].
-        ratio: to the first run's peak; NaN if that is zero.
-    """
-
-    subject: Subject
-    run: str
-    value: float
-    time: float
-    ratio: float
+    subject: Subject  # component or mount
+    run: str  # the other run; the histories are compared with those of the first
+    value: float  # largest norm of the difference [m/s^2] or [m]
+    time: float  # its instant [s]
+    ratio: float  # to the first run's peak; NaN if that is zero
 
 
 def largest_differences(runs: Sequence[ComparedRun], subjects: Iterable[Subject]) -> tuple[HistoryDifference, ...]:

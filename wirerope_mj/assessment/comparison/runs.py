@@ -26,20 +26,14 @@ Align = Literal["start", "shock"]
 
 @dataclass(frozen=True, kw_only=True)
 class Comparison:
-    """Runs and what they have in common; one alone has everything.
+    """Runs and what they have in common; one alone has everything."""
 
-    Attributes:
-        runs: the runs; differences are those to the first.
-        components: what two of them or more have, or the only one: the base first, then the largest peak.
-        mounts: names of the mounts that two of them or more have, or the only one.
-        alone: components and mounts that only one of them has, by the run's name.
-        differences: where and when what is shared differs most from the first run, the largest first.
-    """
-
-    runs: tuple[ComparedRun, ...]
+    runs: tuple[ComparedRun, ...]  # the runs; differences are those to the first
+    # what two of them or more have, or the only one: the base first, then the largest peak
     components: tuple[Component, ...]
-    mounts: tuple[str, ...]
-    alone: dict[str, tuple[Subject, ...]]
+    mounts: tuple[str, ...]  # names of the mounts that two of them or more have, or the only one
+    alone: dict[str, tuple[Subject, ...]]  # components and mounts that only one of them has, by the run's name
+    # where and when what is shared differs most from the first run, the largest first
     differences: tuple[HistoryDifference, ...]
 
 
@@ -48,10 +42,8 @@ def compare_runs(
 ) -> Comparison:
     """Compare responses by name with the first of them.
 
-    Args:
-        responses: by the names of the runs.
-        align: "start": all begin together, as they were simulated; "shock": their first events fall together.
-        verdicts: on each; those that `judge` returns by default.
+    `align` "start" lets all begin together, as they were simulated; with "shock" their first events fall together. Verdicts
+    are those that `judge` returns, if none are given.
 
     Raises:
         ValueError: `align` is unknown.
@@ -105,28 +97,19 @@ def _moved(response: Response, by: float) -> Response:
     contacts = None if known is None else {name: contact.later(by) for name, contact in known.items()}
     travels = None if travelled is None else {name: travel.later(by) for name, travel in travelled.items()}
     return replace(
-        response,
-        time=response.time + by,
-        events=tuple((time + by, text) for time, text in response.events),
+        response, time=response.time + by, events=tuple((time + by, text) for time, text in response.events),
         peaks=Peaks(**peaks, contacts=contacts, travels=travels),
-    )
+    )  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)
 class PeakRow:
-    """A peak in every run, in the order of the runs; None where a run does not have it.
+    """A peak in every run, in the order of the runs; None where a run does not have it."""
 
-    Attributes:
-        label: whose it is.
-        values: in SI, utilisations as ratios.
-        times: instants [s]; NaN where the peak has none.
-        notes: what is said beside a value, such as the kind of travel.
-    """
-
-    label: str
-    values: tuple[float | None, ...]
-    times: tuple[float | None, ...]
-    notes: tuple[str, ...]
+    label: str  # whose it is
+    values: tuple[float | None, ...]  # in SI, utilisations as ratios
+    times: tuple[float | None, ...]  # instants [s]; NaN where the peak has none
+    notes: tuple[str, ...]  # what is said beside a value, such as the kind of travel
 
     def difference(self, number: int) -> float | None:
         """Return the relative difference of a run to the first; None if that makes no sense."""
@@ -222,11 +205,9 @@ def _mounts_of_runs(comparison: Comparison) -> dict[str, list[MountPeak | None]]
 def _row(label: str, peaks: list[Peak | None], axis: int | None) -> PeakRow:
     sizes = [None if peak is None else _size(peak, axis) for peak in peaks]
     return PeakRow(
-        label=label,
-        values=tuple(None if size is None else size[0] for size in sizes),
-        times=tuple(None if size is None else size[1] for size in sizes),
-        notes=("",) * len(peaks),
-    )
+        label=label, values=tuple(None if size is None else size[0] for size in sizes),
+        times=tuple(None if size is None else size[1] for size in sizes), notes=("",) * len(peaks),
+    )  # fmt: skip
 
 
 def _size(peak: Peak, axis: int | None) -> tuple[float, float]:

@@ -15,27 +15,19 @@ _WARP = 0.1  # half width of the band of the time warping, of the interval
 _SMOOTHED = 9  # samples over which slopes are averaged
 _WEIGHTS = (0.4, 0.2, 0.2, 0.2)
 
+# Overall ratings above which a grade begins (clause 6 of ISO/TS 18571:2014)
 GRADES = ((0.94, "excellent"), (0.8, "good"), (0.58, "fair"), (-1.0, "poor"))
-"""Overall ratings above which a grade begins (clause 6 of ISO/TS 18571:2014)."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Rating:
-    """Ratings from 0 to 1, where 1 is agreement.
+    """Ratings from 0 to 1, where 1 is agreement."""
 
-    Attributes:
-        corridor: how far the computed history stays within 5 % of the measured peak.
-        phase: how little it must be shifted to fit best.
-        magnitude: how alike sizes are once it is shifted and warped.
-        slope: how alike slopes are once it is shifted.
-        overall: 0.4 of the corridor and 0.2 of each other rating.
-    """
-
-    corridor: float
-    phase: float
-    magnitude: float
-    slope: float
-    overall: float
+    corridor: float  # how far the computed history stays within 5 % of the measured peak
+    phase: float  # how little it must be shifted to fit best
+    magnitude: float  # how alike sizes are once it is shifted and warped
+    slope: float  # how alike slopes are once it is shifted
+    overall: float  # 0.4 of the corridor and 0.2 of each other rating
 
     @property
     def grade(self) -> str:

@@ -10,17 +10,11 @@ from wirerope_mj.foundation.arrays import Array
 
 @dataclass(frozen=True, kw_only=True)
 class MagnitudePhase:
-    """Errors of a computed history; all are zero where it is the measured one.
+    """Errors of a computed history; all are zero where it is the measured one."""
 
-    Attributes:
-        magnitude: > 0 where the computed history is larger.
-        phase: 0 to 1; 0.5 for two sines a quarter of a period apart.
-        comprehensive: of both together.
-    """
-
-    magnitude: float
-    phase: float
-    comprehensive: float
+    magnitude: float  # > 0 where the computed history is larger
+    phase: float  # 0 to 1; 0.5 for two sines a quarter of a period apart
+    comprehensive: float  # of both together
 
 
 def sprague_geers(measured: Array, computed: Array) -> MagnitudePhase:

@@ -28,32 +28,22 @@ _NOTABLE = 0.1  # deviation of a ratio from which it is worth a sentence
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Band:
-    """Frequencies between which the model is low or high.
+    """Frequencies between which the model is low or high."""
 
-    Attributes:
-        first, last: [Hz].
-        deviation: mean of model over measurement less one.
-        weight: of the deviation, for choosing among bands.
-    """
-
+    # first, last: [Hz]
     first: float
     last: float
-    deviation: float
-    weight: float
+    deviation: float  # mean of model over measurement less one
+    weight: float  # of the deviation, for choosing among bands
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class SpectrumRatio:
-    """Two spectra of amplitudes, and their ratio.
+    """Two spectra of amplitudes, and their ratio."""
 
-    Attributes:
-        kind: "SRS" or "PSD".
-        frequency: [Hz], (n_f,), at equal ratios.
-        measured, model: largest accelerations, or roots of densities, (n_f,).
-    """
-
-    kind: str
-    frequency: Array = field(repr=False)
+    kind: str  # "SRS" or "PSD"
+    frequency: Array = field(repr=False)  # [Hz], (n_f,), at equal ratios
+    # measured, model: largest accelerations, or roots of densities, (n_f,)
     measured: Array = field(repr=False)
     model: Array = field(repr=False)
 
@@ -156,14 +146,10 @@ def coherence(pair: Pair) -> float | None:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Transmissibility:
-    """Acceleration at a channel over that of the base along the same axis, as measured and as the model says.
+    """Acceleration at a channel over that of the base along the same axis, as measured and as the model says."""
 
-    Attributes:
-        frequency: [Hz], (n_f,), where the measured base moves.
-        measured, model: complex, (n_f,).
-    """
-
-    frequency: Array = field(repr=False)
+    frequency: Array = field(repr=False)  # [Hz], (n_f,), where the measured base moves
+    # measured, model: complex, (n_f,)
     measured: NDArray[np.complex128] = field(repr=False)
     model: NDArray[np.complex128] = field(repr=False)
 

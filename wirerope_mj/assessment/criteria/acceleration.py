@@ -6,9 +6,15 @@ from collections.abc import Sequence
 import numpy as np
 import scipy
 
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, one_each, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    ACCELERATION,
+    Criterion,
+    Verdict,
+    limits_by_name,
+    one_each,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -69,17 +75,11 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
     for axis, allowed in enumerate(limit.values):
         low = -peak.minimum[axis] > peak.maximum[axis]
         when = peak.minimum_time[axis] if low else peak.maximum_time[axis]
-        verdicts.append(
-            Verdict(
-                criterion=Criterion(ACCELERATION, axis="xyz"[axis]),
-                subject=name,
-                value=float(max(-peak.minimum[axis], peak.maximum[axis])),
-                limit=allowed or None,
-                unit=UNIT,
-                time=float(when),
-                note="; ".join(part for part in (note, "" if allowed else UNLIMITED) if part),
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=Criterion(ACCELERATION, axis="xyz"[axis]), subject=name,
+            value=float(max(-peak.minimum[axis], peak.maximum[axis])), limit=allowed or None, unit=UNIT, time=float(when),
+            note="; ".join(part for part in (note, "" if allowed else UNLIMITED) if part),
+        ))  # fmt: skip
     return verdicts
 
 
@@ -93,11 +93,7 @@ def _filtered(time: Array, acceleration: Array, cutoff: float) -> Peak:
     highest = [sampled_peak(time, smooth[:, axis]) for axis in range(3)]
     lowest = [sampled_peak(time, -smooth[:, axis]) for axis in range(3)]
     return Peak(
-        value=value,
-        time=when,
-        vector=smooth[int(np.searchsorted(time, when)) - 1],
-        minimum=-np.array([value for value, _ in lowest]),
-        minimum_time=np.array([when for _, when in lowest]),
-        maximum=np.array([value for value, _ in highest]),
-        maximum_time=np.array([when for _, when in highest]),
-    )
+        value=value, time=when, vector=smooth[int(np.searchsorted(time, when)) - 1],
+        minimum=-np.array([value for value, _ in lowest]), minimum_time=np.array([when for _, when in lowest]),
+        maximum=np.array([value for value, _ in highest]), maximum_time=np.array([when for _, when in highest]),
+    )  # fmt: skip

@@ -12,11 +12,21 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION, BOTTOMING, COMBINED, RATTLE_SPACE, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.rattle import between_points, body_corners, corner_displacements
 from wirerope_mj.assessment.criteria.sampled import STEADY, elements, read_columns, steady_interval
 from wirerope_mj.assessment.criteria.travel import combined_travel
-from wirerope_mj.assessment.criteria.verdict import CLEAR, NOT_JUDGED, WITHIN, Verdict
+from wirerope_mj.assessment.criteria.verdict import (
+    ACCELERATION,
+    BOTTOMING,
+    CLEAR,
+    COMBINED,
+    NOT_JUDGED,
+    RATTLE_SPACE,
+    TRAVEL,
+    WITHIN,
+    Criterion,
+    Verdict,
+)
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
@@ -26,17 +36,11 @@ from wirerope_mj.mounts.isolator.travel import travel_in
 
 @dataclass(frozen=True, kw_only=True)
 class Used:
-    """Fraction of its limits that a mount, a body or a point uses over time.
-
-    Attributes:
-        subject: its name.
-        verdicts: on it, those that change over time, the largest utilisation first.
-        course: largest utilisation of them at each sample, (n_t,); peaks of every step may lie a little above.
-    """
+    """Fraction of its limits that a mount, a body or a point uses over time."""
 
     subject: str
-    verdicts: tuple[Verdict, ...]
-    course: Array
+    verdicts: tuple[Verdict, ...]  # on it, those that change over time, the largest utilisation first
+    course: Array  # largest utilisation of them at each sample, (n_t,); peaks of every step may lie a little above
 
     @property
     def governing(self) -> Verdict:
@@ -126,13 +130,10 @@ def too_short(response: Response) -> str:
 
 
 def ends_early(motion: Mapping[str, Any], run: tuple[float, float], over: float, slowest: float) -> str:
-    """Return why a run ends before its peaks are over, as a note; "" if it does not.
+    """Return why a run from and to [s] ends before its peaks are over, as a note; "" if it does not.
 
-    Args:
-        motion: as plain values, as a response holds it.
-        run: its start and its end [s].
-        over: when the motion is over [s]; NaN if it has no end.
-        slowest: slowest period for small amplitudes [s]; NaN if it is not known, then nothing is said.
+    The motion, plain values, is over at `over`, NaN if it has no end; `slowest` is the slowest period for small amplitudes,
+    NaN if it is not known: then nothing is said.
     """
     start, end = run
     parts = list(elements(motion))

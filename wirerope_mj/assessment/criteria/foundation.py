@@ -36,20 +36,14 @@ def standing(scene: Scene) -> list[SceneMount]:
 
 @dataclass(frozen=True, kw_only=True)
 class AreaForce:
-    """What an area of the deck bears of its mounts, over the samples.
+    """What an area of the deck bears of its mounts, over the samples."""
 
-    Attributes:
-        name: of the area; "" for all mounts together.
-        mounts: number of mounts that stand on it.
-        at_rest: downward force at the first sample [N].
-        down, up, across: largest force downwards, upwards and level, >= 0 [N].
-        down_time, up_time, across_time: their instants [s].
-    """
-
-    name: str
-    mounts: int
-    at_rest: float
+    name: str  # of the area; "" for all mounts together
+    mounts: int  # number of mounts that stand on it
+    at_rest: float  # downward force at the first sample [N]
+    # down, up, across: largest force downwards, upwards and level, >= 0 [N]
     down: float
+    # down_time, up_time, across_time: their instants [s]
     down_time: float
     up: float
     up_time: float

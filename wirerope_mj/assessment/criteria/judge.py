@@ -3,7 +3,6 @@
 from collections.abc import Iterator, Sequence
 
 from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
-from wirerope_mj.assessment.criteria.criterion import COMBINED, STATIC_LOAD, STOP, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, require_over
 from wirerope_mj.assessment.criteria.loads import (
     contact_verdicts,
@@ -14,7 +13,18 @@ from wirerope_mj.assessment.criteria.loads import (
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, STRUCK, WITHIN, Verdict, most_used
+from wirerope_mj.assessment.criteria.verdict import (
+    COMBINED,
+    EXCEEDED,
+    STATIC_LOAD,
+    STOP,
+    STRUCK,
+    TRAVEL,
+    WITHIN,
+    Criterion,
+    Verdict,
+    most_used,
+)
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.payload_limits import PayloadLimit

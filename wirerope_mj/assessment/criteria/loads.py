@@ -1,13 +1,22 @@
 """Loads of mounts against their ratings, and contacts and stops of mounts: whether they were struck, and how hard."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.criteria.criterion import CONTACT, STATIC_LOAD, STOP, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_start
-from wirerope_mj.assessment.criteria.verdict import CLEAR, STRUCK, TOUCHING, Verdict, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    CLEAR,
+    CONTACT,
+    STATIC_LOAD,
+    STOP,
+    STRUCK,
+    TOUCHING,
+    Criterion,
+    Verdict,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import ContactPeak, Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
@@ -75,38 +84,6 @@ def _static(
     return Verdict(criterion=criterion, subject=name, value=compression, limit=limit, unit="N", note=note)
 
 
-def peak_force_verdicts(response: Response, limits: Mapping[str, float] | None = None) -> tuple[Verdict, ...]:
-    """Return a verdict on the largest force of every mount, for what it is bolted to.
-
-    Args:
-        response: of a run.
-        limits: largest force [N] by name of the mount; no isolator file rates one.
-
-    Raises:
-        ValueError: a limit names no mount.
-    """
-    allowed = dict(limits or {})
-    for name in allowed:
-        if name not in response.mounts:
-            raise ValueError(f"`limits` name {name!r}, which is no mount. There are: {', '.join(response.mounts)}.")
-    verdicts = []
-    for name in response.mounts:
-        peak, limit = response.peaks.mounts[name].force, allowed.get(name)
-        note = "" if limit is not None else "no largest force is rated"
-        verdicts.append(
-            Verdict(
-                criterion=Criterion("peak force"),
-                subject=name,
-                value=peak.value,
-                limit=limit,
-                unit="N",
-                time=peak.time,
-                note=note,
-            )
-        )
-    return tuple(verdicts)
-
-
 def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
     """Return what became of every pair of geoms that may touch and of every stop, with the largest force [N].
 
@@ -118,15 +95,10 @@ def contact_verdicts(response: Response) -> tuple[Verdict, ...]:
 
 def _verdict(name: str, contact: ContactPeak) -> Verdict:
     return Verdict(
-        criterion=STOP if contact.mount else CONTACT,
-        subject=name,
-        value=contact.force,
-        limit=None,
-        unit="N",
-        time=contact.force_time,
-        note=contact_text(contact),
+        criterion=STOP if contact.mount else CONTACT, subject=name, value=contact.force, limit=None, unit="N",
+        time=contact.force_time, note=contact_text(contact),
         contact=STRUCK if contact.struck else TOUCHING if contact.touches else CLEAR,
-    )
+    )  # fmt: skip
 
 
 def contact_text(contact: ContactPeak) -> str:

@@ -25,21 +25,15 @@ class BodyPeak:
 
 @dataclass(frozen=True, kw_only=True)
 class MountPeak:
-    """Peaks of a mount and the verdicts on its travel.
-
-    Attributes:
-        isolator: name of the device.
-        minimum, maximum: extreme deflections along roll, shear, axial [m].
-        force: extreme force along roll, shear, axial, with its sign [N].
-        travel: verdicts by rating: "compression", "tension", "shear", "roll".
-    """
+    """Peaks of a mount and the verdicts on its travel."""
 
     name: str
-    isolator: str
+    isolator: str  # name of the device
+    # minimum, maximum: extreme deflections along roll, shear, axial [m]
     minimum: tuple[float, ...]
     maximum: tuple[float, ...]
-    force: Vector
-    travel: dict[str, Verdict]
+    force: Vector  # extreme force along roll, shear, axial, with its sign [N]
+    travel: dict[str, Verdict]  # verdicts by rating: "compression", "tension", "shear", "roll"
 
     @property
     def utilisation(self) -> float | None:

@@ -1,31 +1,13 @@
-"""Criteria of a point: its shock response spectrum, and its transmissibility, against limits."""
+"""The shock response spectrum of a point against a test spectrum."""
 
 import math
 
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.assessment.criteria.verdict import Verdict
-from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.spectra import ShockResponseSpectrum
-
-
-def check_rows(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:
-    """Return frequencies [Hz] and values in any order as arrays.
-
-    Raises:
-        ValueError: they are not as many, a frequency is not positive, or a value is negative.
-    """
-    f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(value, dtype=np.float64))
-    if f.ndim != 1 or f.shape != v.shape or not f.size:
-        raise ValueError(
-            f"`frequency` and `{name}` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
-        )
-    if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
-        raise ValueError(f"`frequency` must be finite and > 0 Hz and `{name}` finite and >= 0.")
-    return f, v
 
 
 def check_points(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:
@@ -92,60 +74,6 @@ def spectrum_verdict(
     if judged[0] > points[0][0] * 1.06 or judged[-1] < points[0][-1] / 1.06:  # a twelfth of an octave
         note += f" of {points[0][0]:.4g} to {points[0][-1]:.4g} Hz"
     return Verdict(
-        criterion=Criterion(criterion),
-        subject=subject,
-        value=float(values[worst]),
-        limit=float(allowed[worst]),
-        unit="m/s^2",
-        note=note,
-    )
-
-
-def transmissibility_verdict(
-    frequency: npt.ArrayLike,
-    amplitude: npt.ArrayLike,
-    *,
-    base: float,
-    limit: float | None,
-    above: float = 0.0,
-    subject: str,
-) -> Verdict:
-    """Return the verdict on the largest transmissibility from a frequency on.
-
-    Args:
-        frequency: [Hz], in any order; a branch that folds has several amplitudes at one of them, and all count.
-        amplitude: of the payload's acceleration [m/s^2].
-        base: amplitude of the base's acceleration [m/s^2].
-        limit: largest transmissibility allowed; None is not judged.
-        above: frequency from which it is judged [Hz]; without it, everywhere.
-        subject: what is judged.
-
-    Raises:
-        ValueError: an argument is not positive, or the response ends below `above`.
-    """
-    f, a = check_rows("amplitude", frequency, amplitude)
-    positive("base", base, unit="m/s^2")
-    if not (math.isfinite(above) and 0.0 <= above <= f.max()):
-        raise ValueError(f"`above` must be between 0 and {f.max():.6g} Hz, where the response ends, got {above!r}.")
-    frequencies, values = f[f >= above], a[f >= above]
-    # Where the curve passes `above` between two of its points it has a value too.
-    for i in np.flatnonzero((f[:-1] < above) != (f[1:] < above)):
-        if a[i] > 0.0 and a[i + 1] > 0.0:
-            pair = [i, i + 1] if f[i] < f[i + 1] else [i + 1, i]
-            between = curve_at(check_points("response", f[pair], a[pair]), np.array([above]))
-            frequencies, values = np.append(frequencies, above), np.append(values, between)
-    worst = int(values.argmax())
-    judged = "everywhere" if above <= f.min() else f"from {above:.4g} Hz on"
-    note = (
-        f"at {frequencies[worst]:.4g} Hz, judged {judged}"
-        if limit is not None
-        else f"at {frequencies[worst]:.4g} Hz; no limit is stated"
-    )
-    return Verdict(
-        criterion=Criterion("transmissibility"),
-        subject=subject,
-        value=float(values[worst] / base),
-        limit=limit,
-        unit="",
-        note=note,
-    )
+        criterion=Criterion(criterion), subject=subject, value=float(values[worst]), limit=float(allowed[worst]),
+        unit="m/s^2", note=note,
+    )  # fmt: skip

@@ -9,9 +9,16 @@ import numpy.typing as npt
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
-from wirerope_mj.assessment.criteria.criterion import LARGEST, RMS, SIGMA, Criterion
 from wirerope_mj.assessment.criteria.sampled import elements, read_columns, sampled_peak, sampled_text, steady_interval
-from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    LARGEST,
+    RMS,
+    SIGMA,
+    Criterion,
+    Verdict,
+    limits_by_name,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -125,15 +132,10 @@ def judge_random(
         for axis in np.flatnonzero(np.ptp(acceleration, axis=0) > 1e-9 * np.ptp(acceleration)):
             history = acceleration[:, axis]
             verdicts += random_verdicts(
-                response.time,
-                history,
-                subject=name,
-                discard=_settled(response.time, history, first, last) if discard is None else discard,
-                end=last,
-                limit=values[axis % len(values)] or None,
-                resolution=resolution,
-                along="xyz"[axis],
-            )
+                response.time, history, subject=name,
+                discard=_settled(response.time, history, first, last) if discard is None else discard, end=last,
+                limit=values[axis % len(values)] or None, resolution=resolution, along="xyz"[axis],
+            )  # fmt: skip
     return _if_enough(response, verdicts)
 
 

@@ -6,9 +6,15 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from wirerope_mj.assessment.between_samples import peak_between
-from wirerope_mj.assessment.criteria.criterion import RATTLE_SPACE, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import Verdict, limits_by_name, one_each, payload_bodies
+from wirerope_mj.assessment.criteria.verdict import (
+    RATTLE_SPACE,
+    Criterion,
+    Verdict,
+    limits_by_name,
+    one_each,
+    payload_bodies,
+)
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -161,17 +167,11 @@ def _judge(
             if room
             else UNLIMITED
         )
-        verdicts.append(
-            Verdict(
-                criterion=Criterion(RATTLE_SPACE, axis="xyz"[side // 2], sense="-+"[side % 2]),
-                subject=name,
-                value=max(reached, 0.0),
-                limit=None if unknown else room or None,
-                unit="m",
-                time=then,
-                note="; ".join(part for part in (note, why) if part),
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=Criterion(RATTLE_SPACE, axis="xyz"[side // 2], sense="-+"[side % 2]), subject=name,
+            value=max(reached, 0.0), limit=None if unknown else room or None, unit="m", time=then,
+            note="; ".join(part for part in (note, why) if part),
+        ))  # fmt: skip
     return verdicts
 
 

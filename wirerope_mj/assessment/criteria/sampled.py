@@ -74,9 +74,6 @@ def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
     """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
 
     Without any random vibration these are minus and plus infinity. Files of records are not read.
-
-    Args:
-        motion: as plain values, as a response holds it.
     """
     parts = list(elements(motion))
     intervals = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]

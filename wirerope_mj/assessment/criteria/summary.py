@@ -3,20 +3,24 @@
 from collections.abc import Sequence
 from typing import Any
 
-from wirerope_mj.assessment.criteria.criterion import (
-    ACCELERATION,
-    BOTTOMING,
-    COMBINED,
-    CONTACT,
-    RATTLE_SPACE,
-    STATIC_LOAD,
-    STOP,
-)
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.judge import headline
 from wirerope_mj.assessment.criteria.loads import closing_text
 from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, NOT_JUDGED, WITHIN, Verdict, most_used
+from wirerope_mj.assessment.criteria.verdict import (
+    ACCELERATION,
+    BOTTOMING,
+    COMBINED,
+    CONTACT,
+    EXCEEDED,
+    NOT_JUDGED,
+    RATTLE_SPACE,
+    STATIC_LOAD,
+    STOP,
+    WITHIN,
+    Verdict,
+    most_used,
+)
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.units import shown_in
 from wirerope_mj.mounts.isolator import AXES
@@ -31,12 +35,7 @@ _NAMED = 4  # contact pairs that a sentence names
 
 
 def verdict_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
-    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged.
-
-    Args:
-        response: of a run.
-        verdicts: what `judge` returns of it.
-    """
+    """Return the verdicts in a few sentences: payload and worst mount against their limits, and what is not judged."""
     early = too_short(response)  # whose reason stands in the headline
     lines = ["What is not exceeded yet is not judged."] if early else []
     lines += _payload_lines(verdicts, early) + _travel_lines(response, verdicts)

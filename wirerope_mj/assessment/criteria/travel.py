@@ -7,9 +7,8 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.assessment.criteria.criterion import BOTTOMING, COMBINED, TRAVEL, Criterion
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict
+from wirerope_mj.assessment.criteria.verdict import BOTTOMING, COMBINED, EXCEEDED, TRAVEL, Criterion, Verdict
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount
@@ -46,14 +45,11 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
     for rating, (axis, way) in RATINGS.items():
         down = way < 0.0 or (way == 0.0 and -peak.minimum[axis] > peak.maximum[axis])
         verdicts[rating] = Verdict(
-            criterion=Criterion(TRAVEL, sense=rating),
-            subject=mount.name,
-            value=float(reached[rating]),
-            limit=mount.travel.get(rating),
-            unit="m",
+            criterion=Criterion(TRAVEL, sense=rating), subject=mount.name, value=float(reached[rating]),
+            limit=mount.travel.get(rating), unit="m",
             time=float(peak.minimum_time[axis] if down else peak.maximum_time[axis]),
             note="" if rating in mount.travel else f"no travel in {rating} is rated",
-        )
+        )  # fmt: skip
     return verdicts
 
 
@@ -69,17 +65,10 @@ def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
         deflection = response.peaks.mounts[mount.name].deflection
         compression = max(-float(deflection.minimum[2]), 0.0)
         limit, note = _solid(mount, compression)
-        verdicts.append(
-            Verdict(
-                criterion=BOTTOMING,
-                subject=mount.name,
-                value=compression,
-                limit=limit,
-                unit="m",
-                time=float(deflection.minimum_time[2]),
-                note=note,
-            )
-        )
+        verdicts.append(Verdict(
+            criterion=BOTTOMING, subject=mount.name, value=compression, limit=limit, unit="m",
+            time=float(deflection.minimum_time[2]), note=note,
+        ))  # fmt: skip
     return tuple(verdicts)
 
 
@@ -112,11 +101,8 @@ def combined_travel(mount: SceneMount, deflection: Array) -> Array:
 def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
     """Return the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
 
-    Args:
-        farthest: largest utilisation of every step, (...).
-        judged: the same of the instants that are judged, (...); NaN where there is none.
-        reached: travel in the order of RATINGS [m], (..., 4).
-        rated: rated travel [m], (..., 4); NaN where none is stated.
+    `farthest` is the largest utilisation of every step, `judged` that of the instants that are judged, (...), `reached` and
+    `rated` are travels in the order of RATINGS [m], (..., 4); NaN stands for what there is not.
     """
     missing = np.isnan(rated) & (reached > 0.0)
     ways = np.array([way != 0.0 for _, way in RATINGS.values()])
@@ -152,14 +138,9 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     if followed is None and (missed := _missed(response.time, mount, deflection, reached)):
         bound, notes = True, [*notes, missed]
     return Verdict(
-        criterion=COMBINED,
-        subject=mount.name,
-        value=value,
-        limit=1.0 if not bound or value > 1.0 else None,
-        unit="",
-        time=when,
-        note="; ".join(notes),
-    )
+        criterion=COMBINED, subject=mount.name, value=value, limit=1.0 if not bound or value > 1.0 else None, unit="",
+        time=when, note="; ".join(notes),
+    )  # fmt: skip
 
 
 def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTravel:

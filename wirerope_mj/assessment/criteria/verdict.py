@@ -1,14 +1,52 @@
-"""A value against its limit."""
+"""A value against its limit, and the criterion: a kind, an axis and a sense, as the text that outputs and files write."""
 
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final
 
-from wirerope_mj.assessment.criteria.criterion import Criterion
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import json_values
+
+ACCELERATION: Final = "acceleration"
+RATTLE_SPACE: Final = "rattle space"
+TRAVEL: Final = "travel"
+RMS: Final = "rms acceleration"
+SIGMA: Final = "3-sigma acceleration"
+LARGEST: Final = "largest acceleration"
+STATIC_LOAD: Final = "static load in compression"
+
+
+class Criterion(str):
+    """Kind, axis and sense of a limit, as the text "acceleration along z" or "travel in compression", which it equals."""
+
+    kind: str  # ACCELERATION, RATTLE_SPACE, TRAVEL, STATIC_LOAD, or the name of any other criterion
+    axis: str  # "x", "y" or "z"; "" for the size of a vector, or none
+    # "+" or "-" along an axis, a rating of `mounts.isolator.travel` for a travel, a history for a static load
+    sense: str
+
+    def __new__(cls, kind: str, *, axis: str = "", sense: str = "") -> "Criterion":
+        """Compose the text: "acceleration along z", "rattle space along -x", "travel in roll", "static load .., relaxed"."""
+        text = f"{kind} along {sense}{axis}" if axis else kind
+        if sense and not axis:
+            text += f"{' in ' if kind == TRAVEL else ', '}{sense}"
+        criterion = super().__new__(cls, text)
+        criterion.kind, criterion.axis, criterion.sense = kind, axis, sense
+        return criterion
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _criterion, (self.kind, self.axis, self.sense)
+
+
+def _criterion(kind: str, axis: str, sense: str) -> Criterion:
+    return Criterion(kind, axis=axis, sense=sense)
+
+
+COMBINED: Final = Criterion("travel combined")
+BOTTOMING: Final = Criterion("bottoming")
+CONTACT: Final = Criterion("contact")
+STOP: Final = Criterion("stop")
 
 WITHIN, EXCEEDED, NOT_JUDGED = "within", "exceeded", "not judged"
 # Verdicts on contact pairs and stops, which have no limit: a struck stop is a finding in itself.
@@ -74,16 +112,10 @@ class Verdict:
         """Return the verdict as plain values; what is not known or not finite is None."""
         margin = self.margin
         return {
-            "criterion": str(self.criterion),
-            "subject": self.subject,
-            "value": json_values(self.value),
-            "limit": self.limit,
-            "unit": self.unit,
-            "time_s": self.time,
-            "margin": json_values(margin),
-            "verdict": self.verdict,
-            "note": self.note,
-        }
+            "criterion": str(self.criterion), "subject": self.subject, "value": json_values(self.value),
+            "limit": self.limit, "unit": self.unit, "time_s": self.time, "margin": json_values(margin),
+            "verdict": self.verdict, "note": self.note,
+        }  # fmt: skip
 
 
 def one_each(verdicts: Iterable[Verdict]) -> list[Verdict]:

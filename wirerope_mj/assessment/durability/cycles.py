@@ -19,17 +19,11 @@ STEEPEST = 50.0
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Cycles(Brief):
-    """Cycles of a history.
+    """Cycles of a history."""
 
-    Attributes:
-        ranges: of each cycle from its lowest to its highest value, (n,).
-        means: between them, (n,).
-        counts: 1 for a closed cycle, 0.5 for what is left open, (n,).
-    """
-
-    ranges: Array
-    means: Array
-    counts: Array
+    ranges: Array  # of each cycle from its lowest to its highest value, (n,)
+    means: Array  # between them, (n,)
+    counts: Array  # 1 for a closed cycle, 0.5 for what is left open, (n,)
 
     @property
     def total(self) -> float:
@@ -52,15 +46,6 @@ class Cycles(Brief):
                 f"`exponent` of a fatigue curve must be at most {STEEPEST:g}, got {b:g}: those of metals are 3 to 15."
             )
         return float(np.sum(self.counts * (0.5 * self.ranges) ** b) / c)
-
-    def equivalent_amplitude(self, exponent: float) -> float:
-        """Return the amplitude of as many equal cycles that do the same damage; 0 without a cycle."""
-        return (self.damage(exponent) / self.total) ** (1.0 / exponent) if self.total else 0.0
-
-    def histogram(self, bins: int = 20) -> tuple[Array, Array]:
-        """Return the edges of equal classes of ranges, (bins + 1,), and the number of cycles in each, (bins,)."""
-        counts, edges = np.histogram(self.ranges, bins=bins, weights=self.counts)
-        return edges, counts
 
 
 def rainflow_cycles(history: npt.ArrayLike) -> Cycles:
@@ -91,19 +76,12 @@ def _turning_points(values: Array) -> list[float]:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class DamageSpectrum(Brief):
-    """Damage to oscillators of quality `q` on a base that moves with an acceleration.
+    """Damage to oscillators of quality `q` on a base that moves with an acceleration."""
 
-    Attributes:
-        frequencies: of the oscillators [Hz], (n,).
-        damage: Miner's sum with N = C / A^b and C = 1, A being amplitudes of the pseudo-velocity [m/s], (n,).
-        exponent: b.
-        q: amplification at resonance, 1 / (2 damping ratio).
-    """
-
-    frequencies: Array
-    damage: Array
-    exponent: float
-    q: float
+    frequencies: Array  # of the oscillators [Hz], (n,)
+    damage: Array  # Miner's sum with N = C / A^b and C = 1, A being amplitudes of the pseudo-velocity [m/s], (n,)
+    exponent: float  # b
+    q: float  # amplification at resonance, 1 / (2 damping ratio)
 
 
 def fatigue_damage_spectrum(

@@ -18,21 +18,15 @@ _BEYOND, _PER_OCTAVE = 2.0**0.5, 6
 
 @dataclass(frozen=True, kw_only=True)
 class EquivalentVibration:
-    """A density of random vibration with the damage spectrum of a history.
+    """A density of random vibration with the damage spectrum of a history."""
 
-    Attributes:
-        subject, along: whose history it is, and along what.
-        duration: of the vibration [s].
-        points: frequency [Hz] and level [(m/s^2)^2/Hz].
-        error: largest relative error of its damage that is left.
-        exponent, q: of the damage spectrum.
-    """
-
+    # subject, along: whose history it is, and along what
     subject: str
     along: str
-    duration: float
-    points: Points
-    error: float
+    duration: float  # of the vibration [s]
+    points: Points  # frequency [Hz] and level [(m/s^2)^2/Hz]
+    error: float  # largest relative error of its damage that is left
+    # exponent, q: of the damage spectrum
     exponent: float
     q: float
 
@@ -43,12 +37,7 @@ class EquivalentVibration:
 
 
 def equivalent_vibration(response: Response, text: str, *, exponent: float) -> EquivalentVibration:
-    """Find the random vibration that does the damage of a run at a body, a point or the base.
-
-    Args:
-        response: of the run.
-        text: such as `EXAMPLE`: the name, the duration of the vibration, its frequencies and the direction; "q 10" may follow.
-        exponent: b of the fatigue curve N = C / A^b.
+    """Find the random vibration that does the damage of a run, by N = C / A^b, at a body, a point or the base; text: `EXAMPLE`.
 
     Raises:
         ValueError: the text is not understood, there is no such body or point, or the samples are too few.

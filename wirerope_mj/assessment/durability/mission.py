@@ -38,19 +38,12 @@ class Stage:
 
 @dataclass(frozen=True, kw_only=True)
 class Mission:
-    """A service life.
+    """A service life."""
 
-    Attributes:
-        stages: what happens in it.
-        exponent: b of the fatigue curve N = C / A^b.
-        quantity: of the mounts that is counted.
-        constant: C, in the quantity's SI unit to the power b; None: damage is relative.
-    """
-
-    stages: tuple[Stage, ...]
-    exponent: float
-    quantity: Quantity = "deflection"
-    constant: float | None = None
+    stages: tuple[Stage, ...]  # what happens in it
+    exponent: float  # b of the fatigue curve N = C / A^b
+    quantity: Quantity = "deflection"  # of the mounts that is counted
+    constant: float | None = None  # C, in the quantity's SI unit to the power b; None: damage is relative
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -97,11 +90,9 @@ def _mission(content: dict[str, Any], folder: Path) -> Mission:
     one_of("quantity", quantity, get_args(Quantity))
     constant = content.get("constant")
     return Mission(
-        stages=tuple(_stage(stage, folder) for stage in stages),
-        exponent=positive("exponent", content["exponent"]),
-        quantity=quantity,
-        constant=None if constant is None else positive("constant", constant),
-    )
+        stages=tuple(_stage(stage, folder) for stage in stages), exponent=positive("exponent", content["exponent"]),
+        quantity=quantity, constant=None if constant is None else positive("constant", constant),
+    )  # fmt: skip
 
 
 def _stage(content: dict[str, Any], folder: Path) -> Stage:

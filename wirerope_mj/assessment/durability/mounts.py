@@ -26,22 +26,15 @@ ROUNDING = 1e-8  # deflection that bodies far away leave where nothing bends [m]
 
 @dataclass(frozen=True, kw_only=True)
 class MountCycles:
-    """Cycles of one axis of a mount: of its deflection [m] or its force [N].
-
-    Attributes:
-        mount: its name.
-        axis: "roll", "shear" or "axial".
-        cycles: from the turning points, also between the samples.
-        coarser: of what is counted, and of the deflection that it hangs on, the cycles of all samples and of every other one
-            alone, to tell how much hangs on the rate; empty where there are too few, in all or of a period.
-        frequency: mean frequency of the deflection, rms of its rate over 2 pi that of itself [Hz].
-    """
+    """Cycles of one axis of a mount: of its deflection [m] or its force [N]."""
 
     mount: str
-    axis: str
-    cycles: Cycles
+    axis: str  # "roll", "shear" or "axial"
+    cycles: Cycles  # from the turning points, also between the samples
+    # of what is counted, and of the deflection that it hangs on, the cycles of all samples and of every other one
+    # alone, to tell how much hangs on the rate; empty where there are too few, in all or of a period
     coarser: tuple[tuple[Cycles, Cycles], ...] = field(default=(), compare=False, repr=False)
-    frequency: float = 0.0
+    frequency: float = 0.0  # mean frequency of the deflection, rms of its rate over 2 pi that of itself [Hz]
 
     def damage_error(self, exponent: float) -> float:
         """Return the damage of every other sample over that of all less 1, in size; infinite where nothing can be told.
@@ -92,12 +85,9 @@ def _of_mount(response: Response, mount: SceneMount, quantity: Quantity, rows: s
         frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
         told = frequency * spacing * _OF_PERIOD <= 1.0
         yield MountCycles(
-            mount=mount.name,
-            axis=axis,
-            cycles=counted[-1][0],
-            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1 and told),
-            frequency=frequency,
-        )
+            mount=mount.name, axis=axis, cycles=counted[-1][0],
+            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1 and told), frequency=frequency,
+        )  # fmt: skip
 
 
 def deflection_rates(response: Response, mount: SceneMount) -> Array:

@@ -4,8 +4,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from wirerope_mj.assessment.criteria.criterion import Criterion
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Verdict, smallest_margin
+from wirerope_mj.assessment.criteria.verdict import EXCEEDED, Criterion, Verdict, smallest_margin
 from wirerope_mj.assessment.selection.worksheet import (
     IMPULSE,
     ISOLATION_RATIO,
@@ -26,25 +25,15 @@ BY_VELOCITY = ("rated travel", "room", "acceleration")  # Criteria whose values 
 
 @dataclass(frozen=True, kw_only=True)
 class Candidate:
-    """One part under a worksheet.
-
-    Attributes:
-        part: the part.
-        frequency: of small vibration under the load [Hz], from the vibration stiffness.
-        shock_frequency: from the shock stiffness along the shock [Hz].
-        travel: dynamic travel under the shock [m].
-        acceleration: of the payload [m/s^2].
-        impulse: shock frequency times length of the pulse [-]; below 0.25 the worksheet's rule holds.
-        verdicts: static load, vibration frequency, rated travel, room, acceleration, in this order.
-    """
+    """One part under a worksheet."""
 
     part: VendorPart
-    frequency: float
-    shock_frequency: float
-    travel: float
-    acceleration: float
-    impulse: float
-    verdicts: tuple[Verdict, ...]
+    frequency: float  # of small vibration under the load [Hz], from the vibration stiffness
+    shock_frequency: float  # from the shock stiffness along the shock [Hz]
+    travel: float  # dynamic travel under the shock [m]
+    acceleration: float  # of the payload [m/s^2]
+    impulse: float  # shock frequency times length of the pulse [-]; below 0.25 the worksheet's rule holds
+    verdicts: tuple[Verdict, ...]  # static load, vibration frequency, rated travel, room, acceleration, in this order
 
     @property
     def impulse_holds(self) -> bool:
@@ -74,36 +63,25 @@ class Candidate:
 
 @dataclass(frozen=True, kw_only=True)
 class Rejected:
-    """A part that exceeds limits, or lacks stiffnesses.
-
-    Attributes:
-        part: the part.
-        reasons: one sentence each.
-        margin: of the worst criterion [-], negative; NaN if values are missing or nothing could be judged.
-        undecided: whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule.
-    """
+    """A part that exceeds limits, or lacks stiffnesses."""
 
     part: VendorPart
-    reasons: tuple[str, ...]
-    margin: float
+    reasons: tuple[str, ...]  # one sentence each
+    margin: float  # of the worst criterion [-], negative; NaN if values are missing or nothing could be judged
+    # whether nothing but the velocity rule speaks against it, for a pulse that is far too long for that rule
     undecided: bool = False
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PartSelection(Brief):
-    """Parts of the tables that meet a worksheet, and those that do not.
+    """Parts of the tables that meet a worksheet, and those that do not."""
 
-    Attributes:
-        worksheet: what the mounts must do.
-        candidates: parts that exceed no limit: those with every rating first; in each group the largest smallest margin first
-            if a fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
-            margins of load and travel alone would put the stiffest and most oversized part first.
-        rejected: the others: what is undecided first, then the nearest.
-    """
-
-    worksheet: Worksheet
+    worksheet: Worksheet  # what the mounts must do
+    # parts that exceed no limit: those with every rating first; in each group the largest smallest margin first if a
+    # fragility is given, and otherwise the part that passes on least, which is the softest that fits the travel:
+    # margins of load and travel alone would put the stiffest and most oversized part first
     candidates: tuple[Candidate, ...]
-    rejected: tuple[Rejected, ...]
+    rejected: tuple[Rejected, ...]  # the others: what is undecided first, then the nearest
 
 
 def select_isolators(
@@ -149,17 +127,10 @@ def select_isolators(
         ValueError: an argument is out of range, or there is not exactly one shock.
     """
     worksheet = Worksheet(
-        mass=mass,
-        mounts=mounts,
-        shock=shock_of(pulse, velocity, drop, rebound, gravity),
-        travel=travel,
-        fragility=fragility,
-        disturbance=disturbance,
-        loading=loading,
-        direction=loading if direction is None else direction,
-        isolation_ratio=isolation_ratio,
-        gravity=gravity,
-    )
+        mass=mass, mounts=mounts, shock=shock_of(pulse, velocity, drop, rebound, gravity), travel=travel, fragility=fragility,
+        disturbance=disturbance, loading=loading, direction=loading if direction is None else direction,
+        isolation_ratio=isolation_ratio, gravity=gravity,
+    )  # fmt: skip
     candidates, rejected = [], []
     for part in _variants(vendor_parts() if parts is None else parts, loops):
         judged = judge(part, worksheet)
@@ -190,14 +161,10 @@ def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:
         lacking = worksheet.loading if carried.vibration is None else worksheet.direction
         return Rejected(part=part, reasons=(f"the table has no stiffness {mode_text(lacking)}",), margin=math.nan)
     candidate = Candidate(
-        part=part,
-        frequency=worksheet.frequency(carried.vibration),
-        shock_frequency=worksheet.frequency(struck.shock),
-        travel=worksheet.dynamic_travel(struck.shock),
-        acceleration=worksheet.acceleration(struck.shock),
-        impulse=worksheet.impulse(struck.shock),
-        verdicts=_verdicts(part.name, worksheet, carried, struck),
-    )
+        part=part, frequency=worksheet.frequency(carried.vibration), shock_frequency=worksheet.frequency(struck.shock),
+        travel=worksheet.dynamic_travel(struck.shock), acceleration=worksheet.acceleration(struck.shock),
+        impulse=worksheet.impulse(struck.shock), verdicts=_verdicts(part.name, worksheet, carried, struck),
+    )  # fmt: skip
     exceeded = [verdict for verdict in candidate.verdicts if verdict.verdict == EXCEEDED]
     if not exceeded:
         return candidate

@@ -29,30 +29,18 @@ class Worksheet:
     A pulse counts by its velocity change V alone. That is right within a few per cent while (natural frequency x length of the
     pulse) < 0.25; above it the worksheet is on the safe side: no pulse of one sign moves a linear undamped mass more than a
     sudden V.
-
-    Attributes:
-        mass: of the payload [kg].
-        mounts: number of mounts that share it.
-        shock: pulse or velocity step of the base.
-        travel: room that the payload has [m]; None = not judged, as for the next two.
-        fragility: acceleration that the payload stands [m/s^2].
-        disturbance: lowest disturbing frequency to be isolated [Hz].
-        loading: mode in which the weight loads the mounts: compression, 45 or shear.
-        direction: mode in which the shock does.
-        isolation_ratio: disturbing over natural frequency that is asked for.
-        gravity: of the weight [m/s^2].
     """
 
-    mass: float
-    mounts: int
-    shock: Shock
-    travel: float | None = None
-    fragility: float | None = None
-    disturbance: float | None = None
-    loading: str = "compression"
-    direction: str = "compression"
-    isolation_ratio: float = ISOLATION_RATIO
-    gravity: float = WORKSHEET_GRAVITY
+    mass: float  # of the payload [kg]
+    mounts: int  # number of mounts that share it
+    shock: Shock  # pulse or velocity step of the base
+    travel: float | None = None  # room that the payload has [m]; None = not judged, as for the next two
+    fragility: float | None = None  # acceleration that the payload stands [m/s^2]
+    disturbance: float | None = None  # lowest disturbing frequency to be isolated [Hz]
+    loading: str = "compression"  # mode in which the weight loads the mounts: compression, 45 or shear
+    direction: str = "compression"  # mode in which the shock does
+    isolation_ratio: float = ISOLATION_RATIO  # disturbing over natural frequency that is asked for
+    gravity: float = WORKSHEET_GRAVITY  # of the weight [m/s^2]
 
     def __post_init__(self) -> None:
         for name in ("mass", "isolation_ratio", "gravity", "travel", "fragility", "disturbance"):

@@ -13,17 +13,13 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import Sine
 from wirerope_mj.studies.calibration.measured_test import work_of
 from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.engines.together import histories
 from wirerope_mj.studies.inputs.column import InputColumn
 
+# Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside
 SETTLED, MEASURED = 20, 12
-"""Cycles before the amplitude is taken, and in which it is, behind a Hann window: it hides what still swings beside."""
-
-FEWEST = 5
-"""Frequencies that a response must have."""
-
-_STEPS = 16.0
-"""Samples of a cycle at which steps end."""
+FEWEST = 5  # frequencies that a response must have
+_STEPS = 16.0  # samples of a cycle at which steps end
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -11,11 +11,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Spread
 from wirerope_mj.studies.calibration.result import Calibration
 
-_DRAWS = 400
-"""Draws from which a spread is taken: its standard deviations are then known to 4 %."""
-
-_MOVED = 1e-9
-"""Relative standard deviation below which a parameter did not vary."""
+_DRAWS = 400  # draws from which a spread is taken: its standard deviations are then known to 4 %
+_MOVED = 1e-9  # relative standard deviation below which a parameter did not vary
 
 
 def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict[str, Isolator]:

@@ -15,8 +15,7 @@ from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.variants import Maker
 
-SAMPLES = 120
-"""Samples of a loop that are compared at most."""
+SAMPLES = 120  # samples of a loop that are compared at most
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)

@@ -19,7 +19,7 @@ from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.spectral import Domain, Spectral
-from wirerope_mj.studies.engines.histories import histories
+from wirerope_mj.studies.engines.together import histories
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.variants import Work
 

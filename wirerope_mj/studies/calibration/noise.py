@@ -15,41 +15,25 @@ import scipy
 
 from wirerope_mj.foundation.arrays import Array
 
+# Noise and discrepancy from which the first fit starts, over the rms and the local size of a series
 WHITE, DISCREPANT = 0.05, 0.1
-"""Noise and discrepancy from which the first fit starts, over the rms and the local size of a series."""
-
-LEAST = 1e-4
-"""Least noise over a series' rms: less is rounding and the error of the simulation."""
-
-MOST = 2.0
-"""Largest discrepancy over the local size: a model that far off explains nothing."""
-
-POWERS = (0.0, 1.5)
-"""Of the local size, with which a discrepancy may grow."""
+LEAST = 1e-4  # least noise over a series' rms: less is rounding and the error of the simulation
+MOST = 2.0  # largest discrepancy over the local size: a model that far off explains nothing
+POWERS = (0.0, 1.5)  # of the local size, with which a discrepancy may grow
 
 
 @dataclass(frozen=True, kw_only=True)
 class Series:
-    """A measured series.
+    """A measured series."""
 
-    Attributes:
-        name: in tables and messages.
-        at: instants [s], or logarithms of frequencies, rising, (n,).
-        values: (n,).
-        size: local size of the response, relative to which the discrepancy is, (n,).
-        frequency: about which the discrepancy oscillates [1 / unit of `at`]; 0 for none.
-        unit: of the values; "" for logarithms and what has none.
-        across: what `at` is.
-        smoothed: standard deviation of the smoothing of its samples [unit of `at`], which correlates their noise; 0 for none.
-    """
-
-    name: str
-    at: Array
-    values: Array
-    size: Array
-    frequency: float = 0.0
-    unit: str = ""
-    across: Literal["time", "logarithm of frequency", "loop", "other"] = "other"
+    name: str  # in tables and messages
+    at: Array  # instants [s], or logarithms of frequencies, rising, (n,)
+    values: Array  # (n,)
+    size: Array  # local size of the response, relative to which the discrepancy is, (n,)
+    frequency: float = 0.0  # about which the discrepancy oscillates [1 / unit of `at`]; 0 for none
+    unit: str = ""  # of the values; "" for logarithms and what has none
+    across: Literal["time", "logarithm of frequency", "loop", "other"] = "other"  # what `at` is
+    # standard deviation of the smoothing of its samples [unit of `at`], which correlates their noise; 0 for none
     smoothed: float = 0.0
 
     @cached_property
@@ -85,19 +69,13 @@ class Series:
 
 @dataclass(frozen=True, kw_only=True)
 class Noise:
-    """Noise of a series.
+    """Noise of a series."""
 
-    Attributes:
-        white: standard deviation of the samples' noise [unit of the series].
-        discrepancy: standard deviation of the model's own error where the response is largest, over its size there [-].
-        length: over which that error forgets itself [unit of `at`].
-        power: of the local size with which it grows: 1 in proportion, 0 the same everywhere.
-    """
-
-    white: float
+    white: float  # standard deviation of the samples' noise [unit of the series]
+    # standard deviation of the model's own error where the response is largest, over its size there [-]
     discrepancy: float
-    length: float
-    power: float = 1.0
+    length: float  # over which that error forgets itself [unit of `at`]
+    power: float = 1.0  # of the local size with which it grows: 1 in proportion, 0 the same everywhere
 
     def deviation(self, series: Series) -> Array:
         """Return the standard deviation of the model's own error, (n,)."""

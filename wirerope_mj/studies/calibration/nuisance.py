@@ -11,8 +11,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.distributions import Distribution, Normal, Uniform
 
+# Names of such quantities; NAME may hold * and ? and matches channels with or without their test's name
 FORM = "channel/NAME/gain, channel/NAME/delay, channel/NAME/offset"
-"""Names of such quantities; NAME may hold * and ? and matches channels with or without their test's name."""
 
 UNITS = {"gain": "", "delay": "s", "offset": "SI"}
 NEUTRAL = {"gain": 1.0, "delay": 0.0, "offset": 0.0}
@@ -22,19 +22,12 @@ _NAME = re.compile(r"channel/(.*)/(gain|delay|offset)")
 
 @dataclass(frozen=True, kw_only=True)
 class Nuisance:
-    """One number of measuring chains.
+    """One number of measuring chains."""
 
-    Attributes:
-        name: as in `vary`, each channel's own where each has one.
-        kind: "gain", "delay" or "offset".
-        channels: numbers of those that have it.
-        distribution: of its values.
-    """
-
-    name: str
-    kind: str
-    channels: tuple[int, ...]
-    distribution: Normal | Uniform
+    name: str  # as in `vary`, each channel's own where each has one
+    kind: str  # "gain", "delay" or "offset"
+    channels: tuple[int, ...]  # numbers of those that have it
+    distribution: Normal | Uniform  # of its values
 
 
 def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list[Nuisance]:

@@ -10,43 +10,28 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.calibration.fit import Fit, Problem
 from wirerope_mj.studies.calibration.prior import Prior
 
+# Standard deviations of the points that the emulator is made from: a little beyond what the posterior holds
 REACH = 1.3
-"""Standard deviations of the points that the emulator is made from: a little beyond what the posterior holds."""
-
-CHECKED = 16
-"""Draws at which the emulator is held against the model."""
-
+CHECKED = 16  # draws at which the emulator is held against the model
+# Root mean square error of the emulator's log likelihood within which it is taken: a band moves by less than a tenth
 GOOD = 0.3
-"""Root mean square error of the emulator's log likelihood within which it is taken: a band moves by less than a tenth."""
-
-ROUNDS = 4
-"""Times that runs at draws may join the emulator."""
-
-_FAR, _SMALL = 4.0, 1e-4
-"""Standard normals at which a prior is held to be positive, and the step of its slopes."""
+ROUNDS = 4  # times that runs at draws may join the emulator
+_FAR, _SMALL = 4.0, 1e-4  # standard normals at which a prior is held to be positive, and the step of its slopes
 
 WALKERS, STEPS, BURNED, THIN = 48, 1200, 300, 20
 
 
 @dataclass(frozen=True, kw_only=True)
 class Posterior:
-    """Draws of the unknowns after the tests.
+    """Draws of the unknowns after the tests."""
 
-    Attributes:
-        normals: draws of u, (n, d).
-        values: the same as values, (n, d).
-        emulator_error: root mean square of the emulator's error in log likelihood at draws that it was not made from.
-        acceptance: of the sampler.
-        checked: rows of the draws that were computed by the model.
-        series: the model's series there, (n_checked, n_samples).
-    """
-
-    normals: Array
-    values: Array
+    normals: Array  # draws of u, (n, d)
+    values: Array  # the same as values, (n, d)
+    # root mean square of the emulator's error in log likelihood at draws that it was not made from
     emulator_error: float
-    acceptance: float
-    checked: npt.NDArray[np.int64]
-    series: Array
+    acceptance: float  # of the sampler
+    checked: npt.NDArray[np.int64]  # rows of the draws that were computed by the model
+    series: Array  # the model's series there, (n_checked, n_samples)
 
 
 class Coordinates:

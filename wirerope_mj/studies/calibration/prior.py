@@ -13,17 +13,11 @@ from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Normal, 
 
 @dataclass(frozen=True, kw_only=True)
 class Prior:
-    """Distributions of unknowns.
+    """Distributions of unknowns."""
 
-    Attributes:
-        names: of the unknowns.
-        units: of their values; "" for factors.
-        quantiles: maps probabilities (n, d) to values (n, d).
-    """
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    quantiles: Callable[[Array], Array]
+    names: tuple[str, ...]  # of the unknowns
+    units: tuple[str, ...]  # of their values; "" for factors
+    quantiles: Callable[[Array], Array]  # maps probabilities (n, d) to values (n, d)
 
     @classmethod
     def of(cls, distributions: Mapping[str, Normal | Uniform]) -> Self:

@@ -10,33 +10,25 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
 from wirerope_mj.studies.calibration.noise import Series
 
+# What of a channel is compared: its history, the logarithm of its shock response spectrum (Q = 10) or of its amplitudes
 Domain = Literal["time", "srs", "spectrum"]
-"""What of a channel is compared: its history, the logarithm of its shock response spectrum (Q = 10) or of its amplitudes."""
 
 DOMAINS: tuple[Domain, ...] = ("time", "srs", "spectrum")
 
-PER_OCTAVE = 6
-"""Frequencies of a spectrum in an octave."""
-
-_LEAST = 1e-3
-"""Amplitude over the largest below which a logarithm of an amplitude spectrum says nothing."""
+PER_OCTAVE = 6  # frequencies of a spectrum in an octave
+_LEAST = 1e-3  # amplitude over the largest below which a logarithm of an amplitude spectrum says nothing
 
 
 @dataclass(frozen=True, kw_only=True)
 class Spectral:
-    """A spectrum of a channel's smoothed samples.
+    """A spectrum of a channel's smoothed samples."""
 
-    Attributes:
-        domain: "srs" or "spectrum".
-        at: instants of the samples [s], (n,); where some are left out they are bridged straight, measured and calculated alike.
-        frequencies: [Hz], (n_f,).
-        series: logarithm of the measured spectrum over that of frequency.
-    """
-
-    domain: Domain
+    domain: Domain  # "srs" or "spectrum"
+    # instants of the samples [s], (n,); where some are left out they are bridged straight, measured and calculated
+    # alike
     at: Array
-    frequencies: Array
-    series: Series
+    frequencies: Array  # [Hz], (n_f,)
+    series: Series  # logarithm of the measured spectrum over that of frequency
 
     @classmethod
     def of(cls, history: Series, domain: Domain) -> "Spectral":
@@ -55,12 +47,8 @@ class Spectral:
         frequencies = np.geomspace(low, high, count)
         values = _spectrum(domain, history.at, history.values, frequencies)
         series = Series(
-            name=history.name,
-            at=np.log(frequencies),
-            values=values,
-            size=np.ones(count),
-            across="logarithm of frequency",
-        )
+            name=history.name, at=np.log(frequencies), values=values, size=np.ones(count), across="logarithm of frequency",
+        )  # fmt: skip
         return cls(domain=domain, at=history.at, frequencies=frequencies, series=series)
 
     def of_samples(self, values: Array) -> Array:

@@ -23,33 +23,23 @@ DONE, FAILED = "done", "failed"  # Values of `status`
 
 @dataclass(frozen=True, kw_only=True)
 class Chunk:
-    """Some variants that are computed together.
+    """Some variants that are computed together."""
 
-    Attributes:
-        number: of the chunk, which names its part of the table.
-        rows: "variant" and inputs of every variant.
-        responses: whether whole responses are kept of them.
-    """
-
-    number: int
-    rows: Sequence[dict[str, Any]]
-    responses: bool = False
+    number: int  # of the chunk, which names its part of the table
+    rows: Sequence[dict[str, Any]]  # "variant" and inputs of every variant
+    responses: bool = False  # whether whole responses are kept of them
 
 
 @dataclass(frozen=True, kw_only=True)
 class Part:
-    """The result of a chunk.
-
-    Attributes:
-        table: its rows of the table.
-        responses: by variant the content of the file of its response, if it is kept; of those that failed there is none.
-        died: whether no process lived long enough to compute it, or an accident kept one from it: its rows say so, and it is
-            computed again on resume.
-    """
+    """The result of a chunk."""
 
     number: int
-    table: pa.Table
+    table: pa.Table  # its rows of the table
+    # by variant the content of the file of its response, if it is kept; of those that failed there is none
     responses: dict[int, bytes] = field(default_factory=dict)
+    # whether no process lived long enough to compute it, or an accident kept one from it: its rows say so, and it is
+    # computed again on resume
     died: bool = False
 
 

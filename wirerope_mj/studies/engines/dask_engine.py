@@ -43,17 +43,11 @@ def run_dask(
 
     A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its workers
     also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed over at a time.
-
-    Args:
-        work: what all variants share.
-        chunks: read as workers become free.
-        workers: processes of a cluster of this machine's own; None for one per processor. Not with `address`.
-        address: of the scheduler of a cluster that exists, tcp://HOST:8786 for instance.
+    `workers` are processes of a cluster of this machine's own, `address` is that of a cluster's scheduler, tcp://HOST:8786.
 
     Raises:
         ValueError: `workers` together with `address`, or Dask is not installed.
-        SimulationError: no scheduler answers at `address`, it goes away, or its workers have other versions of the packages
-            that compute.
+        SimulationError: no scheduler answers, it goes away, or its workers have other versions of the packages that compute.
     """
     check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"
@@ -224,9 +218,7 @@ def check_answers(address: str) -> None:
         # In a thread of its own: a notebook's thread has an event loop that runs already.
         with ThreadPoolExecutor(1) as thread:
             answer = thread.submit(asyncio.run, ask()).result()
-    except (
-        Exception
-    ) as error:  # what another service answers is read as anything, as a message of exbibytes for instance
+    except Exception as error:  # what another service answers is read as anything, as exbibytes for instance
         raise SimulationError(
             f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
         ) from error

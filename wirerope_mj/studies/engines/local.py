@@ -29,14 +29,7 @@ class WorkerDiedError(Exception):
 def run_local(
     work: Work, chunks: Iterable[Chunk], *, workers: int | None = None, address: str | None = None
 ) -> Generator[Part, None, None]:
-    """Yield the part of every chunk as they are ready.
-
-    Args:
-        work: what all variants share.
-        chunks: what is to be computed; read as processes become free.
-        workers: number of processes; None for one per processor. One worker is this process itself.
-        address: of no use here; engines with a cluster take one.
-    """
+    """Yield the part of every chunk as they are ready; one worker is this process itself, and `address` of no use here."""
 
     def lost(chunk: Chunk, reason: str) -> Part:
         return died(
@@ -56,13 +49,10 @@ def in_processes(
     lost: Callable[[Question, str], Answer],
     workers: int | None = None,
 ) -> Generator[Answer, None, None]:
-    """Yield what a function makes of each question as they are ready, in any order; all of them must be pickled.
+    """Yield what a function of a module makes of each question as they are ready, in any order; all must be pickled.
 
-    Args:
-        function: of a module; one worker calls it in this process.
-        questions: read as processes become free.
-        lost: answers a question during which a process died `TRIES` times; its second argument says how.
-        workers: number of processes; None for one per processor.
+    Questions are read as processes become free; one worker calls the function here. `lost` answers a question during which a
+    process died `TRIES` times; its second argument says how.
     """
     workers = processors() if workers is None else workers
     if workers == 1:

@@ -1,5 +1,6 @@
 """Variants of a study side by side in the kernel's lanes, without systems of their own."""
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ import pyarrow as pa
 from wirerope_mj.engine.control.install import state_of
 from wirerope_mj.engine.kernel.equations import Equations, equations
 from wirerope_mj.engine.kernel.variants import Numbers
+from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
@@ -38,15 +40,10 @@ Flags = npt.NDArray[np.bool_]
 
 @dataclass(frozen=True, kw_only=True)
 class Together:
-    """Measures of variants that were computed side by side.
+    """Measures of variants that were computed side by side."""
 
-    Attributes:
-        indices: which of the rows they are of, (n,).
-        columns: by the measure's name, (n,) each.
-    """
-
-    indices: npt.NDArray[np.int64]
-    columns: Mapping[str, Array]
+    indices: npt.NDArray[np.int64]  # which of the rows they are of, (n,)
+    columns: Mapping[str, Array]  # by the measure's name, (n,) each
 
 
 NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={})
@@ -71,14 +68,7 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
 def histories_together(
     work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str], threads: int
 ) -> tuple[Array, dict[int, Array]]:
-    """Return sample instants (n_t,), and columns of the responses of those variants that can be computed side by side.
-
-    Args:
-        work: what all variants share.
-        rows: their inputs.
-        columns: of a response, such as "bodies/rack/acceleration/z"; none of the base.
-        threads: number of threads.
-    """
+    """Return instants (n_t,) and columns, as `histories` does, of those variants that can be computed side by side."""
     plan = column_plan(work.system)
     wanted = [plan.names.index(name) - plan.first_sensor for name in columns]
     found: dict[int, dict[int, Array]] = {}
@@ -95,23 +85,14 @@ def histories_together(
 
 @dataclass(frozen=True, kw_only=True)
 class _Done:
-    """Variants at the end of their grid.
+    """Variants at the end of their grid."""
 
-    Attributes:
-        indices: which of the rows they are.
-        chosen: numbers of those among the variants whose equations could be written.
-        forces: of the mounts at rest of these, if they start there.
-        extremes: over every step.
-        good: which of them hold.
-        time: sample instants [s].
-    """
-
-    indices: npt.NDArray[np.int64]
-    chosen: npt.NDArray[np.int64]
-    forces: Array | None
-    extremes: Extremes
-    good: Flags
-    time: Array
+    indices: npt.NDArray[np.int64]  # which of the rows they are
+    chosen: npt.NDArray[np.int64]  # numbers of those among the variants whose equations could be written
+    forces: Array | None  # of the mounts at rest of these, if they start there
+    extremes: Extremes  # over every step
+    good: Flags  # which of them hold
+    time: Array  # sample instants [s]
 
 
 def _go(work: Work, rows: Sequence[dict[str, Any]], sink: Sink | None = None, threads: int = 1) -> _Done | None:
@@ -148,21 +129,13 @@ def _go(work: Work, rows: Sequence[dict[str, Any]], sink: Sink | None = None, th
 
 @dataclass(frozen=True, kw_only=True)
 class _Variants:
-    """Variants by what their equations differ in.
+    """Variants by what their equations differ in."""
 
-    Attributes:
-        indices: which of the rows they are.
-        motions: of their bases.
-        numbers: of their equations, (n, n_num).
-        rates: stiffness, damping and decay of their laws, (n, 3, 3 n_mounts).
-        moved: whether mounts stand elsewhere, (n,).
-    """
-
-    indices: list[int]
-    motions: list[BaseMotion]
-    numbers: Array
-    rates: Array
-    moved: list[bool]
+    indices: list[int]  # which of the rows they are
+    motions: list[BaseMotion]  # of their bases
+    numbers: Array  # of their equations, (n, n_num)
+    rates: Array  # stiffness, damping and decay of their laws, (n, 3, 3 n_mounts)
+    moved: list[bool]  # whether mounts stand elsewhere, (n,)
 
 
 @once_per_system
@@ -340,3 +313,34 @@ def _lawful(system: System, lowest: Array, highest: Array) -> Flags:
     below, above = _ends(system)[:, :, 0], _ends(system)[:, :, 1]
     beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
     return np.asarray(~beyond.any(axis=(1, 2)))
+
+
+def histories(work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> tuple[Array, list[Array | None]]:
+    """Return sample instants [s], (n_t,), and columns of variants, (n_t, n_columns); None of one that fails.
+
+    Columns are those of a response, such as "bodies/rack/acceleration/z"; none of the base.
+    """
+    time, done = histories_together(work, rows, columns, threads=os.cpu_count() or 1)
+    found: list[Array | None] = [done.get(index) for index in range(len(rows))]
+    make = Maker(work.system, work.motions, work.columns)
+    systems: list[System] = []
+    motions: list[BaseMotion] = []
+    indices: list[int] = []
+    for index, row in enumerate(rows):
+        if found[index] is not None:
+            continue
+        try:
+            system, motion = make.system(row), make.motion(row)
+        except (ValueError, WireRopeError):
+            continue
+        systems, motions, indices = [*systems, system], [*motions, motion], [*indices, index]
+    if systems:
+        results = simulate_batch(
+            systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
+            sample_rate=work.sample_rate, corners=work.corners, responses=True,
+        )  # fmt: skip
+        for index, result in zip(indices, results, strict=True):
+            if not isinstance(result, BatchFailure) and result.response is not None:
+                time = result.response.time
+                found[index] = np.stack([result.response.column(name) for name in columns], axis=1)
+    return time, found

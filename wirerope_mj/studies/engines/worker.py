@@ -37,12 +37,8 @@ def _read(questions: BinaryIO, asked: "queue.SimpleQueue[Any]") -> None:
     try:
         while True:
             asked.put(pickle.load(questions))
-    except (
-        EOFError,
-        OSError,
-        pickle.UnpicklingError,
-    ):  # the process that asked is gone, perhaps in the middle of a question
-        os._exit(0)
+    except (EOFError, OSError, pickle.UnpicklingError):
+        os._exit(0)  # the process that asked is gone, perhaps in the middle of a question
     except BaseException:  # the main thread would wait for ever
         traceback.print_exc()
         os._exit(1)

@@ -1,4 +1,4 @@
-"""Masses and centres of mass that vary."""
+"""Masses, centres of mass, and natural frequencies of joints with springs that vary."""
 
 import math
 import re
@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies
+from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite
@@ -167,3 +167,32 @@ def _middle(distribution: Distribution) -> float:
     if isinstance(distribution, Choice):
         ends = [min(distribution.choices), max(distribution.choices)]
     return (ends[0] + ends[1]) / 2.0
+
+
+class Tuning(ValueOrFactor):
+    """Natural frequency [Hz] that a joint's spring gives what stands on it alone; its damping ratio stays."""
+
+    form = "joint/NAME/frequency"
+    pattern = re.compile(r"joint/(.*)/frequency")
+    model_unit = "Hz"
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
+        """Return the columns of the matching joints."""
+        return cls.split(entry, matching(entry, list(sprung_joints(entry.system.model)), "joint with a spring"))
+
+    def nominal_of(self, system: System, target: str) -> float:
+        """Return what the model says of one target."""
+        return sprung_joints(system.model)[target]
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put a value into a variant."""
+        if not (math.isfinite(value) and value > 0.0):
+            unit = "" if self.relative else " Hz"
+            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
+        for joint in self.targets:
+            draft.tunings[joint] = value if self.relative else value / self.nominal_of(draft.system, joint)
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        return bool(np.isfinite(values).all() and values.min() > 0.0)

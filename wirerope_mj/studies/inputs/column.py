@@ -26,45 +26,31 @@ FAR = 10.0  # Factor between the model's value and all of a study's beyond which
 
 @dataclass(kw_only=True)
 class Draft:
-    """Changes of a variant's system, gathered column by column.
-
-    Attributes:
-        parameters: by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping").
-        isolators: in place of the model's, by mount.
-        failed, absent: mounts.
-        masses: factors by body.
-        centres: positions of centres of mass in the body's axes [m], by body.
-        centre_shifts: along the world's axes [m], by body.
-        position_shifts: along the world's axes [m], by mount.
-        turns: rotation vectors about the world's axes [°], by mount.
-        tunings: factors on natural frequencies, by joint.
-    """
+    """Changes of a variant's system, gathered column by column."""
 
     system: System
+    # by mount, and there by ("axial", parameter), ("stiffening", parameter) or (WHOLE, "stiffness" or "damping")
     parameters: dict[str, dict[tuple[str, ...], Any]] = field(default_factory=dict)
-    isolators: dict[str, Isolator] = field(default_factory=dict)
+    isolators: dict[str, Isolator] = field(default_factory=dict)  # in place of the model's, by mount
+    # failed, absent: mounts
     failed: set[str] = field(default_factory=set)
     absent: set[str] = field(default_factory=set)
-    masses: dict[str, float] = field(default_factory=dict)
+    masses: dict[str, float] = field(default_factory=dict)  # factors by body
+    # positions of centres of mass in the body's axes [m], by body
     centres: dict[str, Array] = field(default_factory=dict)
-    centre_shifts: dict[str, list[float]] = field(default_factory=dict)
-    position_shifts: dict[str, list[float]] = field(default_factory=dict)
-    turns: dict[str, list[float]] = field(default_factory=dict)
-    tunings: dict[str, float] = field(default_factory=dict)
+    centre_shifts: dict[str, list[float]] = field(default_factory=dict)  # along the world's axes [m], by body
+    position_shifts: dict[str, list[float]] = field(default_factory=dict)  # along the world's axes [m], by mount
+    turns: dict[str, list[float]] = field(default_factory=dict)  # rotation vectors about the world's axes [°], by mount
+    tunings: dict[str, float] = field(default_factory=dict)  # factors on natural frequencies, by joint
 
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:
-    """One entry of `vary` with the system and the motions in which it varies.
-
-    Attributes:
-        pattern: of mounts or bodies in the name; "" of a motion.
-        key: the rest of the name: axis and parameter, for instance.
-    """
+    """One entry of `vary` with the system and the motions in which it varies."""
 
     name: str
-    pattern: str
-    key: tuple[str, ...]
+    pattern: str  # of mounts or bodies in the name; "" of a motion
+    key: tuple[str, ...]  # the rest of the name: axis and parameter, for instance
     distribution: Distribution
     system: System
     motions: Sequence[BaseMotion]
@@ -72,47 +58,29 @@ class Entry:
 
 @dataclass(frozen=True, kw_only=True)
 class Quantity:
-    """One entry of `vary`, resolved.
-
-    Attributes:
-        columns: one, or one for each mount or body; for specimens one for each parameter.
-        isolators: of specimens, one for each group of columns that are sampled jointly.
-    """
+    """One entry of `vary`, resolved."""
 
     name: str
     distribution: Distribution
-    columns: "tuple[InputColumn, ...]"
-    isolators: tuple[Isolator, ...] = ()
+    columns: "tuple[InputColumn, ...]"  # one, or one for each mount or body; for specimens one for each parameter
+    isolators: tuple[Isolator, ...] = ()  # of specimens, one for each group of columns that are sampled jointly
 
 
 @dataclass(frozen=True, kw_only=True)
 class InputColumn:
-    """One sampled number, its column in the table, and what it acts on.
+    """One sampled number, its column in the table, and what it acts on."""
 
-    Attributes:
-        form: the name as it is written, with NAME for mounts or bodies.
-        pattern: of such names; its first group is NAME, the others are the key.
-        nature: of the numbers: "value", "shift", "factor", "index" or "choice".
-        model_unit: of what the model says: "SI" as the law states.
-        type: of the numbers in the table.
-        places_mounts: whether it says where mounts are.
-        name: of the column.
-        targets: mounts or bodies.
-        key: axis and parameter, for instance.
-        relative: whether the numbers are factors on what the model says.
-    """
+    form: ClassVar[str]  # the name as it is written, with NAME for mounts or bodies
+    pattern: ClassVar[re.Pattern[str]]  # of such names; its first group is NAME, the others are the key
+    nature: ClassVar[str] = "value"  # of the numbers: "value", "shift", "factor", "index" or "choice"
+    model_unit: ClassVar[str] = ""  # of what the model says: "SI" as the law states
+    type: ClassVar[pa.DataType] = pa.float64()  # of the numbers in the table
+    places_mounts: ClassVar[bool] = False  # whether it says where mounts are
 
-    form: ClassVar[str]
-    pattern: ClassVar[re.Pattern[str]]
-    nature: ClassVar[str] = "value"
-    model_unit: ClassVar[str] = ""
-    type: ClassVar[pa.DataType] = pa.float64()
-    places_mounts: ClassVar[bool] = False
-
-    name: str
-    targets: tuple[str, ...] = ()
-    key: tuple[str, ...] = ()
-    relative: bool = False
+    name: str  # of the column
+    targets: tuple[str, ...] = ()  # mounts or bodies
+    key: tuple[str, ...] = ()  # axis and parameter, for instance
+    relative: bool = False  # whether the numbers are factors on what the model says
 
     @property
     def parts(self) -> "tuple[InputColumn, ...]":

@@ -195,18 +195,14 @@ class Spread(LawParameter):
 
 @dataclass(frozen=True, kw_only=True)
 class OtherIsolator(InputColumn):
-    """Isolators in place of the model's, by the names of their files.
-
-    Attributes:
-        devices: isolators by name.
-    """
+    """Isolators in place of the model's, by the names of their files."""
 
     form = "mount/NAME/isolator"
     pattern = re.compile(r"mount/(.*)/isolator")
     nature = "choice"
     type = pa.string()
 
-    devices: Mapping[str, Isolator] = field(default_factory=dict, repr=False)
+    devices: Mapping[str, Isolator] = field(default_factory=dict, repr=False)  # isolators by name
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:

@@ -12,7 +12,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.studies.inputs.body_columns import Centre, CentreShift, Mass, check_centres
+from wirerope_mj.studies.inputs.body_columns import Centre, CentreShift, Mass, Tuning, check_centres
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity
 from wirerope_mj.studies.inputs.distributions import Distribution, Isotropic, Specimens
 from wirerope_mj.studies.inputs.motion_columns import Azimuth, Elevation, Level, Record
@@ -27,7 +27,6 @@ from wirerope_mj.studies.inputs.mount_columns import (
     StiffeningParameter,
     Turn,
 )
-from wirerope_mj.studies.inputs.spring_columns import Tuning
 
 # Kinds of quantities, in the order in which a name is held against them.
 KINDS: tuple[type[InputColumn], ...] = (
@@ -42,15 +41,11 @@ TOGETHER = " & "  # Stands between names that share a draw
 
 @dataclass(frozen=True, kw_only=True)
 class SharedDraw(InputColumn):
-    """One number that several columns take.
-
-    Attributes:
-        shared: these columns.
-    """
+    """One number that several columns take."""
 
     form = f"NAME{TOGETHER}NAME"
 
-    shared: tuple[InputColumn, ...]
+    shared: tuple[InputColumn, ...]  # these columns
 
     @property
     def parts(self) -> tuple[InputColumn, ...]:

@@ -18,16 +18,12 @@ NEAR = 1e-6  # Distance from 0 below which a position is 0 [m]: there a value an
 
 @dataclass(frozen=True, kw_only=True)
 class Shift(InputColumn):
-    """Shift [m] of what stands somewhere; its key is the axis.
-
-    Attributes:
-        mirrored: targets that move the other way.
-    """
+    """Shift [m] of what stands somewhere; its key is the axis."""
 
     nature = "shift"
     model_unit = "m"
 
-    mirrored: tuple[str, ...] = ()
+    mirrored: tuple[str, ...] = ()  # targets that move the other way
 
     @classmethod
     def shifted(cls, entry: Entry, existing: Sequence[str], noun: str, stops: Sequence[str] = ()) -> tuple[Self, ...]:

@@ -48,13 +48,8 @@ def base_rows(variants: int, n_factors: int) -> int:
 def points(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
     """Return numbers from 0 to 1, (variants, n_columns), of Saltelli's matrices (Saltelli et al. 2010).
 
-    Row by row: A, B, then for each factor A with the columns of this factor from B. So a larger study begins with a smaller
-    one, and what a failed variant spoils is one row.
-
-    Args:
-        groups: indices of each factor's columns.
-        variants: n (factors + 2) of them.
-        seed: of Sobol's sequence.
+    Row by row: A, B, then for each factor A with the columns of this factor, `groups`, from B. So a larger study begins with a
+    smaller one, and what a failed variant spoils is one row.
 
     Raises:
         ValueError: there are too many columns for Sobol's sequence, or the number of variants does not suit.

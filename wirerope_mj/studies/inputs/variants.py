@@ -20,23 +20,17 @@ Row = Mapping[str, Any]
 
 @dataclass(frozen=True, kw_only=True)
 class Work:
-    """The inputs that all variants of a study share; can be pickled, and needs no file.
-
-    Attributes:
-        motions: base motions among which a variant may choose; most studies have one.
-        columns: of the inputs.
-        duration, timestep, sample_rate, initial: as `simulate` takes them.
-        corners: of all motions [s], (n,): all variants take the same steps.
-    """
+    """The inputs that all variants of a study share; can be pickled, and needs no file."""
 
     system: System
-    motions: tuple[BaseMotion, ...]
-    columns: tuple[InputColumn, ...]
+    motions: tuple[BaseMotion, ...]  # base motions among which a variant may choose; most studies have one
+    columns: tuple[InputColumn, ...]  # of the inputs
+    # duration, timestep, sample_rate, initial: as `simulate` takes them
     duration: float
     timestep: float
     sample_rate: float
     initial: str
-    corners: Array
+    corners: Array  # of all motions [s], (n,): all variants take the same steps
 
 
 class Maker:

@@ -69,11 +69,9 @@ def _bodies(system: System) -> list[str]:
         centre = ", ".join(f"{_rounded(value):.4g}" for value in centre_of_mass(system, body))
         lines.append(f"  {body}: {float(system.model.body(body).mass[0]):.4g} kg, centre ({centre}) m")
     return [
-        *lines,
-        "  body/NAME/mass  value [kg] or factor",
-        f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
+        *lines, "  body/NAME/mass  value [kg] or factor", f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
         f"  body/NAME/centre_shift/AXIS  shift [m] along the world's {_AXES}",
-    ]
+    ]  # fmt: skip
 
 
 def _springs(system: System) -> list[str]:

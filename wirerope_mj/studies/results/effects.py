@@ -18,17 +18,13 @@ _GAP = 1.5  # Ratio to all other gaps between azimuths above which nobody looked
 
 
 def sphere_areas(azimuth: Array, elevation: Array) -> Array:
-    """Return the fraction of the sphere that each direction stands for, of the part that the directions span, (n,), 1 in all.
+    """Return the fraction of the sphere that each direction [deg] stands for, of the part that they span, (n,), 1 in all.
 
     Directions of one elevation share a belt that reaches halfway to their neighbours above and below, sin(upper) - sin(lower)
     of the sphere's area 2 pi (Archimedes), and along it what lies halfway to their neighbours: points of equal angle crowd at
     the poles, where a circle of latitude is short. The first and the last elevation have no belt beyond themselves, and of a
     fan that does not go around, the first and the last azimuth none: nobody looked there. A direction that stands there
     twice, as a pole under every azimuth, counts once.
-
-    Args:
-        azimuth: [deg], (n,).
-        elevation: [deg], (n,).
     """
     rings, ring = np.unique(elevation, return_inverse=True)
     edges = np.radians(np.concatenate((rings[:1], (rings[:-1] + rings[1:]) / 2.0, rings[-1:])))
@@ -78,16 +74,9 @@ def directions_text(table: pa.Table) -> str:
 
 
 def fraction_of_directions(table: pa.Table, inputs: list[str], values: Array, limit: float) -> float | None:
-    """Return the fraction of the directions that a study spans in which a limit is exceeded, by area on the sphere.
+    """Return the fraction of the directions in which `values` exceed a limit, by area on the sphere; None if other inputs vary.
 
-    Args:
-        table: of a study.
-        inputs: what was sampled in it.
-        values: of a measure, (n,).
-        limit: of the measure.
-
-    Returns:
-        None if something else than the direction varies. Directions that failed or are not judged do not count.
+    Directions that failed or are not judged do not count.
     """
     if set(inputs) != {AZIMUTH, ELEVATION}:
         return None
@@ -106,19 +95,14 @@ _LEAST = 12  # variants below which nothing is said: three bins of four
 
 @dataclass(frozen=True, kw_only=True)
 class Effect:
-    """Effect of one input on a measure.
-
-    Attributes:
-        index: first-order Sobol index, the fraction of the measure's variance that the input alone explains; 0 to 1, and by
-            accident a little less than 0 where there is no effect.
-        rank: Spearman's correlation of input and measure, -1 to 1; NaN where the input has no order.
-        certain: whether accident alone would hardly give any of the inputs such an index.
-    """
+    """Effect of one input on a measure."""
 
     name: str
+    # first-order Sobol index, the fraction of the measure's variance that the input alone explains; 0 to 1, and by
+    # accident a little less than 0 where there is no effect
     index: float
-    rank: float
-    certain: bool
+    rank: float  # Spearman's correlation of input and measure, -1 to 1; NaN where the input has no order
+    certain: bool  # whether accident alone would hardly give any of the inputs such an index
 
 
 def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effect, ...]:
@@ -127,15 +111,10 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
     The index is estimated from the variants as they are (given data): the input is cut into classes with as many variants
     each, and eta^2 = variance between classes / variance. What classes without any effect would give by accident is taken
     away: 1 - (1 - eta^2)(n - 1)/(n - m) of n variants in m classes (epsilon^2, Kelley 1935). It needs no special sampling,
-    and sees effects that rise and fall again. The strongest input comes first, and what its classes explain is taken from
-    the measure before the next one is looked at: few variants of many inputs are never quite independent (pairs of Sobol's
-    dimensions least of all), and a strong input would lend its effect to others. Of inputs that do depend on each other, such
-    as the parameters of a specimen, the stronger one is given what they do together.
-
-    Args:
-        table: of a study.
-        inputs: names of its columns.
-        measure: name of a column.
+    and sees effects that rise and fall again. What the classes of the strongest input explain is taken from the measure
+    before the next one is looked at: few variants of many inputs are never quite independent (pairs of Sobol's dimensions
+    least of all), and a strong input would lend its effect to others. Of inputs that do depend on each other, such as the
+    parameters of a specimen, the stronger one is given what they do together.
     """
     values, done = np.asarray(table[measure], dtype=np.float64), np.asarray(table["status"]) == DONE
     kept = done & np.isfinite(values)

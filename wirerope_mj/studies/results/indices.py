@@ -22,17 +22,13 @@ _SEED = 1  # of the resampling, so that the same table says the same again
 
 @dataclass(frozen=True, kw_only=True)
 class SobolIndex:
-    """Sensitivity indices of one factor for a measure.
-
-    Attributes:
-        first: fraction of the variance that it explains alone; by accident a little less than 0 where there is no effect.
-        total: fraction that it explains alone and together with others, so what would be gone if it were known.
-        first_interval, total_interval: lower and upper bound at `CONFIDENCE`.
-    """
+    """Sensitivity indices of one factor for a measure."""
 
     name: str
+    # fraction of the variance that it explains alone; by accident a little less than 0 where there is no effect
     first: float
-    total: float
+    total: float  # fraction that it explains alone and together with others, so what would be gone if it were known
+    # first_interval, total_interval: lower and upper bound at `CONFIDENCE`
     first_interval: tuple[float, float]
     total_interval: tuple[float, float]
 
@@ -44,19 +40,13 @@ class SobolIndex:
 
 @dataclass(frozen=True, kw_only=True)
 class SobolIndices:
-    """Sobol's indices of a measure.
+    """Sobol's indices of a measure."""
 
-    Attributes:
-        measure: name of its column.
-        factors: the indices, the largest total one first; empty if too few rows are left or the measure does not vary.
-        rows: base rows that were used.
-        dropped: base rows that were not, because one of their variants failed or has no value.
-    """
-
-    measure: str
+    measure: str  # name of its column
+    # the indices, the largest total one first; empty if too few rows are left or the measure does not vary
     factors: tuple[SobolIndex, ...]
-    rows: int
-    dropped: int
+    rows: int  # base rows that were used
+    dropped: int  # base rows that were not, because one of their variants failed or has no value
 
     @property
     def too_few(self) -> bool:
@@ -89,11 +79,6 @@ def indices_of(table: pa.Table, names: Sequence[str], measure: str) -> SobolIndi
     E(f_B (f_AB - f_A)) / V, total E((f_A - f_AB)^2) / 2V (Saltelli et al. 2010, table 2 b and f), as SciPy's
     `sobol_indices` computes them. That takes none but whole powers of two, which failed variants do not leave. Intervals are
     the percentiles of a bootstrap over base rows, as of random draws; even sampling is rather better than that.
-
-    Args:
-        table: with the columns `variant`, `status` and the measure.
-        names: of the factors.
-        measure: name of the column.
     """
     of_row = len(names) + 2
     numbers = np.asarray(table["variant"])

@@ -40,21 +40,13 @@ _ALIKE = 12  # Measures that are named because they begin alike: those of all mo
 
 @dataclass(frozen=True, kw_only=True)
 class Measure:
-    """A measure as it is displayed.
+    """A measure as it is displayed."""
 
-    Attributes:
-        name: column of the table.
-        text: its meaning, without the unit.
-        unit: in which it is displayed.
-        factor: from SI to this unit.
-        limit: that it must not exceed, SI; None if there is none.
-    """
-
-    name: str
-    text: str
-    unit: str
-    factor: float
-    limit: float | None
+    name: str  # column of the table
+    text: str  # its meaning, without the unit
+    unit: str  # in which it is displayed
+    factor: float  # from SI to this unit
+    limit: float | None  # that it must not exceed, SI; None if there is none
 
     @property
     def label(self) -> str:
@@ -132,12 +124,7 @@ def values_of(table: pa.Table, name: str) -> Array:
 
 
 def unknown_measure(name: str, known: Sequence[str]) -> str:
-    """Return what is wrong with the name of a measure, and what there is, as a sentence without a capital.
-
-    Args:
-        name: no measure; it may be a pattern that matches none.
-        known: all measures.
-    """
+    """Return what is wrong with a name or pattern that is of no measure, and what there is, as a sentence without a capital."""
     first = name.partition("/")[0].rstrip("*?")
     alike = [one for one in known if first and one.startswith(first)]
     alike.sort(key=lambda one: -SequenceMatcher(None, one, name).ratio())

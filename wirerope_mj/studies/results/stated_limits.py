@@ -35,17 +35,11 @@ _TEXT = re.compile(r"\s*(\S+)\s*=\s*([-+.\deE]+)\s*([^\d\s.+-]\S*)\s*")
 
 @dataclass(frozen=True, kw_only=True)
 class StatedLimit:
-    """A limit on the largest of some measures.
+    """A limit on the largest of some measures."""
 
-    Attributes:
-        text: as it was written.
-        measures: columns of the table, at least one.
-        limit: SI.
-    """
-
-    text: str
-    measures: tuple[str, ...]
-    limit: float
+    text: str  # as it was written
+    measures: tuple[str, ...]  # columns of the table, at least one
+    limit: float  # SI
 
     def exceedance(self, table: pa.Table) -> Exceedance:
         """Return how often any of the measures is beyond the limit."""

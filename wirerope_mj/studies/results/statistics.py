@@ -20,21 +20,18 @@ _BEYOND = 5  # Variants that lie beyond a percentile that is given
 
 @dataclass(frozen=True, kw_only=True)
 class Exceedance:
-    """Exceedance of a limit.
+    """Exceedance of a limit."""
 
-    Attributes:
-        count, n: variants that exceed it, of how many that could be simulated and have a value.
-        low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling is
-            rather better than that. They know nothing of variants that failed. The upper one takes those of `early` as beyond.
-        failed: variants that could not be simulated, and are counted nowhere.
-        early: variants among the n whose runs end before their peaks are over, and that keep the limit until then: not judged.
-    """
-
+    # count, n: variants that exceed it, of how many that could be simulated and have a value
     count: int
     n: int
+    # low, high: bounds of the probability at `CONFIDENCE` (Clopper and Pearson 1934), as of random draws; even sampling
+    # is rather better than that. They know nothing of variants that failed. The upper one takes those of `early` as
+    # beyond.
     low: float
     high: float
-    failed: int = 0
+    failed: int = 0  # variants that could not be simulated, and are counted nowhere
+    # variants among the n whose runs end before their peaks are over, and that keep the limit until then: not judged
     early: int = 0
 
     @property

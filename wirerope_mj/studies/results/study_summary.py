@@ -22,14 +22,7 @@ from wirerope_mj.studies.results.measure import (
     values_of,
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
-from wirerope_mj.studies.results.statistics import (
-    Exceedance,
-    exceedance,
-    exceedance_of,
-    quantiles,
-    row_of,
-    worst,
-)
+from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -38,43 +31,28 @@ _PAIR = 2  # columns of a factor that are listed one by one: two angles of a dir
 
 @dataclass(frozen=True, kw_only=True)
 class Statistics:
-    """Statistics of one measure, SI.
+    """Statistics of one measure, SI."""
 
-    Attributes:
-        measure: with its unit and limit.
-        quantiles: at `QUANTILES`; NaN where too few variants lie beyond.
-        nominal: of the system with nothing varied; NaN if that fails.
-        smallest, median, largest: of all variants.
-        variant: number of the one with the largest value.
-        beyond: exceedance of the limit; None without a limit.
-        ratio: of it to all variants if they were sampled, or to all directions if these vary; else None.
-    """
-
-    measure: Measure
-    nominal: float
-    quantiles: tuple[float, ...]
+    measure: Measure  # with its unit and limit
+    nominal: float  # of the system with nothing varied; NaN if that fails
+    quantiles: tuple[float, ...]  # at `QUANTILES`; NaN where too few variants lie beyond
+    # smallest, median, largest: of all variants
     smallest: float
     median: float
     largest: float
-    variant: int
-    beyond: Exceedance | None
-    ratio: float | None
+    variant: int  # number of the one with the largest value
+    beyond: Exceedance | None  # exceedance of the limit; None without a limit
+    ratio: float | None  # of it to all variants if they were sampled, or to all directions if these vary; else None
 
 
 @dataclass(frozen=True, kw_only=True)
 class StudySummary:
-    """Summary of a study.
-
-    Attributes:
-        by: the measure that is looked at most.
-        effects: of the inputs on it, the strongest first.
-        stated: limits that somebody stated on this study.
-    """
+    """Summary of a study."""
 
     result: StudyResult
-    by: str
-    effects: tuple[Effect, ...]
-    stated: tuple[StatedLimit, ...] = ()
+    by: str  # the measure that is looked at most
+    effects: tuple[Effect, ...]  # of the inputs on it, the strongest first
+    stated: tuple[StatedLimit, ...] = ()  # limits that somebody stated on this study
 
     @cached_property
     def indices(self) -> tuple[SobolIndices, ...]:
@@ -172,16 +150,11 @@ class StudySummary:
         if limit is not None:
             beyond, ratio = exceedance_of(table, measure.name, limit), self._ratio(values, limit)
         return Statistics(
-            measure=measure,
-            nominal=self.result.nominal.get(measure.name, np.nan),
-            quantiles=tuple(quantiles(values, QUANTILES)),
-            smallest=float(np.nanmin(values)),
-            median=float(np.nanmedian(values)),
-            largest=float(np.nanmax(values)),
-            variant=worst(table, measure.name, 1)[0],
-            beyond=beyond,
-            ratio=ratio,
-        )
+            measure=measure, nominal=self.result.nominal.get(measure.name, np.nan),
+            quantiles=tuple(quantiles(values, QUANTILES)), smallest=float(np.nanmin(values)),
+            median=float(np.nanmedian(values)), largest=float(np.nanmax(values)), variant=worst(table, measure.name, 1)[0],
+            beyond=beyond, ratio=ratio,
+        )  # fmt: skip
 
     def _ratio(self, values: Array, limit: float) -> float | None:
         """Return the fraction of the variants beyond a limit if they were sampled, or of all directions if these vary."""
@@ -197,11 +170,7 @@ def _of_one_mount(name: str) -> bool:
 
 
 def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
-    """Return the summary of a study.
-
-    Args:
-        result: of the study.
-        by: measure that is looked at most; None: travel if anything is rated, else acceleration.
+    """Return the summary of a study, by a measure; by travel if none is said and anything is rated, else by acceleration.
 
     Raises:
         ValueError: there is no such measure, or it has no value in any variant.
@@ -212,8 +181,6 @@ def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
     # Listed inputs go hand in hand: what one of them explains alone means nothing.
     listed = result.study.sampling == "list"
     return StudySummary(
-        result=result,
-        by=by,
-        effects=() if listed else effects(result.independent, input_names(table), by),
+        result=result, by=by, effects=() if listed else effects(result.independent, input_names(table), by),
         stated=read_stated(result),
-    )
+    )  # fmt: skip

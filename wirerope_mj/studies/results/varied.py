@@ -16,37 +16,22 @@ from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
 from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
-from wirerope_mj.studies.results.statistics import (
-    CONFIDENCE,
-    exceedance_of,
-    finite,
-    quantiles,
-    struck_variants,
-    worst,
-)
+from wirerope_mj.studies.results.statistics import CONFIDENCE, exceedance_of, finite, quantiles, struck_variants, worst
 
 _CHOICES = 8  # numbers of a choice that are listed one by one
 
 
 @dataclass(frozen=True, kw_only=True)
 class Varied:
-    """One quantity that varies.
+    """One quantity that varies."""
 
-    Attributes:
-        name: as `vary` says it.
-        kind: of its numbers: "value", "shift", "factor", "index" or "choice".
-        unit: of its numbers; "" without one, "SI" as the law states.
-        model: what the model says, as text: for a shift the position that is shifted, for a factor what it multiplies.
-        nominal: the smallest and the largest number that the model says; empty if it says none.
-        nominal_unit: of these; "SI" as the law states.
-    """
-
-    name: str
-    kind: str
-    unit: str
+    name: str  # as `vary` says it
+    kind: str  # of its numbers: "value", "shift", "factor", "index" or "choice"
+    unit: str  # of its numbers; "" without one, "SI" as the law states
+    # what the model says, as text: for a shift the position that is shifted, for a factor what it multiplies
     model: str
-    nominal: tuple[float, ...]
-    nominal_unit: str
+    nominal: tuple[float, ...]  # the smallest and the largest number that the model says; empty if it says none
+    nominal_unit: str  # of these; "SI" as the law states
     distribution: Distribution
 
     @property
@@ -80,14 +65,10 @@ def _varied(quantity: Quantity, study: StudyDefinition) -> Varied:
     ends = () if numbers.size == 0 or numbers.dtype == np.bool_ else (float(numbers.min()), float(numbers.max()))
     kind, text = column.nature_of_numbers, nominal_text(every, column.model_unit)
     return Varied(
-        name=quantity.name,
-        kind=kind,
-        unit=column.unit,
-        model="the isolator's" if many else f"shifted from {text}" if kind == "shift" else text,
-        nominal=ends,
-        nominal_unit=column.model_unit,
-        distribution=quantity.distribution,
-    )
+        name=quantity.name, kind=kind, unit=column.unit,
+        model="the isolator's" if many else f"shifted from {text}" if kind == "shift" else text, nominal=ends,
+        nominal_unit=column.model_unit, distribution=quantity.distribution,
+    )  # fmt: skip
 
 
 def distribution_text(distribution: Distribution) -> str:
@@ -152,14 +133,10 @@ def summary(result: StudyResult) -> dict[str, Any]:
 def head(result: StudyResult) -> dict[str, Any]:
     """Return what the summaries of studies and of searches begin with."""
     return {
-        "format": result.inputs["format"],
-        "name": result.inputs["name"],
-        "id": result.inputs["id"],
-        "variants": result.table.num_rows,
-        "failed": len(result.failed),
-        "timestep_s": result.inputs["simulate"]["timestep"],
-        "varied": [one.to_dict() for one in varied_of(result.study)],
-    }
+        "format": result.inputs["format"], "name": result.inputs["name"], "id": result.inputs["id"],
+        "variants": result.table.num_rows, "failed": len(result.failed),
+        "timestep_s": result.inputs["simulate"]["timestep"], "varied": [one.to_dict() for one in varied_of(result.study)],
+    }  # fmt: skip
 
 
 def known(table: pa.Table) -> list[str]:

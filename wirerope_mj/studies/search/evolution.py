@@ -46,15 +46,7 @@ class Evolution:
         n_limits: int,
         seed: int,
     ) -> None:
-        """Begin with the designs of the first generation.
-
-        Args:
-            variables: of a design, with their values.
-            first: the designs of the first generation; later ones have as many, or fewer where no others are found.
-            n_objectives: how many numbers are minimised.
-            n_limits: how many limits there are.
-            seed: of the optimiser's random numbers.
-        """
+        """Begin with the designs of the first generation; later ones have as many, or fewer where no others are found."""
         from pymoo.algorithms.moo.nsga2 import NSGA2, binary_tournament
         from pymoo.core.mixed import MixedVariableDuplicateElimination, MixedVariableMating
         from pymoo.core.population import Population
@@ -73,10 +65,8 @@ class Evolution:
         mutation = {Binary: BFM(), Real: PM(), Choice: ChoiceRandomMutation(**often)}
         # One constraint more: that the design could be simulated at all.
         self._problem = Problem(
-            vars={name: _variable(one) for name, one in variables.items()},
-            n_obj=n_objectives,
-            n_ieq_constr=n_limits + 1,
-        )
+            vars={name: _variable(one) for name, one in variables.items()}, n_obj=n_objectives, n_ieq_constr=n_limits + 1,
+        )  # fmt: skip
         self._algorithm = NSGA2(
             pop_size=len(first),
             sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
@@ -97,11 +87,9 @@ class Evolution:
         return [{name: _plain(value) for name, value in design.items()} for design in designs]
 
     def tell(self, objectives: Array, violations: Array) -> None:
-        """Take the results of the designs that were asked for last.
+        """Take what is minimised of the designs asked for last, (n, n_objectives), and by how much each limit is exceeded.
 
-        Args:
-            objectives: what is minimised, (n, n_objectives); infinite where it is not known.
-            violations: of the limits, (n, n_limits), <= 0 where they are kept; infinite where that is not known.
+        Violations, (n, n_limits), are <= 0 where limits are kept; what is not known is infinite.
         """
         from pymoo.core.evaluator import Evaluator
         from pymoo.problems.static import StaticProblem

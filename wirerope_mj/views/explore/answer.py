@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import Comparison, compare_runs
 from wirerope_mj.assessment.criteria import MountPeak, Verdict, body_peaks, mount_peaks
-from wirerope_mj.assessment.criteria.criterion import ACCELERATION
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION
 from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
 from wirerope_mj.content.histories import TOTAL, Line, history_panel, subject_called
 from wirerope_mj.content.numbers import ABSENT, MINUS
@@ -20,7 +20,7 @@ from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.views.explore.shown import ShownRun
+from wirerope_mj.views.explore.recorder import ShownRun
 from wirerope_mj.views.thin import rows_of_extremes
 
 _ROWS = 8  # Rows of a table: those that a reader compares; the report of a run has them all
@@ -66,12 +66,10 @@ def _told(run: ShownRun) -> dict[str, Any]:
 def _table(table: Table) -> dict[str, Any]:
     """Return a table as text and tone of its cells, the first rows of a long one."""
     return {
-        "id": table.id,
-        "title": table.title,
-        "note": table.note,
+        "id": table.id, "title": table.title, "note": table.note,
         "columns": [{"title": column.title(), "align": column.align} for column in table.columns],
         "rows": table.marks(absent=ABSENT, minus=MINUS)[:_ROWS],
-    }
+    }  # fmt: skip
 
 
 def _panels(comparison: Comparison, runs: list[ShownRun]) -> list[Panel]:
@@ -118,12 +116,9 @@ def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:
         x, y = in_unit(curve.x[rows], "ms"), curve.y[rows]
         lines.append({"role": role, "name": curve.name, "x": _short(x), "y": _short(y)})
     return {
-        "title": panel.title,
-        "unit": panel.unit,
-        "limits": [level for _, level in panel.limits],
-        "limit": panel.limits[0][0] if panel.limits else "",
-        "lines": lines,
-    }
+        "title": panel.title, "unit": panel.unit, "limits": [level for _, level in panel.limits],
+        "limit": panel.limits[0][0] if panel.limits else "", "lines": lines,
+    }  # fmt: skip
 
 
 def _short(values: Any) -> list[float]:

@@ -1,14 +1,34 @@
-"""Recordings of the last two runs, written by a process of its own: a second of work that no simulation waits for."""
+"""A run as the page shows it, and recordings of the last two, written by a process of its own: no simulation waits for them."""
 
 import os
 import signal
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
 from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from wirerope_mj.views.explore.shown import ShownRun
+from wirerope_mj.content.judged_run import RunResult
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShownRun(RunResult):
+    """A run, what made it, and what came out."""
+
+    number: int  # counted from 1 in the order in which runs were shown
+    values: Mapping[str, float]  # of the sliders, by key
+    changes: Mapping[str, str]  # what differs from the scenario, as text by the slider's label
+    motion: str
+    seconds: float  # how long simulating and judging took [s]
+    exact: bool  # True if the step was chosen for the scenario's accuracy, False if it is that of the first run
+    passing: bool  # True if a slider was on its way: the next run takes its place
+    warnings: tuple[str, ...]  # that the simulation gave
+
+    @property
+    def name(self) -> str:
+        """What the page and the recording call it."""
+        return f"run {self.number}"
 
 
 class Recorder:
@@ -38,7 +58,7 @@ def _begin() -> None:
 
 
 def _prepare() -> None:
-    import wirerope_mj.views.recording  # noqa: F401
+    import wirerope_mj.views.recording.record  # noqa: F401
 
 
 def _recording(runs: tuple[ShownRun, ...], title: str) -> bytes:

@@ -4,7 +4,9 @@ import hmac
 import json
 import re
 import sys
-from collections.abc import Callable, Mapping
+import webbrowser
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -14,8 +16,8 @@ from typing import Any, Protocol
 from urllib.parse import parse_qs, urlsplit
 
 from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.views.explore.turns import OvertakenError, Turns
 from wirerope_mj.views.explore.viewer_files import FILES, viewer_files
+from wirerope_mj.views.recording.viewer import has_display
 
 LOCAL = "127.0.0.1"
 _FOLDER = Path(__file__).parent
@@ -191,3 +193,48 @@ class _Handler(BaseHTTPRequestHandler):
             self.send_header("Connection", "close")
         self.end_headers()
         self.wfile.write(content)
+
+
+class OvertakenError(Exception):
+    """Somebody came later and goes first; what was asked for is not wanted any more."""
+
+
+class Turns:
+    """Lets one thread through at a time, and of those that wait the one that came last."""
+
+    def __init__(self) -> None:
+        self._counting, self._busy = Lock(), Lock()
+        self._newest = 0
+
+    @contextmanager
+    def turn(self) -> Iterator[None]:
+        """Wait until nobody else is inside; OvertakenError if another one came while this one waited."""
+        with self._counting:
+            self._newest += 1
+            mine = self._newest
+        with self._busy:
+            if mine != self._newest:
+                raise OvertakenError
+            yield
+
+
+def serve(explored: Explored, *, browser: bool, viewer: bool, port: int = 0) -> None:
+    """Serve the page of a what-if on a port (0: a free one), print its address, and return when Ctrl-C ends it.
+
+    The page is opened with `browser` where there is a screen, and has the viewer of recordings beside it with `viewer`.
+
+    Raises:
+        WireRopeError: the port is taken.
+    """
+    try:
+        server = ExploreServer(explored, viewer=viewer, port=port)
+    except OSError as error:
+        raise WireRopeError(f"port {port} of {LOCAL} cannot be had ({error.strerror}). Leave --port out.") from None
+    with server:
+        try:
+            print(f"Open {server.address}\nCtrl-C ends it.", flush=True)
+            if browser and has_display():
+                webbrowser.open(server.address)
+            server.serve_forever()
+        except KeyboardInterrupt:
+            print("\nEnded.")

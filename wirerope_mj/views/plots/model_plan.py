@@ -151,17 +151,14 @@ def _write_key(panel: Any, layout: Layout) -> None:
     for placed in (*layout.mounts, *layout.stops):
         kinds.setdefault(placed.isolator, []).append(placed.name)
     lines = [
-        f"mass {payload.mass:.6g} kg",
-        f"centre of mass x {x:.1f}, y {y:.1f}, z {z:.1f} mm",
+        f"mass {payload.mass:.6g} kg", f"centre of mass x {x:.1f}, y {y:.1f}, z {z:.1f} mm",
         f"inertia about it [kg m^2]: xx {i[0, 0]:.5g}, yy {i[1, 1]:.5g}, zz {i[2, 2]:.5g}",
-        f"   xy {i[0, 1]:.4g}, xz {i[0, 2]:.4g}, yz {i[1, 2]:.4g} (of the tensor)",
-        "",
-        *(f"{isolator}: {_listed(names)}" for isolator, names in kinds.items()),
-        "",
+        f"   xy {i[0, 1]:.4g}, xz {i[0, 2]:.4g}, yz {i[1, 2]:.4g} (of the tensor)", "",
+        *(f"{isolator}: {_listed(names)}" for isolator, names in kinds.items()), "",
         "red: mounts, arrow from the base to the payload; orange: stops",
         "green: points, and where forces act; blue: boxes of the masses' inertia, dashed the envelope",
         "half-filled circle: centre of mass",
-    ]
+    ]  # fmt: skip
     panel.text(0.0, 1.0, "\n".join(lines), va="top", fontsize=8, transform=panel.transAxes)
     panel.set_axis_off()
 

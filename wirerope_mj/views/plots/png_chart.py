@@ -27,13 +27,7 @@ _LETTER = 0.075  # width of a letter of a name, on the average [in]
 
 
 def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -> None:
-    """Write the panels of some charts below each other as one picture, PNG, SVG or PDF, whole or not at all.
-
-    Args:
-        charts: of a result, those without panels left out.
-        path: of the file.
-        title: above all of them.
-    """
+    """Write the panels of charts below each other, under a title, as one PNG, SVG or PDF, whole or not at all."""
     rows = [(chart, row) for chart in charts for row in chart.rows]
     below = [_TICKS + _NAME * any(panel.xlabel for panel in row) for _, row in rows]
     heights = [chart.height / _TALL + under for (chart, _), under in zip(rows, below, strict=True)]

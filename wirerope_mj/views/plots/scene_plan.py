@@ -25,12 +25,9 @@ _MARKERS = "osD^vP"
 
 
 def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = "") -> None:
-    """Write scenes as one PNG, whole or not at all: two beside each other, plan above elevation.
+    """Write scenes under a title as one PNG, whole or not at all: two beside each other, plan above elevation.
 
-    Args:
-        views: at least one; empty places of mounts are crossed.
-        path: of the file.
-        title: above all of them.
+    Empty places of mounts are crossed.
     """
     rows, columns = (len(views) + 1) // 2, min(len(views), 2)
     figure = PlainFigure(figsize=(5.0 * columns, 4.4 * rows + 0.6), layout="constrained", dpi=_DPI)
@@ -80,13 +77,7 @@ def save_still(view: SceneView, path: str | Path, *, title: str = "") -> None:
 
 
 def _draw_view(panel: Any, block: SceneView, number: int) -> None:
-    """Draw a scene from above or from the side into a panel, its mounts as marks, with their names where none is absent.
-
-    Args:
-        panel: where it is drawn.
-        block: what is drawn: the modelled geometry, pale where the scene has moved, and what is ringed.
-        number: 0: from above, 1: from the side.
-    """
+    """Draw a scene from above (0) or the side (1): geometry, what is ringed, mounts as marks, named where none is absent."""
     scene, absent = block.scene, block.absent or ()
     drawn, positions = drawn_scene(scene), mount_positions(scene)
     view = drawn.views[number]
@@ -102,12 +93,8 @@ def _draw_view(panel: Any, block: SceneView, number: int) -> None:
     if block.moved is None and block.absent is None:
         for name, position in positions.items():
             panel.annotate(
-                short(name),
-                (position[view.right], position[view.up]),
-                xytext=(3, 3),
-                textcoords="offset points",
-                fontsize=5,
-            )
+                short(name), (position[view.right], position[view.up]), xytext=(3, 3), textcoords="offset points", fontsize=5,
+            )  # fmt: skip
     devices = list(dict.fromkeys(mount.isolator for mount in scene.mounts))
     for number, device in enumerate(devices):
         there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]

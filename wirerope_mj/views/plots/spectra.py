@@ -25,11 +25,7 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
 
     On this paper a shock is a trapezoid: its displacement on the left, its velocity change at the top, its acceleration on
     the right. Displacements are read exactly; accelerations are 2 pi f times the pseudo-velocity, which the absolute
-    acceleration exceeds a little where there is damping.
-
-    Args:
-        spectra: of one acceleration each, by name; the one called "base" is grey.
-        title: above the picture.
+    acceleration exceeds a little where there is damping. Of the spectra, each of one acceleration, "base" is grey.
     """
     curves = _curves(spectra, lambda one: (one.frequencies, one.pseudo_velocity))
     figure, axes = _figure(spectrum_panel(curves, f"pseudo-velocity{_q(spectra)} [m/s]", "m/s"), title, (7.6, 7.2))
@@ -44,12 +40,9 @@ def shock_spectra_figure(
     title: str = "",
     test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
 ) -> Figure:
-    """Return the largest absolute accelerations (maximax) over frequency.
+    """Return the largest absolute accelerations (maximax) over frequency, "base" in grey.
 
-    Args:
-        spectra: of one acceleration each, by name; the one called "base" is grey.
-        title: above the picture.
-        test: frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
+    `test` are frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
     """
     curves = _curves(spectra, lambda one: (one.frequencies, in_unit(one.maximax, "g")))
     if test is not None:
@@ -60,12 +53,7 @@ def shock_spectra_figure(
 
 
 def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str = "") -> Figure:
-    """Return power spectral densities over frequency, with their rms; the band is one standard error wide on both sides.
-
-    Args:
-        densities: of one acceleration each, by name; the one called "base" is grey.
-        title: above the picture.
-    """
+    """Return power spectral densities over frequency, with their rms; the band is one standard error wide on both sides."""
     curves = _curves(densities, lambda one: (one.frequency[1:], one.density[..., 1:] / STANDARD_GRAVITY**2))
     names = [f"{name}: {in_unit(float(one.rms), 'g'):.3g} g rms" for name, one in densities.items()]
     curves = [replace(curve, name=name) for curve, name in zip(curves, names, strict=True)]

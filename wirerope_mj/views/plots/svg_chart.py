@@ -164,9 +164,8 @@ def _ranges(panel: Panel) -> tuple[tuple[float, float], tuple[float, float]]:
     low = min((float(y.min()) for y in shown if y.size), default=0.0)
     high = max((float(y.max()) for y in shown if y.size), default=1.0)
     for _, level in panel.limits:
-        if (
-            level < 0.0 and low < 0.5 * level or level > 0.0 and high > 0.5 * level
-        ):  # others would only flatten the curves
+        # Others would only flatten the curves.
+        if level < 0.0 and low < 0.5 * level or level > 0.0 and high > 0.5 * level:
             low, high = min(low, level), max(high, level)
     room = _ROOM * (high - low) or 1.0
     return xs, (low - room, high + room)

@@ -47,7 +47,6 @@ Several runs over each other stand in the same entities, with what is the run's 
 Branches of periodic motions have a recording of their own, see `views.recording.branch`.
 """
 
-from wirerope_mj.views.recording.record import record_overlay as record_overlay
-from wirerope_mj.views.recording.record import record_rerun as record_rerun
-from wirerope_mj.views.recording.state import read_state as read_state
-from wirerope_mj.views.recording.viewer import show as show
+from lazy_loader import attach_stub
+
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

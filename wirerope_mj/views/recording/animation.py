@@ -1,8 +1,11 @@
-"""Periodic motions of a branch one after the other, as one response from which the scene is drawn."""
+"""Periodic motions of a branch one after the other, as one response, and the timelines along which they stand."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.dynamics.frequency_response.curve import along_branch
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
@@ -11,6 +14,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
+from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
 
 MOST_POINTS = 60  # Motions of a branch that are recorded: a step of one is small, and the file stays small too
 ROWS = 36  # Rows of a period of the base: ten degrees each
@@ -18,19 +22,12 @@ ROWS = 36  # Rows of a period of the base: ten degrees each
 
 @dataclass(frozen=True, kw_only=True)
 class Strip:
-    """Motions of one level in the order of its branch.
+    """Motions of one level in the order of its branch."""
 
-    Attributes:
-        number: index of the level.
-        branch: its branch.
-        points: which points of the branch, (n,); a short branch has some of them several times.
-        orbits: the motions, one for each.
-    """
-
-    number: int
+    number: int  # index of the level
     branch: Branch
-    points: Integers
-    orbits: tuple[PeriodicOrbit, ...]
+    points: Integers  # which points of the branch, (n,); a short branch has some of them several times
+    orbits: tuple[PeriodicOrbit, ...]  # the motions, one for each
 
     @property
     def level(self) -> float:
@@ -50,17 +47,11 @@ class Strip:
 
 @dataclass(frozen=True, kw_only=True)
 class Animation:
-    """A strip shown motion by motion, one repetition each.
-
-    Attributes:
-        strip: the motions.
-        starts: instant at which each begins [s], (n,).
-        response: all of them, one after the other; its peaks are those of the motion with the largest amplitude.
-    """
+    """A strip shown motion by motion, one repetition each."""
 
     strip: Strip
-    starts: Array
-    response: Response
+    starts: Array  # instant at which each begins [s], (n,)
+    response: Response  # all of them, one after the other; its peaks are those of the motion with the largest amplitude
 
 
 def strips_of(findings: list[LevelSummary]) -> list[Strip]:
@@ -107,3 +98,45 @@ def with_values(like: Response, values: Array) -> Response:
     """Return a response of other samples, (n_t, n_columns), with the same columns, scene and peaks."""
     samples = MemorySamples(names=like.samples.names, values=values)
     return replace(like, time=values[:, 0].copy(), **like.plan.parts(samples), events=(), samples=samples)
+
+
+# Timelines over the branch: the number of the motion, and its frequency in integer millihertz, as rerun has no other numbers
+# for a timeline. Where a branch folds, the point tells its motions apart.
+POINT, FREQUENCY = "point", "frequency_mHz"
+
+
+def at_points(animation: Animation, strip: Strip) -> list[Any]:
+    """Return the index columns of one row for every motion of a strip: they stand beside those of the animation."""
+    columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
+    return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
+
+
+class Along:
+    """A recording stream whose rows in time stand on other timelines too.
+
+    `starts` are the instants [s] at which the motions begin, `numbers` their numbers on these timelines.
+    """
+
+    def __init__(self, rec: Any, starts: Array, numbers: Mapping[str, Any]) -> None:
+        self._rec, self._numbers = rec, numbers
+        self._starts = nanoseconds(starts).astype(np.int64)
+
+    def log(self, *args: Any, **options: Any) -> None:
+        """Log as the stream does."""
+        self._rec.log(*args, **options)
+
+    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+        """Send rows whose index is the timeline in time alone."""
+        time = index[0].as_arrow_array().cast("int64").to_numpy()
+        motion = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
+        more = [rr.TimeColumn(name, sequence=numbers[motion]) for name, numbers in self._numbers.items()]
+        self._rec.send_columns(path, [*index, *more], columns)
+
+
+def timelines(rec: Any, animation: Animation) -> Along:
+    """Return a stream whose rows in time stand on the branch too."""
+    return Along(rec, animation.starts, _numbers(animation.strip))
+
+
+def _numbers(strip: Strip) -> dict[str, Any]:
+    return {POINT: np.arange(strip.points.size), FREQUENCY: np.round(1e3 * strip.frequency).astype(np.int64)}

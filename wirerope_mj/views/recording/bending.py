@@ -5,6 +5,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import rerun as rr
 import scipy
 
 from wirerope_mj.engine.response import Response
@@ -40,8 +41,6 @@ def see_through(body: SceneBody) -> Sequence[Geom]:
 
 def log_bending(rec: Any, path: str, response: Response, rows: Rows, factor: float) -> None:
     """Log a net through the points below the mounts on a base that bends, with bending enlarged from where it begins."""
-    import rerun as rr
-
     scene = response.scene
     mounts = [mount for mount in scene.mounts if mount.base_body == scene.base]
     if not any(body.bends for body in scene.bodies if body.name == scene.base) or len(mounts) < 2:

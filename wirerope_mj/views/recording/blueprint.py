@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
+import rerun.blueprint as rrb
 
 from wirerope_mj.content.histories import TOTAL
 from wirerope_mj.foundation.units import in_unit
@@ -31,8 +32,6 @@ def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab:
     Raises:
         ValueError: there is no such tab or scene.
     """
-    import rerun.blueprint as rrb
-
     scenes = _scenes(drawn, factor)
     left: Any = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and run.selection.governing is not None:
@@ -52,15 +51,11 @@ def loop_widths(drawn: Drawn) -> dict[str, float]:
 
 
 def _text(path: tuple[str, ...], name: str) -> Any:
-    import rerun.blueprint as rrb
-
     return rrb.TextDocumentView(origin=entity(*path), name=name)
 
 
 def _scenes(drawn: Drawn, factor: float) -> list[Any]:
     """Return the scenes: of a run alone at true scale, from above and enlarged; of several first their worst mount."""
-    import rerun.blueprint as rrb
-
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
     largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
     below = entity(GHOSTS)
@@ -116,8 +111,6 @@ def _near(run: DrawnRun, mount: str, *, wide: bool = False) -> Any:
 
 def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Any]:
     """Return the overview, a tab for each quantity over time, the loops of each axis, and the texts."""
-    import rerun.blueprint as rrb
-
     tabs = [_overview(drawn)]
     for quantity in ("acceleration", "deflection", "force", "contact", "measured"):
         name = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
@@ -143,8 +136,6 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Any]:
 
 def _overview(drawn: Drawn) -> Any:
     """Return what tells most: of a run alone what is used, what stands over frequency, and lanes; of several what differs."""
-    import rerun.blueprint as rrb
-
     views = [_view(drawn, key) for key in drawn.overview]
     if (run := drawn.alone) is None:
         return rrb.Grid(*views, grid_columns=1 if len(views) <= 3 else 2, name="Overview")

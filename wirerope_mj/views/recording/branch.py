@@ -17,6 +17,9 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 from pathlib import Path
 from typing import Any
 
+import rerun as rr
+import rerun.blueprint as rrb
+
 from wirerope_mj.content.blocks import Content, Statement
 from wirerope_mj.content.orbits import motion_blocks
 from wirerope_mj.content.panels import Chart
@@ -25,8 +28,7 @@ from wirerope_mj.dynamics.frequency_response import FrequencyResponse
 from wirerope_mj.dynamics.frequency_response.summary import LevelSummary
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.markdown import markdown_blocks
-from wirerope_mj.views.recording.along import POINT, along_branch, at_points
-from wirerope_mj.views.recording.animation import Animation, animation_of, strips_of
+from wirerope_mj.views.recording.animation import POINT, Animation, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
 from wirerope_mj.views.recording.enlarge import enlarged, factor_of
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, fitting_width
@@ -61,13 +63,7 @@ _TIMELINES = (
 def record_branches(
     result: FrequencyResponse, findings: list[LevelSummary], content: Content, path: str | Path
 ) -> Path:
-    """Write the branches of a frequency response as a recording, and return its path.
-
-    Args:
-        result: the response; at least one level has a branch.
-        findings: what is read off it, level by level.
-        content: what it says.
-        path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
+    """Write the branches of a frequency response as a recording, a file or `run.rrd` of a folder, and return its path.
 
     Raises:
         ValueError: no level has a branch.
@@ -99,13 +95,11 @@ def _write(findings: list[LevelSummary], content: Content, rec: Any) -> None:
     if shown_loops(animation):
         _, width = loop_grid(len(shown_loops(animation)))
         log_orbit_loops(rec, animation, strips, width=width, shape_width=SQUARE)
-    log_scene(along_branch(rec, animation), scene, selection, frames)
+    log_scene(timelines(rec, animation), scene, selection, frames)
 
 
 def _log_texts(rec: Any, content: Content, animation: Animation) -> None:
     """Log a text for every motion of the animation, and one about all levels."""
-    import rerun as rr
-
     strip, kind = animation.strip, rr.MediaType.MARKDOWN
     loop = next(iter(shown_loops(animation)), None)
     ends = [*strip.points[1:].tolist(), strip.branch.frequency.size]
@@ -128,8 +122,6 @@ def loop_grid(loops: int) -> tuple[int, float]:
 
 def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
     """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
-    import rerun.blueprint as rrb
-
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"),
         rrb.TextDocumentView(origin=entity(ABOUT), name="Levels"),
@@ -145,9 +137,8 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
     response = _plane(entity(RESPONSE), "Largest acceleration [m/s²] over frequency [Hz]", RESPONSE_WIDTH)
     below = _loops(animation)
     right = rrb.Vertical(response, *below, row_shares=[1] * (1 + len(below)))
-    slow = animation.strip.frequency[
-        int(animation.strip.amplitude.argmax())
-    ]  # one period at the resonance takes a second
+    # One period at the resonance takes a second.
+    slow = animation.strip.frequency[int(animation.strip.amplitude.argmax())]
     panel = rrb.TimePanel(
         state="collapsed", timeline=POINT, playback_speed=1.0 / float(slow), fps=PER_SECOND * float(slow),
         play_state="paused", loop_mode="all",
@@ -157,8 +148,6 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
 
 def _loops(animation: Animation) -> list[Any]:
     """Return the loops and the shape of one, if there are mounts."""
-    import rerun.blueprint as rrb
-
     shown = shown_loops(animation)
     if not shown:
         return []
@@ -170,7 +159,5 @@ def _loops(animation: Animation) -> list[Any]:
 
 
 def _plane(origin: str, name: str, width: float) -> Any:
-    import rerun.blueprint as rrb
-
     bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
     return rrb.Spatial2DView(origin=origin, name=known_letters(name), background=GROUND, visual_bounds=bounds)

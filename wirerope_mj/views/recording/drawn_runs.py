@@ -33,17 +33,11 @@ COLORS: tuple[Color, ...] = (*DARK.series, (236, 218, 152), (190, 109, 108))
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnRun(ComparedRun):
-    """A run as it is drawn; its name is "" if it is alone.
+    """A run as it is drawn; its name is "" if it is alone."""
 
-    Attributes:
-        color: of its lines, mounts and ghosts among several runs.
-        selection: what a recording of its own shows; among several runs mounts have the run's colour.
-        frames: of its bodies.
-    """
-
-    color: Color
-    selection: Selection
-    frames: dict[str, Frame]
+    color: Color  # of its lines, mounts and ghosts among several runs
+    selection: Selection  # what a recording of its own shows; among several runs mounts have the run's colour
+    frames: dict[str, Frame]  # of its bodies
 
     @property
     def root(self) -> str:
@@ -68,23 +62,15 @@ class Text:
 
 @dataclass(frozen=True, kw_only=True)
 class Drawn:
-    """What a recording holds of one run or of several over each other.
+    """What a recording holds of one run or of several over each other."""
 
-    Attributes:
-        runs: as they are drawn.
-        comparison: of the runs with the first; of one alone, what it has.
-        shared: what is shown: of one run its own selection; of several the mounts that two of them or more have, those shown
-            in `ranked`, `utilisations` the largest of any run.
-        panels: over time.
-        over_frequency: what stands over frequency; None for nothing.
-        texts: all of them.
-    """
-
-    runs: tuple[DrawnRun, ...]
-    comparison: Comparison
+    runs: tuple[DrawnRun, ...]  # as they are drawn
+    comparison: Comparison  # of the runs with the first; of one alone, what it has
+    # what is shown: of one run its own selection; of several the mounts that two of them or more have, those shown in
+    # `ranked`, `utilisations` the largest of any run
     shared: Selection
-    panels: Histories
-    over_frequency: Panel | None = None
+    panels: Histories  # over time
+    over_frequency: Panel | None = None  # what stands over frequency; None for nothing
     texts: tuple[Text, ...] = field(default=())
 
     @property
@@ -122,22 +108,14 @@ def one_run(run: RunResult, over_frequency: Panel | None = None) -> Drawn:
     response, selection = run.response, run.selection
     comparison = compare_runs({"": response}, verdicts={"": run.verdicts}) if subjects_of(response) else None
     drawn = DrawnRun(
-        name="",
-        response=response,
-        moved=0.0,
-        verdicts=run.verdicts,
-        color=ARROW,
-        selection=selection,
+        name="", response=response, moved=0.0, verdicts=run.verdicts, color=ARROW, selection=selection,
         frames=frames_of(response),
-    )
+    )  # fmt: skip
     nothing = Comparison(runs=(drawn,), components=(), mounts=(), alone={}, differences=())
     return Drawn(
-        runs=(drawn,),
-        comparison=comparison or nothing,
-        shared=selection,
-        panels=run_histories(response, selection),
+        runs=(drawn,), comparison=comparison or nothing, shared=selection, panels=run_histories(response, selection),
         over_frequency=over_frequency,
-    )
+    )  # fmt: skip
 
 
 def several_runs(
@@ -184,13 +162,6 @@ def _shared(runs: tuple[DrawnRun, ...], mounts: tuple[str, ...]) -> Selection:
         ranked[axis] = tuple(sorted(names, key=lambda name: name not in worst)[:MOST_MOUNTS])
     starts, ends = zip(*(run.selection.window for run in runs), strict=True)
     return replace(
-        runs[0].selection,
-        window=(min(starts), max(ends)),
-        utilisations=utilisations,
-        mounts=mounts,
-        ranked=ranked,
-        bodies=(),
-        points=(),
-        used=tuple(used),
-        numbers={},
-    )
+        runs[0].selection, window=(min(starts), max(ends)), utilisations=utilisations, mounts=mounts, ranked=ranked,
+        bodies=(), points=(), used=tuple(used), numbers={},
+    )  # fmt: skip

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.colours import DARK
@@ -47,8 +48,6 @@ class Plot:
 
     def transform(self) -> Any:
         """Return the map from numbers to the view."""
-        import rerun as rr
-
         sx, sy = self.scale
         return rr.Transform3D(translation=[*self.points(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
 
@@ -70,21 +69,11 @@ def log_frame(
     marked: Sequence[tuple[float, Color]] = (),
     lift: float = 8.0,
 ) -> None:
-    """Log a frame with lines at round numbers and the numbers beside it.
+    """Log a frame with lines at round numbers, `across` upright and `upward` level, and the numbers, or `names`, beside it.
 
-    Args:
-        rec: recording stream.
-        path: entity of the frame.
-        plot: ranges.
-        across: positions of upright lines.
-        upward: positions of level lines.
-        names: of these lines; None: the numbers themselves.
-        marked: positions across of lines in a colour of their own.
-        lift: by which the numbers beside the frame are raised to stand at their lines, in units of the view: the viewer hangs
-            them below their positions, by as much on the screen however large the view is.
+    `marked` are lines across in a colour of their own. `lift` raises the numbers to stand at their lines, in units of the view:
+    the viewer hangs them below their positions, by as much on the screen however large the view is.
     """
-    import rerun as rr
-
     (x0, x1), (y0, y1) = plot.across, plot.upward
     lines = [plot.points([x, x], [y0, y1]) for x in across] + [plot.points([x0, x1], [y, y]) for y in upward]
     colors = [_ZERO if value == 0.0 and names is None else _GRID for value in (*across, *upward)]

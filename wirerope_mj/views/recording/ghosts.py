@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -36,8 +37,6 @@ def ghost_factor(drawn: Drawn) -> float:
 
 def log_ghosts(rec: Any, drawn: Drawn, factor: float) -> None:
     """Log the bodies of all runs, their names beside them; of a run alone in its own colours, over where it began."""
-    import rerun as rr
-
     rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     bases: list[str] = []
     for number, run in enumerate(drawn.runs):
@@ -93,8 +92,6 @@ def _ghostly(body: SceneBody, run: DrawnRun) -> list[Geom]:
 
 def _log_name(below: Below, run: DrawnRun, number: int, extent: float) -> None:
     """Log the name of a run beside the scene, as it is seen when the recording opens: the legend of the colours."""
-    import rerun as rr
-
     scene = run.response.scene
     base = scene.base
     camera = whole_scene(run.response)

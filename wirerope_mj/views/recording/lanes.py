@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import rerun as rr
 
 from wirerope_mj.content.events import NEAR
 from wirerope_mj.content.selection import Selection
@@ -81,8 +82,6 @@ def _log_lane(
     rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...], end: float
 ) -> None:
     """Log a lane, seen until an instant `end` [s]; what is too short for its name is drawn in its colour alone."""
-    import rerun as rr
-
     labels, colors = zip(*states, strict=True)
     blanks = [" " * (number + 1) for number in range(len(labels))]
     rec.log(_path(name), rr.StateConfiguration(values=[*labels, *blanks], colors=[*colors, *colors]), static=True)

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import rerun as rr
 
 from wirerope_mj.content.selection import Selection, travel_limits
 from wirerope_mj.engine.response import Response
@@ -33,23 +34,16 @@ _CURSOR = (255, 255, 255)  # Of a run alone; among several runs cursors have the
 
 @dataclass(frozen=True, kw_only=True)
 class DrawnLoop:
-    """A force-deflection loop.
-
-    Attributes:
-        axis, mount: names.
-        outlines: the whole loop [mm, kN], (n, 2); of a long run some of its cycles.
-        plot: its plot; None if it has no view of its own, as for the next two.
-        time: instants of trail and cursor [s], (m,).
-        points: deflection and force at these instants [mm, kN], (m, 2).
-        joined: whether the path from each of these instants to the next is drawn, (m - 1,).
-    """
+    """A force-deflection loop."""
 
     axis: str
     mount: str
-    outlines: tuple[Array, ...]
-    plot: Plot | None = None
-    time: Array = field(default_factory=lambda: np.zeros(0))
+    outlines: tuple[Array, ...]  # the whole loop [mm, kN], (n, 2); of a long run some of its cycles
+    plot: Plot | None = None  # its plot; None if it has no view of its own, as for the next two
+    time: Array = field(default_factory=lambda: np.zeros(0))  # instants of trail and cursor [s], (m,)
+    # deflection and force at these instants [mm, kN], (m, 2)
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
+    # whether the path from each of these instants to the next is drawn, (m - 1,)
     joined: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     @property
@@ -229,8 +223,6 @@ def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount
 
 def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
     """Return whole loops [mm, kN] as dim lines."""
-    import rerun as rr
-
     return rr.LineStrips2D(
         [outline for loop in loops for outline in loop.outlines],
         colors=[[*color, 105] for loop, color in zip(loops, colors, strict=True) for _ in loop.outlines],
@@ -245,8 +237,6 @@ def _log_trail(rec: Any, path: str, loop: DrawnLoop, color: Color, *, cursor: Co
 
     Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
     """
-    import rerun as rr
-
     width = rr.Radius.ui_points(1.5)
     # Above the whole loop, which at the same draw order would hide the trail in some views and not in others.
     look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)

@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
 
 from wirerope_mj.content.modes import amplitudes_table, mode_blocks, modes_table
 from wirerope_mj.content.selection import select
@@ -17,7 +19,7 @@ from wirerope_mj.dynamics.modes.result import Modes
 from wirerope_mj.foundation.plain_text import markdown
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.markdown import markdown_blocks, markdown_table
-from wirerope_mj.views.recording.along import Along
+from wirerope_mj.views.recording.animation import Along
 from wirerope_mj.views.recording.paths import TIMELINE, entity, nanoseconds
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
@@ -30,13 +32,9 @@ _AWAY = 1.12  # Factor by which the camera stands farther away than for the mode
 
 
 def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
-    """Write modes in motion as a recording, and return its path.
+    """Write modes in motion as a recording, a file or `run.rrd` of a folder, and return its path.
 
-    Args:
-        animation: the modes in motion.
-        path: file to write, or a folder, which gets a `run.rrd`; written whole or not at all.
-        title: name of the recording; that of the model by default.
-        larger: modes of the same system at other amplitudes, for the table of all.
+    `larger` are modes of the same system at other amplitudes, for the table of all.
 
     Raises:
         RecordError: the environment variable RERUN switches recordings off.
@@ -48,8 +46,6 @@ def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "",
 
 
 def _write(animation: ModeAnimation, rec: Any, title: str, larger: Sequence[Modes]) -> None:
-    import rerun as rr
-
     response = animation.response
     selection, frames = select(response), frames_of(response)
     rec.send_blueprint(_blueprint(animation, frames, title), make_active=True, make_default=True)
@@ -71,8 +67,6 @@ def mode_text(modes: Modes, mode: int) -> str:
 
 
 def _blueprint(animation: ModeAnimation, frames: dict[str, Frame], title: str) -> Any:
-    import rerun.blueprint as rrb
-
     name = f"{title}: modes, drawn with mounts that swing by {in_unit(animation.amplitude, 'mm'):.3g} mm"
     scene = whole_scene_view(animation.response, frames, name, away=_AWAY)
     texts = rrb.Vertical(

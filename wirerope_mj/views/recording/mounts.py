@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pyarrow as pa
+import rerun as rr
 
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
@@ -82,9 +84,6 @@ def log_mounts(
 
 def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
     """Log one mesh and, for every row, the affine map of each mount from it: base's bar, then shear and stretch."""
-    import pyarrow as pa
-    import rerun as rr
-
     first = devices[0]
     vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
     color = _STEEL if first.rope else _RUBBER
@@ -113,8 +112,6 @@ def _log_bars(
     rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]
 ) -> None:
     """Log the two bars of every mount, fixed to the bodies; of a run alone in the colour of what it uses of its limits."""
-    import rerun as rr
-
     bodies = {body.name: body for body in response.scene.bodies}
     bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
     for device in devices:
@@ -151,8 +148,6 @@ def _seen_from_payload(bodies: dict[str, SceneBody], mount: SceneMount) -> Array
 
 
 def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]) -> None:
-    import rerun as rr
-
     if devices:
         rec.log(
             child(path, "labels"),
@@ -169,8 +164,6 @@ def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]
 
 def _log_worst(rec: Any, path: str, response: Response, selection: Selection, device: Device) -> None:
     """Log a ring about the worst mount as it is seen when the recording opens, and its name with its use, red beyond 100 %."""
-    import rerun as rr
-
     mount = device.mount
     used = next((one for one in selection.used if one.subject == mount.name), None)
     color = DARK.limit if used is not None and used.largest > 1.0 else _NEAR
@@ -195,8 +188,6 @@ def _log_forces(
     rec: Any, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
 ) -> None:
     """Log the force that each mount exerts on its payload as arrows of equal scale."""
-    import rerun as rr
-
     forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
     vectors = np.stack(forces, axis=1)
     largest = np.sqrt((vectors**2).sum(axis=-1)).max()
@@ -238,8 +229,6 @@ def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent:
     met. Without one the bumper is a cylinder about its point on the base; one whose device states no size suits a scene of
     `extent` [m].
     """
-    import rerun as rr
-
     scene = response.scene
     look: dict[str, Any] = {"show_labels": False, "fill_mode": "Solid"}  # the lanes and the report name them
     for stop in scene.stops:

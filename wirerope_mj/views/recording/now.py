@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.now import at_cursor
@@ -25,8 +26,6 @@ _STEP = 0.1  # Of utilisations that are told apart by colour
 
 def log_cursor(rec: Any, run: RunResult) -> None:
     """Log a table for every sample of what follows from the event, of a long run for intervals that have no gaps."""
-    import rerun as rr
-
     time = run.response.time
     rows = cursor_rows(time, run.selection, _ROWS)
     texts = [
@@ -63,8 +62,6 @@ def used_by(selection: Selection, names: list[str]) -> Array:
 
 def log_plan(rec: Any, response: Response, selection: Selection) -> None:
     """Log every mount that is no stop at its place on the base, x to the right and y upwards."""
-    import rerun as rr
-
     mounts = response.scene.isolating
     if not mounts or not selection.used:
         return

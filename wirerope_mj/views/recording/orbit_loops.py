@@ -3,13 +3,13 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.dynamics.frequency_response.curve import busiest_loops
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.views.colours import DARK
-from wirerope_mj.views.recording.along import along_branch, at_points
-from wirerope_mj.views.recording.animation import Animation, Strip
+from wirerope_mj.views.recording.animation import Animation, Strip, at_points, timelines
 from wirerope_mj.views.recording.frame import LARGE, Color, Plot, log_frame
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.paths import AXES, at, child, entity
@@ -29,8 +29,6 @@ def _color(level: int) -> Color:
 
 def log_here(rec: Any, path: str, animation: Animation, strips: list[Strip]) -> None:
     """Log the motion of every level on its curve, with its values when the mouse is over it."""
-    import rerun as rr
-
     for strip in strips:
         below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
         size = rr.Radius.ui_points(7.0)
@@ -67,13 +65,9 @@ def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, widt
         plot = _plot([loop for part in loops for loop in part], width)
         path = loop_path(mount, axis)
         log_frame(
-            rec,
-            path,
-            plot,
-            across=linear_ticks(*plot.across, most=most),
-            upward=linear_ticks(*plot.upward, most=most),
+            rec, path, plot, across=linear_ticks(*plot.across, most=most), upward=linear_ticks(*plot.upward, most=most),
             lift=lift,
-        )
+        )  # fmt: skip
         _log(rec, child(path, "data"), plot, animation, strips, loops)
         _log_cursor(rec, child(path, "data", "cursor"), animation, loop_points(animation.response.mounts[mount], axis))
     loops = [[_filled(loop) for loop in _loops(strip, *shown[0])] for strip in strips]
@@ -101,8 +95,6 @@ def _plot(loops: list[Array], width: float) -> Plot:
 
 def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
     """Log the loops of all levels, one row for every motion; that of an unstable motion is thin."""
-    import rerun as rr
-
     rec.log(path, plot.transform(), static=True)
     for strip, rows in zip(strips, loops, strict=True):
         below = child(path, f"level_{strip.number + 1}")
@@ -115,17 +107,13 @@ def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Str
 
 def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> None:
     """Log deflection and force of the mount at every instant of the animation."""
-    import rerun as rr
-
     look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
-    along_branch(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
+    timelines(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
 
 
 def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:
     """Log the unit circle, and the multipliers of every motion of the animation."""
-    import rerun as rr
-
     side = _LARGEST * 1.06
     across = side * width / 100.0
     plot = Plot(across=(-across, across), upward=(-side, side), width=width)

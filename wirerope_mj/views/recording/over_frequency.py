@@ -3,6 +3,8 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
 
 from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.judged_run import RunResult
@@ -20,10 +22,8 @@ _CURSOR: Color = (255, 255, 255)
 _LIFT = 4.5  # as `frame.LARGE`, for a wide view
 _DASH = 5  # intervals of a curve in a dash, and in the gap behind it
 _MOST_ROWS = 800  # of a curve: its view is hardly wider in pixels
-_LEGEND, _LINE = (
-    (WIDTH + 46.0, 8.0),
-    9.0,
-)  # where the first text stands, how far the next is below it, in the view's units
+# Where the first text stands, how far the next is below it, in the view's units.
+_LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
 _ASIDE = 92.0  # width of the legend
 
 
@@ -40,8 +40,6 @@ def log_frequency_panel(rec: Any, path: str, panel: Panel, *, width: float, lift
 
     Curves of one name are one entity. Positions are logarithms along logarithmic axes.
     """
-    import rerun as rr
-
     plot, upright = _plot(panel, width), panel.log == "xy"
     across = log_ticks(*(10.0**end for end in plot.across))
     upward = log_ticks(*(10.0**end for end in plot.upward)) if upright else linear_ticks(*plot.upward)
@@ -83,8 +81,6 @@ def _positions(curve: Curve, plot: Plot, *, upright: bool) -> Array:
 
 def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
     """Log the largest value of each curve, and their texts in a column, as peaks often coincide."""
-    import rerun as rr
-
     for number, curve in enumerate(panel.curves):
         if curve.peak is not None:
             spot = np.log10(curve.peak[0]), _height(np.array(curve.peak[1]), plot, upright=panel.log == "xy")
@@ -99,8 +95,6 @@ def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
 
 def _log_now(rec: Any, data: str, run: RunResult, plot: Plot) -> None:
     """Log the frequency of a sweep at the time cursor as an upright line."""
-    import rerun as rr
-
     if run.sweep is None:
         return
     time = run.response.time
@@ -122,8 +116,6 @@ def _log_now(rec: Any, data: str, run: RunResult, plot: Plot) -> None:
 
 def over_frequency_view(panel: Panel) -> Any:
     """Return the view of a panel over frequency."""
-    import rerun.blueprint as rrb
-
     bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _ASIDE], y_range=[-6.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"
     return rrb.Spatial2DView(origin=entity(ROOT), name=known_letters(name), background=GROUND, visual_bounds=bounds)

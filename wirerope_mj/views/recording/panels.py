@@ -3,6 +3,8 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
+import rerun.blueprint as rrb
 
 from wirerope_mj.content.histories import peak_text
 from wirerope_mj.content.panels import BASE, OTHERS, Curve, Panel
@@ -20,11 +22,8 @@ _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
 _COLUMNS = 90
 _CORNERS = {
-    "RightTop": (True, True),
-    "RightBottom": (True, False),
-    "LeftTop": (False, True),
-    "LeftBottom": (False, False),
-}
+    "RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False),
+}  # fmt: skip
 
 
 def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, every: bool) -> None:
@@ -33,8 +32,6 @@ def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, e
     The viewer draws entities in the order of their paths: the others, then named curves from the last to the first, each
     thinner than the one before, so that what coincides is not hidden. The peak of the first is marked, or of `every` one.
     """
-    import rerun as rr
-
     reach = max((float(np.ptp(curve.y)) for curve in panel.curves if curve.y.size), default=0.0)
     tolerance = _FINE * max(reach, 1e-9)
     others = [curve for curve in panel.curves if curve.kind == OTHERS]
@@ -59,16 +56,11 @@ def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, e
 
 def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> Any:
     """Return the plot of a panel over `window` [s], with its legend where it hides least."""
-    import rerun.blueprint as rrb
-
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
-        origin=path,
-        name=known_letters(panel.title or panel.ylabel),
-        axis_x=time_axis(window),
-        background=rrb.archetypes.PlotBackground(color=GROUND),
-        plot_legend=rrb.PlotLegend(visible=True, corner=corner),
-    )
+        origin=path, name=known_letters(panel.title or panel.ylabel), axis_x=time_axis(window),
+        background=rrb.archetypes.PlotBackground(color=GROUND), plot_legend=rrb.PlotLegend(visible=True, corner=corner),
+    )  # fmt: skip
 
 
 def color_of(curve: Curve) -> Color:
@@ -80,8 +72,6 @@ def color_of(curve: Curve) -> Color:
 
 def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float, width: float) -> str:
     """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
-    import rerun as rr
-
     dense = is_dense(curve.x, curve.y[:, None], tolerance)
     name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
     rows = (
@@ -98,8 +88,6 @@ def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float
 
 def _log_others(rec: Any, path: str, curves: list[Curve], tolerance: float) -> None:
     """Log curves that nobody looks at closely, all in one entity and with one name."""
-    import rerun as rr
-
     time, values = curves[0].x, np.stack([curve.y for curve in curves], axis=1)
     if is_dense(time, values, 3.0 * tolerance):
         rows = rows_of_extremes(values, _OTHER_ROWS * len(curves))
@@ -107,11 +95,9 @@ def _log_others(rec: Any, path: str, curves: list[Curve], tolerance: float) -> N
         rows = rows_of_line(time, values, 3.0 * tolerance)
     many = len(curves)
     look = rr.SeriesLines(
-        names=[curve.name for curve in curves],
-        colors=[_OTHERS] * many,
-        widths=[1.0] * many,
+        names=[curve.name for curve in curves], colors=[_OTHERS] * many, widths=[1.0] * many,
         aggregation_policy=["MinMax"] * many,
-    )
+    )  # fmt: skip
     rec.log(path, look, static=True)
     rec.send_columns(path, at(time[rows]), rr.Scalars.columns(scalars=np.ascontiguousarray(values[rows])))
 

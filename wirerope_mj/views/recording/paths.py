@@ -5,6 +5,8 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import pyarrow as pa
+import rerun as rr
 
 from wirerope_mj.mounts.isolator import AXES as AXES
 from wirerope_mj.views.thin import Rows as Rows
@@ -12,14 +14,11 @@ from wirerope_mj.views.thin import Rows as Rows
 APPLICATION = "wirerope_mj"
 TIMELINE = "sim_time"
 EVENT = "event"  # Timeline of a few instants alone: the viewer's key for the next event jumps from one to the next
-FILE = "run.rrd"
 AXIAL = AXES.index("axial")
 
 
 def entity(*parts: str) -> str:
     """Return an entity path; a part may hold any character, which the viewer then writes."""
-    import rerun as rr
-
     return str(rr.new_entity_path([known_letters(part) for part in parts]))
 
 
@@ -60,8 +59,6 @@ class AtEvents:
 
     def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
         """Send rows as the stream does, and those that hold at the instants."""
-        import rerun as rr
-
         self._rec.send_columns(path, index, columns)
         times = index[0].as_arrow_array().cast("int64").to_numpy().view("timedelta64[ns]")
         rows = np.searchsorted(times, self._instants, side="right") - 1
@@ -91,8 +88,6 @@ def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
 
 def at(time: npt.ArrayLike) -> list[Any]:
     """Return the index columns of rows at the instants `time` [s]."""
-    import rerun as rr
-
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
 
@@ -148,8 +143,6 @@ class _Shown:
 
 def _shown(array: Any) -> Any:
     """Return an array of texts, or of lists of texts, with known letters; any other as it is."""
-    import pyarrow as pa
-
     if pa.types.is_string(array.type):
         texts = array.to_pylist()
         known = [text if text is None else known_letters(text) for text in texts]

@@ -16,17 +16,11 @@ _CHECKED_ROWS = 1000
 
 @dataclass(frozen=True, kw_only=True)
 class Frame:
-    """A body's frame in its parent's.
+    """A body's frame in its parent's."""
 
-    Attributes:
-        path: entity of the body.
-        position: centre of mass in the parent's frame [m], (n_t, 3), or (1, 3) if it never moves there.
-        orientation: quaternion w first, (n_t, 4) or (1, 4).
-    """
-
-    path: str
-    position: Array
-    orientation: Array
+    path: str  # entity of the body
+    position: Array  # centre of mass in the parent's frame [m], (n_t, 3), or (1, 3) if it never moves there
+    orientation: Array  # quaternion w first, (n_t, 4) or (1, 4)
 
     @property
     def fixed(self) -> bool:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.assessment.comparison import Align
 from wirerope_mj.assessment.correlation import Correlation
@@ -156,8 +157,6 @@ def record_runs(
 
 def _write(rec: Any, shown: Any, drawn: Drawn, *, tab: str, scene: str, state: bool) -> None:
     """Log what one run and several have in common, the layout first: the viewer then has it from the beginning."""
-    import rerun as rr
-
     loops, factor = drawn_loops(drawn.runs, drawn.shared), ghost_factor(drawn)
     plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
     layout = blueprint_of(drawn, plots, factor, tab=tab, scene=scene)
@@ -182,8 +181,6 @@ def _write(rec: Any, shown: Any, drawn: Drawn, *, tab: str, scene: str, state: b
 
 def _log_events(rec: Any, run: DrawnRun) -> None:
     """Log the events of a run."""
-    import rerun as rr
-
     events = events_of(run.response, run.selection)
     if events:
         prefix, color = (f"{run.name}: ", {"color": [run.color] * len(events)}) if run.name else ("", {})
@@ -197,21 +194,16 @@ def _log_events(rec: Any, run: DrawnRun) -> None:
 
 def _send_properties(rec: Any, run: DrawnRun, title: str) -> None:
     """Send the recording's name and, for tables of several recordings, motion, level, verdict and the worst utilisation."""
-    import rerun as rr
-
     response, used = run.response, run.selection.used
     rec.send_recording_name(title or response.scene.name)
     base = response.peaks.bodies.get(response.scene.base)
     worst = used[0].governing if used else None
     known = {
-        "model": response.scene.name,
-        "motion": str(response.motion.get("kind", "")),
-        "level_g": in_unit(base.acceleration.value, "g") if base else None,
-        "verdict": headline(run.verdicts),
+        "model": response.scene.name, "motion": str(response.motion.get("kind", "")),
+        "level_g": in_unit(base.acceleration.value, "g") if base else None, "verdict": headline(run.verdicts),
         "exceeded": int(np.sum([verdict.verdict == EXCEEDED for verdict in run.verdicts])),
-        "worst": worst.subject if worst else None,
-        "criterion": worst.criterion if worst else None,
+        "worst": worst.subject if worst else None, "criterion": worst.criterion if worst else None,
         "utilisation_percent": in_unit(used[0].largest, "%") if used else None,
-    }
+    }  # fmt: skip
     said = {name: known_letters(value) if isinstance(value, str) else value for name, value in known.items()}
     rec.send_property("run", rr.AnyValues(**{name: value for name, value in said.items() if value is not None}))

@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+import rerun as rr
 
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
@@ -23,16 +24,9 @@ ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
 
 
 def log_scene(
-    rec: Any,
-    response: Response,
-    selection: Selection,
-    frames: dict[str, Frame],
-    *,
-    arrow: tuple[int, int, int] = ARROW,
+    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], *, arrow: tuple[int, int, int] = ARROW
 ) -> None:
     """Log bodies, geoms, mounts and the base's acceleration, an arrow of the given colour."""
-    import rerun as rr
-
     _, extent = scene_extent(response.scene)
     rec.log(entity("world"), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     rows = scene_rows(response, frames)
@@ -64,8 +58,6 @@ def _corners(response: Response, extent: float) -> tuple[Array, Array]:
 
 def _log_axes(rec: Any, path: str, origin: Array, length: float) -> None:
     """Log the axes of the world at a corner of the base."""
-    import rerun as rr
-
     look = {"labels": ["x", "y", "z"], "show_labels": True, "radii": 0.02 * length}
     rec.log(path, rr.Arrows3D(vectors=length * np.eye(3), origins=[origin] * 3, colors=_AXES, **look), static=True)
 
@@ -95,8 +87,6 @@ def _base_rows(response: Response) -> Rows:
 
 def log_pose(rec: Any, path: str, time: Array, position: Array, orientation: Array, rows: Rows) -> None:
     """Log a pose at some rows, or once if it has one row: position (n_t, 3), quaternion (n_t, 4), w first."""
-    import rerun as rr
-
     if len(position) == 1:
         rec.log(path, rr.Transform3D(translation=position[0], quaternion=quaternion(orientation[0])), static=True)
     else:
@@ -108,8 +98,6 @@ def _log_base_acceleration(
     rec: Any, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
 ) -> None:
     """Log the acceleration of the base as an arrow beside it, so that the shock is seen although the camera rides."""
-    import rerun as rr
-
     acceleration = response.base.acceleration
     largest = float(np.linalg.norm(acceleration, axis=1).max())
     base = response.scene.base

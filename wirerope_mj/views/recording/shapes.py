@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+import rerun as rr
 
 from wirerope_mj.engine.response.scene import Geom, SceneMount
 from wirerope_mj.foundation.arrays import Array
@@ -35,8 +36,6 @@ def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> Non
 
 def quaternion(orientation: Array) -> Any:
     """Return a quaternion (4,), w first, as one of rerun."""
-    import rerun as rr
-
     return rr.Quaternion(xyzw=np.roll(orientation, -1))
 
 
@@ -47,17 +46,12 @@ def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
 
 
 def _solids(shape: str, geoms: list[Geom]) -> Any:
-    import rerun as rr
-
     sizes = np.array([geom.size for geom in geoms])
     centers = np.array([geom.position for geom in geoms])
     common = {
-        "quaternions": [quaternion(geom.orientation) for geom in geoms],
-        "colors": [rgba8(geom.rgba) for geom in geoms],
-        "labels": [geom.name for geom in geoms],
-        "show_labels": False,
-        "fill_mode": "Solid",
-    }
+        "quaternions": [quaternion(geom.orientation) for geom in geoms], "colors": [rgba8(geom.rgba) for geom in geoms],
+        "labels": [geom.name for geom in geoms], "show_labels": False, "fill_mode": "Solid",
+    }  # fmt: skip
     if shape == "box":
         return rr.Boxes3D(half_sizes=sizes, centers=centers, **common)
     if shape == "cylinder":
@@ -72,8 +66,6 @@ def _solids(shape: str, geoms: list[Geom]) -> Any:
 
 
 def _plane(geom: Geom, extent: float) -> Any:
-    import rerun as rr
-
     x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
     corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
     return rr.Mesh3D(
@@ -84,8 +76,6 @@ def _plane(geom: Geom, extent: float) -> Any:
 
 
 def _mesh(geom: Geom) -> Any:
-    import rerun as rr
-
     return rr.Mesh3D(
         vertex_positions=geom.position + rotate(geom.orientation, geom.vertices),
         triangle_indices=geom.faces.astype(np.uint32),
@@ -107,11 +97,7 @@ def coil(width: float) -> tuple[Array, npt.NDArray[np.uint32], Array]:
     turns = np.linspace(0.0, 2.0 * np.pi * _COILS, _COILS * _AROUND + 1)
     length = _LENGTH * width * 0.92
     wire = np.column_stack(
-        [
-            0.5 * width * (1.0 - _ROPE) * np.sin(turns),
-            length * (turns / turns[-1] - 0.5),
-            0.5 * (1.0 - np.cos(turns)),
-        ]
+        [0.5 * width * (1.0 - _ROPE) * np.sin(turns), length * (turns / turns[-1] - 0.5), 0.5 * (1.0 - np.cos(turns))]
     )
     angle = np.linspace(0.0, 2.0 * np.pi, _SECTION, endpoint=False)
     out = np.column_stack([np.sin(turns), np.zeros_like(turns), -np.cos(turns)])  # away from the middle of the turn

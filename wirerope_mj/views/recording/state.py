@@ -4,6 +4,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import rerun as rr
+from rerun.chunk import RrdReader
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -19,8 +21,6 @@ def log_state(rec: Any, response: Response) -> None:
     Columns of one kind ("base", "bodies", "points", "mounts", and "time" itself) stand side by side in one entity: each
     entity costs about 20 bytes a row beyond its numbers, which for one per mount would be as much as the view.
     """
-    import rerun as rr
-
     names = list(response.samples.names)
     first = 0
     while first < len(names):
@@ -38,17 +38,13 @@ def log_state(rec: Any, response: Response) -> None:
 
 
 def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
-    """Return the columns under /state of a `run.rrd`, (n_t,) each, by name and in the order of `response.parquet`.
+    """Return the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
 
-    Args:
-        path: the recording.
-        run: name of the run, where the recording lays several runs over each other.
+    Where it lays several runs over each other, `run` is the name of one.
 
     Raises:
         RecordError: the file holds none.
     """
-    from rerun.chunk import RrdReader
-
     root = root_of(run) + entity(ROOT)
     names: dict[str, tuple[int, list[str]]] = {}
     blocks: dict[str, list[tuple[int, Array]]] = {}

@@ -8,9 +8,13 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+import rerun as rr
+from rerun.error_utils import strict_mode
+
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
-from wirerope_mj.views.recording.paths import APPLICATION, FILE, KnownLetters
+from wirerope_mj.views.recording.paths import APPLICATION, KnownLetters
+from wirerope_mj.views.recording.viewer import FILE
 
 _BLOCK = 2**20  # Of a recording, written at once [bytes]
 _OPEN_FILES = Path("/dev/fd")  # Folder in which Linux and macOS give an open pipe a path
@@ -35,9 +39,6 @@ def atomic_recording(target: Path, *, case: str = "") -> Iterator[Any]:
         RecordError: the environment variable RERUN switches recordings off.
         DiskFullError: there is no space left.
     """
-    import rerun as rr
-    from rerun.error_utils import strict_mode
-
     target.parent.mkdir(parents=True, exist_ok=True)
     was_strict = strict_mode()
     rr.set_strict_mode(True)  # otherwise a wrong call loses data with no more than a warning

@@ -1,17 +1,18 @@
-"""Opens a recording: in the rerun viewer, or in a browser."""
+"""Opens a recording, in the rerun viewer or in a browser, and joins several into one file."""
 
 import os
 import socket
 import subprocess
 import sys
+from collections.abc import Sequence
 from importlib.util import find_spec
 from pathlib import Path
 from urllib.parse import quote
 
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
-from wirerope_mj.views.recording.paths import FILE
 
-JOINED = "job.rrd"  # Recording of a job in its folder
+FILE, JOINED = "run.rrd", "job.rrd"  # Recordings of a run and of a job in their folders
 # In the folder of a study: what it is known by, its worst variants, and their recording.
 STUDY, WORST, OVERLAY = "study.toml", "worst", "worst.rrd"
 _BEGINNING = b"RRF"  # First bytes of every recording
@@ -19,11 +20,9 @@ _LOCAL = "127.0.0.1"  # The viewer listens on this machine only; its own default
 
 
 def show(path_or_folder: str | Path, *, web: bool = False) -> None:
-    """Open a recording and return when the viewer is closed or interrupted.
+    """Open a recording and return when the viewer is closed or interrupted; with `web`, serve it to a browser of this machine.
 
-    Args:
-        path_or_folder: a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
-        web: serve it to a browser of this machine, and print the address.
+    What is given is a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
 
     Raises:
         RecordError: there is no recording.
@@ -125,3 +124,18 @@ def _run(command: list[str]) -> None:
         return
     if code != 0:
         raise WireRopeError(f"the viewer ended with code {code}. On a machine without graphics drivers --web works.")
+
+
+def join_recordings(recordings: Sequence[Path], target: Path) -> None:
+    """Write recordings into one file, each as it is.
+
+    Raises:
+        RecordError: one of them is missing or damaged.
+        WireRopeError: rerun-sdk is incomplete.
+    """
+    with atomic_file(target) as temporary:
+        command = [str(viewer_binary()), "rrd", "merge", "-o", str(temporary), *map(str, recordings)]
+        done = subprocess.run(command, env={**os.environ, "CI": "1"}, capture_output=True, text=True, check=False)
+        if done.returncode != 0 or not temporary.stat().st_size:
+            said = " ".join(done.stderr.split()[-40:])
+            raise RecordError(f"{target}: the recordings could not be joined: {said}")

@@ -3,6 +3,9 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+import rerun as rr
+import rerun.blueprint as rrb
+
 from wirerope_mj.engine.response import Response
 from wirerope_mj.views.recording.camera import Camera, whole_scene
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT
@@ -14,34 +17,20 @@ SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second take
 
 def layout(content: Any, window: tuple[float, float]) -> Any:
     """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
-    import rerun as rr
-    import rerun.blueprint as rrb
-
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
     panel = rrb.TimePanel(
-        state="collapsed",
-        timeline=TIMELINE,
-        playback_speed=_speed(window),
-        play_state="paused",
-        loop_mode="selection",
+        state="collapsed", timeline=TIMELINE, playback_speed=_speed(window), play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
-    )
+    )  # fmt: skip
     return opening(content, panel)
 
 
 def opening(content: Any, panel: Any) -> Any:
     """Return the blueprint of `content` and a time panel alone."""
-    import rerun.blueprint as rrb
-
     return rrb.Blueprint(
-        content,
-        panel,
-        rrb.BlueprintPanel(state="hidden"),
-        rrb.SelectionPanel(state="hidden"),
-        rrb.TopPanel(state="hidden"),
-        auto_views=False,
-        auto_layout=False,
-    )
+        content, panel, rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"), rrb.TopPanel(state="hidden"),
+        auto_views=False, auto_layout=False,
+    )  # fmt: skip
 
 
 def _speed(window: tuple[float, float]) -> float:
@@ -51,8 +40,6 @@ def _speed(window: tuple[float, float]) -> float:
 
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
     """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
-    import rerun.blueprint as rrb
-
     return rrb.Spatial3DView(
         origin=origin,
         contents=list(contents),
@@ -67,8 +54,6 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
 
 def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
     """Return tabs with that called `name` in front, which `argument` asked for; ValueError if there is none."""
-    import rerun.blueprint as rrb
-
     names = [str(entry.name) for entry in entries]
     if name not in names:
         raise ValueError(f"`{argument}` must be one of {', '.join(names)}, got {name!r}.")
@@ -85,9 +70,6 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
 
 def time_axis(window: tuple[float, float]) -> Any:
     """Return the axis of a plot over `window` [s]."""
-    import rerun as rr
-    import rerun.blueprint as rrb
-
     boundary = rrb.TimeRangeBoundary
     start, end = (boundary.absolute(seconds=instant) for instant in window)
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
@@ -98,8 +80,6 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
 
     `trails` are entities, and how long each reaches behind the cursor [s]; None for the whole past.
     """
-    import rerun.blueprint as rrb
-
     boundary = rrb.TimeRangeBoundary
     overrides = {}
     for path, trail in trails.items():
@@ -107,18 +87,13 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
         past = rrb.VisibleTimeRange(TIMELINE, start=start, end=boundary.cursor_relative())
         overrides[path] = [rrb.VisibleTimeRanges([past])]
     return rrb.Spatial2DView(
-        origin=origin,
-        name=known_letters(name),
-        background=GROUND,
-        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]),
-        overrides=overrides,
-    )
+        origin=origin, name=known_letters(name), background=GROUND,
+        visual_bounds=rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-4.0, HEIGHT + 17.0]), overrides=overrides,
+    )  # fmt: skip
 
 
 def event_view(origin: str) -> Any:
     """Return the log of the events below `origin`."""
-    import rerun.blueprint as rrb
-
     # Instants stand in the texts: the viewer writes nanoseconds, and cuts them off.
     times = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
     return rrb.TextLogView(
