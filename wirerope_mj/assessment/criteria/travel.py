@@ -85,39 +85,30 @@ def _solid(mount: SceneMount, compression: float) -> tuple[float | None, str]:
 
 
 def combined_travel(mount: SceneMount, deflection: Array) -> Array:
-    """Return the utilisation by all rated travels of a mount at once, (n_t,), from its deflection (n_t, 3).
-
-    It is 0 where that is not judged: what is rated is within, and the way along the axis is not rated.
-    """
+    """Return the utilisation by all rated travels of a mount at once, (n_t,), from its deflection (n_t, 3)."""
     total = np.zeros(len(deflection))
     for rating, travel in mount.travel.items():
         total += (travel_in(rating, deflection) / travel) ** 2
-    for rating, (_, way) in RATINGS.items():
-        if way and rating not in mount.travel:
-            total[(travel_in(rating, deflection) > 0.0) & (total <= 1.0)] = 0.0
     return np.sqrt(total)
 
 
 def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: Array) -> Array:
     """Return the combined utilisation of many mounts, (...), by the rule of a run's verdicts; NaN where it is not judged.
 
-    `farthest` is the largest utilisation of every step, `judged` that of the instants that are judged, (...), `reached` and
-    `rated` are travels in the order of RATINGS [m], (..., 4); NaN stands for what there is not.
+    `farthest` is the largest utilisation of every step, `judged` that of the instants at which the way along the axis is
+    rated, (...), `reached` and `rated` are travels in the order of RATINGS [m], (..., 4); NaN stands for what there is not.
     """
-    missing = np.isnan(rated) & (reached > 0.0)
-    ways = np.array([way != 0.0 for _, way in RATINGS.values()])
-    bound = np.isnan(judged) | missing[..., ~ways].any(axis=-1)
-    left_out = missing[..., ways].any(axis=-1) & (farthest <= 1.0) & ~np.isnan(judged)
-    used = np.where(left_out, judged, farthest)
-    return np.asarray(np.where(bound & (used <= 1.0) | np.isnan(rated).all(axis=-1), np.nan, used))
+    across = np.array([way == 0.0 for _, way in RATINGS.values()])
+    bound = np.isnan(judged) | (np.isnan(rated) & (reached > 0.0))[..., across].any(axis=-1)
+    return np.asarray(np.where(bound & (farthest <= 1.0) | np.isnan(rated).all(axis=-1), np.nan, farthest))
 
 
 def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
     """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1.
 
-    Judged are the instants at which the way along the axis is rated: a rebound into tension, which few vendors rate, is left
-    out and said. There, and where shear or roll have no rating, the sum of what is rated is a lower bound: it can exceed,
-    but not be within. Older responses have it in their samples alone: see `_missed`.
+    A rebound into tension, which few vendors rate, counts nothing in the sum, and is said; so no axis uses more by itself than
+    all do together. A mount that is never pressed, or whose shear or roll is not rated, has a lower bound: it can exceed, but
+    not be within. Older responses have it in their samples alone: see `_missed`.
     """
     peak = response.peaks.mounts[mount.name].deflection
     reached = travel_reached(peak.minimum, peak.maximum)
@@ -128,10 +119,9 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     bound = travel.judged is None or any(RATINGS[rating][1] == 0.0 for rating in missing)
     one_way = next((rating for rating in missing if RATINGS[rating][1]), None)
     if one_way and value <= 1.0 and travel.judged is not None:
-        value, when = travel.judged, travel.judged_time
         length = _length(response.time, travel_in(one_way, deflection) > 0.0)
         notes.append(
-            f"left out: {f'{length} with ' if length else ''}up to {1e3 * reached[one_way]:.3g} mm of {one_way}"
+            f"up to {1e3 * reached[one_way]:.3g} mm of {one_way} count nothing{f', {length}' if length else ''}"
         )
     if missing:
         notes.append(f"no travel in {', '.join(missing)} is rated")
@@ -153,10 +143,8 @@ def _sampled(time: Array, mount: SceneMount, deflection: Array) -> CombinedTrave
         elif way:
             judged &= travel == 0.0
     square, when = sampled_peak(time, total)
-    of_judged, then = _peak_among(time, total, judged) if judged.any() else (math.nan, math.nan)
-    return CombinedTravel(
-        value=math.sqrt(square), time=when, judged=math.sqrt(of_judged) if judged.any() else None, judged_time=then
-    )
+    of_judged = float(np.sqrt(total[judged].max())) if judged.any() else None
+    return CombinedTravel(value=math.sqrt(square), time=when, judged=of_judged, judged_time=math.nan)
 
 
 # Fraction of a rated travel by which samples may miss the peaks of every step: what they are judged by is known within 1 %.
@@ -170,15 +158,6 @@ def _missed(time: Array, mount: SceneMount, deflection: Array, reached: Mapping[
         if abs(float(reached[rating]) - found) > MISSED * rated:
             return f"{sampled_text(time)}, which miss up to {100.0 * abs(reached[rating] - found) / rated:.2g} % of {rating}"
     return ""
-
-
-def _peak_among(time: Array, values: Array, rows: npt.NDArray[np.bool_]) -> tuple[float, float]:
-    """Return the largest of `values` among `rows` and its instant, refined where it is a peak of all values too."""
-    k = int(np.where(rows, values, -np.inf).argmax())
-    around = slice(max(k - 1, 0), k + 2)
-    if values[k] < values[around].max():  # at the end of what is judged
-        return float(values[k]), float(time[k])
-    return sampled_peak(time[around], values[around])
 
 
 def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
