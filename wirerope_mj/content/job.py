@@ -279,7 +279,7 @@ def basis_blocks(
     devices = list({one.name: one for run in runs.values() for one in devices_of(run)}.values())
     yield Statement(id="assumed", text="Assumed:", items=tuple(_assumed(runs, devices)))
     yield from stated("assumptions", assumptions, STATED)
-    yield Statement(id="validated", text="Validated:", items=tuple(_validated(runs, devices)))
+    yield Statement(id="validated", text="Checked, and fitted to data:", items=tuple(_validated(runs, devices)))
     yield from stated("validation", validation, STATED)
     yield Statement(
         id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged"

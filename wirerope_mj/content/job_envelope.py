@@ -75,8 +75,9 @@ def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
     columns += [Column(head, "kN", "z.2f") for head in heads]
     return Table(
         id="envelope-mounts", title="Largest travels and forces of the mounts in all load cases",
-        columns=[*columns, Column("largest travel in", align="left")], rows=rows,
-        note="Sizes; each figure is the largest of any case, so that those of a row need not occur together.",
+        columns=[*columns, Column("largest deflection in", align="left")], rows=rows,
+        note="Sizes; each figure is the largest of any case, so that those of a row need not occur together. The case named "
+        "last has the largest deflection in mm; which case uses most of a rating stands with the limits.",
     )  # fmt: skip
 
 

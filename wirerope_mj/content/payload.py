@@ -96,7 +96,7 @@ def _random(verdicts: Sequence[Verdict]) -> Table | None:
             [name, *(values.get((name, criterion)) for _, criterion in criteria)]
             for name in dict.fromkeys(row.subject for row in verdicts)
         ],
-        note="Of the stationary part, from where the response has settled in it; standard errors stand in summary.json.",
+        note="Of the stationary part, from where the response has settled in it.",
     )
 
 

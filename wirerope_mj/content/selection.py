@@ -138,10 +138,11 @@ def _largest(peaks: dict[str, Peak]) -> tuple[str, ...]:
 
 
 def _window(response: Response, event: float, last: float) -> tuple[float, float]:
-    """Return from just before the event to when every mount has come to rest."""
+    """Return from just before the event to when the base and every mount have come to rest."""
     end = event
-    for mount in response.mounts.values():
-        swing = np.abs(mount.deflection - mount.deflection[-1]).max(axis=1)
+    swings = [mount.deflection - mount.deflection[-1] for mount in response.mounts.values()]
+    for history in (response.base.acceleration, *swings):
+        swing = np.abs(history).max(axis=1)
         moving = np.flatnonzero(swing > _SETTLED * swing.max())
         end = max(end, float(response.time[moving[-1]]) if moving.size else event)
     end = end if end > event else last

@@ -4,14 +4,12 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
-import numpy as np
-
-from wirerope_mj.assessment.criteria.sampled import steady_interval
+from wirerope_mj.assessment.criteria import Criterion
+from wirerope_mj.assessment.criteria.verdict import RMS
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, short
-from wirerope_mj.content.run_spectra import acceleration_along
 from wirerope_mj.content.selection import Selection, kind_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
@@ -125,15 +123,14 @@ def _rms(run: JudgedRun) -> Table:
 
 
 def _rms_rows(run: JudgedRun, name: str) -> Iterator[tuple[Cell, ...]]:
-    """Yield the root mean square of a body along every axis: of its density, or else of the samples it was made of."""
-    one = next(iter(run.spectra.densities.values()))[name]
-    _, _, last = steady_interval(run.response.motion)
-    rows = slice(*np.searchsorted(run.response.time, [min(last, run.response.time[-1]) - one.duration, last]))
-    for axis in range(3):
-        density = run.spectra.densities.get("xyz"[axis], {}).get(name)
-        rms = float(density.rms if density else acceleration_along(run.response, name, axis)[rows].std())
+    """Yield the root mean square along every axis: of a body that which is judged, of the base that of its density."""
+    verdicts = () if isinstance(run.random, Absent) else run.random
+    judged = {row.criterion: row.value for row in verdicts if row.subject == name and row.criterion.kind == RMS}
+    for axis in "xyz":
+        density = run.spectra.densities.get(axis, {}).get(name)
+        rms = judged.get(Criterion(RMS, axis=axis), float(density.rms) if density else 0.0)
         if rms > _STILL:
-            yield name, "xyz"[axis], rms, 3.0 * rms, float(density.rms_error) if density else None
+            yield name, axis, rms, 3.0 * rms, float(density.rms_error) if density else None
 
 
 def _panels(

@@ -59,7 +59,8 @@ def most_critical(verdicts: Sequence[Verdict]) -> Statement | None:
     most = most_used(verdicts)
     if most is None:
         return None
-    return Statement(id="most-critical", text=f"Most critical: {against_limit(most)}.", tone=TONE[most.verdict])
+    when = "" if most.time is None else f", at {most.time:.4f} s"
+    return Statement(id="most-critical", text=f"Most critical: {against_limit(most)}{when}.", tone=TONE[most.verdict])
 
 
 def grounds_blocks(run: JudgedRun) -> Iterator[Block | None]:

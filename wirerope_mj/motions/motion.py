@@ -224,8 +224,9 @@ class SumOfMotions(AsCall, BaseMotion):
 
     @property
     def events(self) -> tuple[tuple[float, str], ...]:
-        """Events of all terms in order of time."""
-        return tuple(sorted((event for term in self.terms for event in term.events), key=lambda event: event[0]))
+        """Events of all terms in order of time; of as many as are not described one by one, the first and the last."""
+        events = sorted((event for term in self.terms for event in term.events), key=lambda event: event[0])
+        return (events[0], events[-1]) if events and len(self.terms) > _SAID else tuple(events)
 
     @property
     def directions(self) -> Array:
