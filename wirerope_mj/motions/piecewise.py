@@ -39,25 +39,15 @@ class PiecewiseLinear:
 
     def derivative(self, t: Array, order: int) -> Array:
         """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
-        return (self.displacement, self.velocity, self.acceleration)[order](t)
-
-    def acceleration(self, t: Array) -> Array:
-        """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
-        value, slope, tau = self._segments(t, np.searchsorted(self._knots, t, side="right"))
-        return value + slope * tau
-
-    def velocity(self, t: Array) -> Array:
-        """Return the velocity [m/s] at the times (n_t,) [s]."""
-        result = np.zeros((t.size, *self._values.shape[1:]))
-        for rows, knot, (velocity, _), (value, slope, tau) in self._by_block(t):
-            result[rows] = velocity[knot] + tau * (value + tau * slope / 2)
-        return result
-
-    def displacement(self, t: Array) -> Array:
-        """Return the displacement [m] at the times (n_t,) [s]."""
+        if order == 2:
+            value, slope, tau = self._segments(t, np.searchsorted(self._knots, t, side="right"))
+            return value + slope * tau
         result = np.zeros((t.size, *self._values.shape[1:]))
         for rows, knot, (velocity, displacement), (value, slope, tau) in self._by_block(t):
-            result[rows] = displacement[knot] + tau * (velocity[knot] + tau * (value / 2 + tau * slope / 6))
+            if order == 1:
+                result[rows] = velocity[knot] + tau * (value + tau * slope / 2)
+            else:
+                result[rows] = displacement[knot] + tau * (velocity[knot] + tau * (value / 2 + tau * slope / 6))
         return result
 
     def _segments(self, t: Array, after: NDArray[np.intp]) -> tuple[Array, Array, Array]:
@@ -118,24 +108,13 @@ class UniformSpline:
 
     def derivative(self, t: Array, order: int) -> Array:
         """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
-        return (self.displacement, self.velocity, self.acceleration)[order](t)
-
-    def displacement(self, t: Array) -> Array:
-        """Return the displacement [m] at the times (n_t,) [s]."""
         u, (c0, c1, c2, c3) = self._locate(t)
         w = 1 - u
+        if order == 2:
+            return (w * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
+        if order == 1:
+            return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
         return (w**3 * c0 + (1 + 3 * w * (1 + u * w)) * c1 + (1 + 3 * u * (1 + u * w)) * c2 + u**3 * c3) / 6
-
-    def velocity(self, t: Array) -> Array:
-        """Return the velocity [m/s] at the times (n_t,) [s]."""
-        u, (c0, c1, c2, c3) = self._locate(t)
-        w = 1 - u
-        return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
-
-    def acceleration(self, t: Array) -> Array:
-        """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
-        u, (c0, c1, c2, c3) = self._locate(t)
-        return ((1 - u) * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
 
     def _locate(self, t: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
         """Return the fraction 0..1 of each time between its knots and the four coefficients that reach there."""
