@@ -174,9 +174,7 @@ class Loop(Summarised):
         """Return deflection [m] and force [N], (n,) each, on the way from one extreme deflection to the other.
 
         A path that ends near where it began is a cycle and goes on from its last sample to its first; any other ends there.
-
-        Args:
-            rising: from the smallest to the largest deflection (loading in tension), or from the largest to the smallest.
+        Rising is from the smallest to the largest deflection, loading in tension.
         """
         x, f = self.deflection, self.force
         start, stop = int(np.argmin(x)), int(np.argmax(x))
