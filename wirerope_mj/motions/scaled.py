@@ -67,14 +67,12 @@ class _Changed(BaseMotion):
 class Scaled(_Changed):
     """Another motion at another level: acceleration, velocity, displacement and velocity jumps times a factor.
 
-    Attributes:
-        motion: the motion that is scaled; of a record, what `load_record` made of it.
-        factor: the factor, not zero; negative for the motion with its sense reversed.
+    Of a record it is what `load_record` made of it that is scaled.
     """
 
     kind: ClassVar[str] = "scaled"
 
-    factor: float
+    factor: float  #: not zero; negative for the motion with its sense reversed
 
     def __post_init__(self) -> None:
         super().__post_init__()
