@@ -212,10 +212,10 @@ def test_axes_add():
 def test_the_spline_is_the_b_spline():
     spline = UniformSpline(2.0, 0.5, np.array([0.0, 0.0, 6.0, 0.0, 0.0]))
     knots = 2.0 + 0.5 * np.arange(5)
-    np.testing.assert_allclose(spline.displacement(knots), [0, 1, 4, 1, 0], rtol=1e-15)
-    np.testing.assert_allclose(spline.velocity(knots), [0, 6, 0, -6, 0], rtol=1e-15)
-    np.testing.assert_allclose(spline.acceleration(knots), [0, 24, -48, 24, 0], rtol=1e-15)
-    np.testing.assert_allclose(spline.displacement(np.array([2.75, 3.25])), [23 / 8, 23 / 8], rtol=1e-15)
+    np.testing.assert_allclose(spline.derivative(knots, 0), [0, 1, 4, 1, 0], rtol=1e-15)
+    np.testing.assert_allclose(spline.derivative(knots, 1), [0, 6, 0, -6, 0], rtol=1e-15)
+    np.testing.assert_allclose(spline.derivative(knots, 2), [0, 24, -48, 24, 0], rtol=1e-15)
+    np.testing.assert_allclose(spline.derivative(np.array([2.75, 3.25]), 0), [23 / 8, 23 / 8], rtol=1e-15)
 
 
 def test_ten_minutes_to_two_thousand_hertz_keep_one_number_a_knot():

@@ -88,12 +88,12 @@ def test_integrals_are_continuous_where_blocks_of_knots_meet():
     values = rng.standard_normal((knots.size, 3))
     line = PiecewiseLinear(knots, values)
     velocity = np.concatenate([np.zeros((1, 3)), np.cumsum((values[1:] + values[:-1]) * 5e-4, axis=0)])
-    np.testing.assert_allclose(line.velocity(knots), velocity, atol=1e-12)  # rounding of ten thousand sums
+    np.testing.assert_allclose(line.derivative(knots, 1), velocity, atol=1e-12)  # rounding of ten thousand sums
     gains = velocity[:-1] * 1e-3 + (2 * values[:-1] + values[1:]) * 1e-6 / 6
     displacement = np.concatenate([np.zeros((1, 3)), np.cumsum(gains, axis=0)])
-    np.testing.assert_allclose(line.displacement(knots), displacement, atol=1e-12)
+    np.testing.assert_allclose(line.derivative(knots, 0), displacement, atol=1e-12)
     scattered = rng.permutation(knots)
-    np.testing.assert_array_equal(line.velocity(scattered)[np.argsort(scattered)], line.velocity(knots))
+    np.testing.assert_array_equal(line.derivative(scattered, 1)[np.argsort(scattered)], line.derivative(knots, 1))
 
 
 def test_the_error_of_a_densely_sampled_record_is_estimated_and_not_taken_for_none(ride):

@@ -176,15 +176,7 @@ class DoubleTriangle(DoublePulse):
     leans, r2 = 0.4 or 0.6; the kinematics are derived here). There is such a motion if T2 > 0, which is
     D > V t3 (2 - r1)/3.
 
-    Args:
-        peak: peak acceleration a2 of the first triangle [m/s^2]; negative, with the other two, for a shock against the
-            direction.
-        velocity: velocity V between the pulses [m/s].
-        displacement: displacement D after the second pulse [m].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the first pulse begins [s].
-        r1: where the first peak lies in its triangle, from 0 to 1.
-        r2: where the second peak lies in its triangle, from 0 to 1.
+    `r1` and `r2` say where the peaks lie in their triangles, from 0 to 1; all else is as in `DoubleHalfSine`.
     """
 
     kind: ClassVar[str] = "double-triangle"

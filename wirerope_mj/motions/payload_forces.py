@@ -97,8 +97,12 @@ class HarmonicForce(PayloadForce):
         self._set(frequency=ranges.frequency("frequency", self.frequency), phase=finite("phase", self.phase))
         if self.duration != math.inf:
             object.__setattr__(self, "duration", ranges.length("duration", self.duration))
-        for name in ("force", "moment"):
-            object.__setattr__(self, name, _three(name, getattr(self, name)))
+        for name, given in (("force", self.force), ("moment", self.moment)):
+            try:
+                x, y, z = (finite(name, value) for value in given)
+            except (TypeError, ValueError):
+                raise ValueError(f"`{name}` must be three finite numbers, got {given!r}.") from None
+            object.__setattr__(self, name, (x, y, z))
         if not any((*self.force, *self.moment)):
             raise ValueError("`force` or `moment` must not be zero.")
 
@@ -179,11 +183,3 @@ class ForceTable(PayloadForce):
         return {
             "site": self.site, "times": list(self.times), "loads": [list(row) for row in self.loads], "start": self.start,
         }  # fmt: skip
-
-
-def _three(name: str, values: Sequence[float]) -> tuple[float, float, float]:
-    try:
-        x, y, z = (finite(name, value) for value in values)
-    except (TypeError, ValueError):
-        raise ValueError(f"`{name}` must be three finite numbers, got {values!r}.") from None
-    return (x, y, z)

@@ -1,8 +1,5 @@
 """Exact integrals of an acceleration that is linear between knots, given there or as a cubic spline of the displacement."""
 
-from collections.abc import Iterator
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -21,11 +18,8 @@ class PiecewiseLinear:
         x = x_i + v_i tau + a_i tau^2 / 2 + s_i tau^3 / 6
 
     where s_i is the slope. v and x are zero up to the first knot; after the last one v stays as it is. v_i and x_i are summed
-    from knot to knot; only every 4096th is kept, and those between are summed again when they are asked for.
-
-    Args:
-        knots: instants [s], in order, (n,). Two equal ones are a jump. Not copied.
-        values: acceleration at the knots [m/s^2], (n,) or (n, 3). Not copied.
+    from knot to knot; only every 4096th is kept, and those between are summed again when they are asked for. Knots [s], (n,),
+    are in order, two equal ones a jump; neither they nor the values [m/s^2], (n,) or (n, 3), are copied.
     """
 
     def __init__(self, knots: Array, values: Array) -> None:
@@ -39,25 +33,20 @@ class PiecewiseLinear:
 
     def derivative(self, t: Array, order: int) -> Array:
         """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
-        return (self.displacement, self.velocity, self.acceleration)[order](t)
-
-    def acceleration(self, t: Array) -> Array:
-        """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
-        value, slope, tau = self._segments(t, np.searchsorted(self._knots, t, side="right"))
-        return value + slope * tau
-
-    def velocity(self, t: Array) -> Array:
-        """Return the velocity [m/s] at the times (n_t,) [s]."""
+        after = np.searchsorted(self._knots, t, side="right")
+        if order == 2:
+            value, slope, tau = self._segments(t, after)
+            return value + slope * tau
         result = np.zeros((t.size, *self._values.shape[1:]))
-        for rows, knot, (velocity, _), (value, slope, tau) in self._by_block(t):
-            result[rows] = velocity[knot] + tau * (value + tau * slope / 2)
-        return result
-
-    def displacement(self, t: Array) -> Array:
-        """Return the displacement [m] at the times (n_t,) [s]."""
-        result = np.zeros((t.size, *self._values.shape[1:]))
-        for rows, knot, (velocity, displacement), (value, slope, tau) in self._by_block(t):
-            result[rows] = displacement[knot] + tau * (velocity[knot] + tau * (value / 2 + tau * slope / 6))
+        blocks = (after - 1) // _BLOCK  # -1 before the first knot
+        for block in np.unique(blocks[after > 0]):
+            rows = np.flatnonzero(blocks == block)
+            knot, (velocity, displacement) = after[rows] - 1 - block * _BLOCK, self._sums(int(block))
+            value, slope, tau = self._segments(t[rows], after[rows])
+            if order == 1:
+                result[rows] = velocity[knot] + tau * (value + tau * slope / 2)
+            else:
+                result[rows] = displacement[knot] + tau * (velocity[knot] + tau * (value / 2 + tau * slope / 6))
         return result
 
     def _segments(self, t: Array, after: NDArray[np.intp]) -> tuple[Array, Array, Array]:
@@ -74,14 +63,6 @@ class PiecewiseLinear:
         rise = self._values[right] - self._values[left]
         slope = np.divide(rise, step, out=np.zeros_like(rise), where=inside & (step > 0))
         return value, slope, (t - self._knots[left]).reshape(shape)
-
-    def _by_block(self, t: Array) -> Iterator[tuple[Any, ...]]:
-        """Yield the times in one block of knots by their indices, their knots in its sums, the sums, and their segments."""
-        after = np.searchsorted(self._knots, t, side="right")
-        blocks = (after - 1) // _BLOCK  # -1 before the first knot
-        for block in np.unique(blocks[after > 0]):
-            rows = np.flatnonzero(blocks == block)
-            yield rows, after[rows] - 1 - block * _BLOCK, self._sums(int(block)), self._segments(t[rows], after[rows])
 
     def _sums(self, block: int) -> tuple[Array, Array]:
         """Return velocity and displacement at the knots of a block and at the first one behind it."""
@@ -103,12 +84,7 @@ class UniformSpline:
 
     and a is linear between them, so the three are exact integrals of each other. With the first two and the last two
     coefficients zero, all three start and end at zero: unlike integrals of sampled accelerations they have nothing to
-    accumulate. One number per knot is all that is kept.
-
-    Args:
-        start: instant of the first knot [s].
-        spacing: distance h of the knots [s].
-        coefficients: c_0 ... c_n [m], (n + 1,); the first two and the last two must be zero.
+    accumulate. One number per knot is all that is kept: c_0 ... c_n [m], (n + 1,); start and spacing h are [s].
     """
 
     def __init__(self, start: float, spacing: float, coefficients: Array) -> None:
@@ -118,27 +94,12 @@ class UniformSpline:
 
     def derivative(self, t: Array, order: int) -> Array:
         """Return displacement (order 0), velocity (1) or acceleration (2) at the times (n_t,) [s]."""
-        return (self.displacement, self.velocity, self.acceleration)[order](t)
-
-    def displacement(self, t: Array) -> Array:
-        """Return the displacement [m] at the times (n_t,) [s]."""
-        u, (c0, c1, c2, c3) = self._locate(t)
-        w = 1 - u
-        return (w**3 * c0 + (1 + 3 * w * (1 + u * w)) * c1 + (1 + 3 * u * (1 + u * w)) * c2 + u**3 * c3) / 6
-
-    def velocity(self, t: Array) -> Array:
-        """Return the velocity [m/s] at the times (n_t,) [s]."""
-        u, (c0, c1, c2, c3) = self._locate(t)
-        w = 1 - u
-        return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
-
-    def acceleration(self, t: Array) -> Array:
-        """Return the acceleration [m/s^2] at the times (n_t,) [s]."""
-        u, (c0, c1, c2, c3) = self._locate(t)
-        return ((1 - u) * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
-
-    def _locate(self, t: Array) -> tuple[Array, tuple[Array, Array, Array, Array]]:
-        """Return the fraction 0..1 of each time between its knots and the four coefficients that reach there."""
         knots = np.clip((t - self._start) / self._h, 0.0, float(self._intervals))
         i = np.minimum(knots.astype(np.intp), self._intervals - 1)
-        return knots - i, (self._c[i], self._c[i + 1], self._c[i + 2], self._c[i + 3])
+        u, (c0, c1, c2, c3) = knots - i, (self._c[i], self._c[i + 1], self._c[i + 2], self._c[i + 3])
+        w = 1 - u
+        if order == 2:
+            return (w * ((c2 - c1) - (c1 - c0)) + u * ((c3 - c2) - (c2 - c1))) / self._h**2
+        if order == 1:
+            return (w**2 * (c1 - c0) + (1 + 2 * u * w) * (c2 - c1) + u**2 * (c3 - c2)) / (2 * self._h)
+        return (w**3 * c0 + (1 + 3 * w * (1 + u * w)) * c1 + (1 + 3 * u * (1 + u * w)) * c2 + u**3 * c3) / 6

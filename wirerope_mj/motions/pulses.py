@@ -67,11 +67,8 @@ class Pulse(StartedMotion):
 class HalfSine(Pulse):
     """Half-sine pulse, a = A sin(pi t / D); velocity change 2 A D / pi.
 
-    Attributes:
-        peak: peak acceleration A [m/s^2]; negative for a shock against the direction.
-        duration: length D of the pulse [s].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the pulse begins [s].
+    `peak` is A [m/s^2], negative for a shock against the `direction` (`"x"`, `"y"`, `"z"` or a 3-vector), `duration` D [s];
+    the pulse begins at `start` [s].
     """
 
     kind: ClassVar[str] = "half-sine"
@@ -95,14 +92,7 @@ class HalfSine(Pulse):
 
 @dataclass(frozen=True, kw_only=True)
 class Sawtooth(Pulse):
-    """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2.
-
-    Attributes:
-        peak: peak acceleration A at the end of the pulse [m/s^2]; negative for a shock against the direction.
-        duration: length D of the pulse [s].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the pulse begins [s].
-    """
+    """Terminal-peak sawtooth, a = A t / D and then at once zero; velocity change A D / 2. Its values are as in `HalfSine`."""
 
     kind: ClassVar[str] = "sawtooth"
 
@@ -123,17 +113,12 @@ class Sawtooth(Pulse):
 class Trapezoid(Pulse):
     """Trapezoidal pulse with equal rise and fall r; velocity change A (D - r). With r = 0 it is a rectangle.
 
-    Attributes:
-        peak: acceleration A of the plateau [m/s^2]; negative for a shock against the direction.
-        duration: length D of the whole pulse, rise and fall included [s].
-        rise: length r of the rise, and of the fall [s].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the pulse begins [s].
+    A is the acceleration of the plateau, D includes rise and fall; the values are as in `HalfSine`.
     """
 
     kind: ClassVar[str] = "trapezoid"
 
-    rise: float
+    rise: float  #: length r of the rise, and of the fall [s]
 
     def __post_init__(self) -> None:
         super().__post_init__()

@@ -25,7 +25,6 @@ Amplitudes = Literal["fixed", "random"]
 
 KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
 
-
 MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 

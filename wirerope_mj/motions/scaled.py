@@ -21,6 +21,11 @@ Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float
 _SQUARE = 1e-9
 
 
+def _same(name: str) -> Any:
+    """Make a property that is that of the other motion."""
+    return property(lambda self: getattr(self.motion, name))
+
+
 @dataclass(frozen=True)
 class _Changed(BaseMotion):
     """A motion whose vectors are those of another one, times a matrix; its instants are the other's."""
@@ -47,33 +52,9 @@ class _Changed(BaseMotion):
     def load(self, site: str, time: ArrayLike) -> Array:
         return self.motion.load(site, time)  # the body turns it
 
-    @property
-    def end(self) -> float:
-        return self.motion.end
-
-    @property
-    def corners(self) -> Array:
-        return self.motion.corners
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        return self.motion.events
-
-    @property
-    def shortest_time(self) -> float:
-        return self.motion.shortest_time
-
-    @property
-    def loaded_sites(self) -> tuple[str, ...]:
-        return self.motion.loaded_sites
-
-    @property
-    def files(self) -> tuple[Path, ...]:
-        return self.motion.files
-
-    @property
-    def parts(self) -> tuple[BaseMotion, ...]:
-        return self.motion.parts  # as they are before the change
+    end, corners, events, shortest_time = map(_same, ("end", "corners", "events", "shortest_time"))
+    loaded_sites, files = map(_same, ("loaded_sites", "files"))
+    parts = _same("parts")  # as they are before the change
 
     @property
     def _quoted(self) -> str:
@@ -86,14 +67,12 @@ class _Changed(BaseMotion):
 class Scaled(_Changed):
     """Another motion at another level: acceleration, velocity, displacement and velocity jumps times a factor.
 
-    Attributes:
-        motion: the motion that is scaled; of a record, what `load_record` made of it.
-        factor: the factor, not zero; negative for the motion with its sense reversed.
+    Of a record it is what `load_record` made of it that is scaled.
     """
 
     kind: ClassVar[str] = "scaled"
 
-    factor: float
+    factor: float  #: not zero; negative for the motion with its sense reversed
 
     def __post_init__(self) -> None:
         super().__post_init__()

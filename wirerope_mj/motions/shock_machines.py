@@ -50,10 +50,6 @@ class DecayingSine(StartedMotion):
         direction: `"x"`, `"y"`, `"z"` or a 3-vector.
         impact_duration: length D of the blow [s]; 0: the velocity jumps.
         start: instant at which the deck is struck [s].
-
-    Attributes:
-        velocity_change: V [m/s], whichever level was given.
-        duration: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that.
     """
 
     kind: ClassVar[str] = "decaying-sine"
@@ -65,7 +61,7 @@ class DecayingSine(StartedMotion):
     direction: Direction
     impact_duration: float
     start: float
-    duration: float
+    duration: float  #: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that
 
     def __init__(
         self,
@@ -103,7 +99,7 @@ class DecayingSine(StartedMotion):
 
     @property
     def velocity_change(self) -> float:
-        """Velocity V that the blow gives [m/s]."""
+        """Velocity V that the blow gives [m/s], whichever level was given."""
         if self.quantity == "velocity":
             return self.level
         return self.level / (self._omega**2 * abs(self._free))

@@ -91,21 +91,19 @@ def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = Fal
                 if cell and cell.lower().lstrip("+-") != "nan":
                     number_in(location, header.names[column], cell)
                 elif not missing or column == columns[0]:
-                    raise RecordError(_missing_text(location, header.names[column], cell, is_time=column == columns[0]))
+                    remedy = "its time is needed"
+                    if column != columns[0]:
+                        remedy = (
+                            'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies '
+                        )
+                        remedy += "before or behind"
+                    found = f'{cell or "an empty cell"} in column "{header.names[column]}"'
+                    raise RecordError(f"{location}: {found}; {remedy}.")
             time = float(cells[columns[0]])
             if time <= before:
                 fault = "repeats the row before" if time == before else f"comes after {before!r}"
                 raise RecordError(f"{location}: time {time!r} {fault}; times must increase from row to row.")
             before = time
-
-
-def _missing_text(location: str, name: str, cell: str, *, is_time: bool) -> str:
-    remedy = (
-        "its time is needed"
-        if is_time
-        else 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies before or behind'
-    )
-    return f'{location}: {cell or "an empty cell"} in column "{name}"; {remedy}.'
 
 
 def _full_rows(header: Header, lines: Iterable[str]) -> Iterator[str]:

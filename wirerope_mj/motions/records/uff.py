@@ -134,7 +134,11 @@ def _open(path: Path) -> Any:
 def _histories(path: Path, unit: str | None) -> tuple[Histories, list[dict[str, Any]]]:
     """Return number and header of each history of acceleration, and the datasets 164 with their system of units."""
     kinds, heads, systems = _datasets(path)
-    histories = [(n, head) for n, head in heads if _is_acceleration(head, unit)]
+    histories = []
+    for n, head in heads:
+        of, known = int(head.get("ordinate_spec_data_type", 0)), unit or _label(head, "ordinate") in ACCELERATION_UNITS
+        if _is_in_time(head) and (of == _ACCELERATION or (of in _UNKNOWN and known)):
+            histories.append((n, head))
     if not histories and not _is_complete(path):
         raise RecordError(f"{path}: this universal file holds no complete time history of an acceleration{_CUT}")
     if not histories:
@@ -165,12 +169,6 @@ def _is_in_time(head: Mapping[str, Any]) -> bool:
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
     turns = abs(int(head.get("rsp_dir", 0))) > 3
     return in_time and int(head.get("ord_data_type", 0)) in _REAL and not turns
-
-
-def _is_acceleration(head: Mapping[str, Any], unit: str | None) -> bool:
-    of = int(head.get("ordinate_spec_data_type", 0))
-    has_unit = unit is not None or _label(head, "ordinate") in ACCELERATION_UNITS
-    return _is_in_time(head) and (of == _ACCELERATION or (of in _UNKNOWN and has_unit))
 
 
 def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:

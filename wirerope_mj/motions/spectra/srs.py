@@ -258,12 +258,7 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     as a rule, and by chance do not: lines hold up to the first that every other sample changes by more than 1 %, or every third
     by as much as goes with that, and to a twentieth of the rate at most. Of a pulse of six samples all three have the same
     area, wherever its edges lie between them: so what the two sharpest corners may add to it, a twelfth of a step times the
-    change of slope there, must be less than 1 % of the line, too.
-
-    Args:
-        time: uniform instants [s], (n,).
-        acceleration: [m/s^2], (n,) or (n, k).
-        spectrum: of them.
+    change of slope there, must be less than 1 % of the line, too. Instants are uniform [s], (n,), accelerations (n,) or (n, k).
     """
     rate = (time.size - 1) / float(time[-1] - time[0])
     lines = spectrum.frequencies[spectrum.frequencies <= 0.5 * rate / SAMPLES_PER_PERIOD]
@@ -287,12 +282,7 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
 
 
 def exported_spectra(spectrum: ShockResponseSpectrum, axes: Sequence[str] = "xyz") -> Exported:
-    """Return spectra of several accelerations side by side as a table: frequency, then each quantity along each axis.
-
-    Args:
-        spectrum: of accelerations (n, k).
-        axes: names of the k accelerations.
-    """
+    """Return spectra of accelerations (n, k) along k axes as a table: frequency, then each quantity along each axis."""
     names, units, columns = ["frequency"], ["Hz"], [spectrum.frequencies]
     for place, axis in enumerate(axes):
         for name, unit, values in _QUANTITIES:

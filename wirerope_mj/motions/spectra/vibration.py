@@ -110,26 +110,16 @@ def equivalent_psd(
     q: float = 10.0,
     method: Method = "dirlik",
 ) -> tuple[Points, float]:
-    """Find the power spectral density that does the damage of a damage spectrum within a duration.
+    """Find the power spectral density that does the damage of a damage spectrum within a duration [s].
 
     The levels at the frequencies are corrected by (wanted / found)^(2 / b) until the damage is the wanted one. Where the
     spectrum falls more steeply than the skirts of an oscillator let it, the level goes to its least, a millionth of the
     largest, and the damage stays above the wanted one: on the safe side. The levels at the ends stand for all that lies
     beyond them, too.
 
-    Args:
-        frequencies: natural frequencies [Hz], increasing, (n,).
-        damage: of pseudo-velocity amplitudes with C = 1 at each, as `fatigue_damage_spectrum` counts it, (n,).
-        exponent: b of N = C / A^b.
-        duration: of the vibration [s].
-        q: quality of the oscillators.
-        method: by which the damage of the density is reckoned, as `VibrationSpectrum.fatigue_damage` takes it.
-
-    Returns:
-        Points (frequency [Hz], level [(m/s^2)^2/Hz]), and the largest relative error of the damage that is left.
-
-    Raises:
-        ValueError: an argument is out of its range.
+    The damage, (n,), is that of pseudo-velocity amplitudes with C = 1 at natural frequencies [Hz], increasing, (n,), and the
+    exponent b of N = C / A^b, as `fatigue_damage_spectrum` counts it. What comes back are points (frequency [Hz], level
+    [(m/s^2)^2/Hz]), and the largest relative error of the damage that is left. ValueError: an argument is out of its range.
     """
     at, wanted = np.array(checked_points("damage", list(zip(frequencies, damage, strict=True)), quantity="damage")).T  # type: ignore[arg-type]
     b, quality = positive("exponent", exponent), positive("q", q)

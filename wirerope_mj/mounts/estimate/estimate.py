@@ -63,19 +63,12 @@ def estimate_loop(
 ) -> LoopEstimate:
     """Return the estimated values of an isolator of full rope loops between two bars.
 
-    EI of the rope and the ratios between the values are those that 50 parts of Enidine's table have in common; the loop is the
-    elastica of its envelope. Each value comes with the error of such estimates of these parts, each left out in turn.
+    EI of the rope and the ratios between the values are those that 50 parts of Enidine's table have in common; the loop is
+    the elastica of its envelope. Each value comes with the error of such estimates of these parts, each left out in turn.
 
-    Args:
-        height: unloaded, over both bars [m].
-        width: over the ropes, across the bars [m].
-        rope: diameter [m], 1.6 to 22.2 mm.
-        loops: their number.
-        bar: thickness of one bar [m]; that of the vendor's parts of this rope by default.
-        bar_length: over which the loops are spread evenly [m], for the rotational stiffness.
-
-    Raises:
-        ValueError: an argument is out of range, or leaves no loop.
+    Height is unloaded, over both bars, width over the ropes, across the bars, the rope's diameter 1.6 to 22.2 mm, `bar` the
+    thickness of one bar, that of the vendor's parts of this rope by default; over `bar_length` the loops are spread evenly,
+    for the rotational stiffness; all in [m]. ValueError: an argument is out of range, or leaves no loop.
     """
     lengths = {"height": height, "width": width, "rope": rope, "bar": bar, "bar_length": bar_length}
     for name, value in lengths.items():

@@ -50,16 +50,9 @@ Fit = Callable[[Sequence[Loop], int, Identification | None], Identification]
 def supported_scales(loops: Sequence[Loop], fit: Fit, *, weights: str) -> tuple[int, tuple[ScaleRow, ...]]:
     """Fit one scale, two and three, and return the most that the loops support, and what was tried.
 
-    One more scale is taken if the criterion falls and the error at amplitudes left out falls, too: its mean over the amplitudes
-    in logarithms, for that of the largest, into which a spring is extrapolated, is ten times that of the others.
-
-    Args:
-        loops: closed cycles of several amplitudes.
-        fit: the search for a number of scales.
-        weights: of the loops, as in `identify`.
-
-    Raises:
-        ValueError: one scale cannot be fitted, or there is only one amplitude, so that none can be left out.
+    One more scale is taken if the criterion falls and the error at amplitudes left out falls, too: its mean over the
+    amplitudes in logarithms, for that of the largest, into which a spring is extrapolated, is ten times that of the others.
+    ValueError: one scale cannot be fitted, or there is only one amplitude, so that none can be left out.
     """
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
     groups = amplitude_groups(prepare(order, weights=weights))

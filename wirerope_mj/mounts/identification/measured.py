@@ -131,16 +131,11 @@ def require_loops(loops: Any, name: str = "loops") -> None:
 
 
 def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False) -> list[MeasuredLoop]:
-    """Return loops ready to be fitted, smallest first.
+    """Return closed cycles ready to be fitted, smallest first.
 
     Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
-    (isotonic regression) has none.
-
-    Args:
-        loops: closed cycles.
-        weights: "range" divides residuals by each loop's half force range, so that small loops count as much as large ones;
-            "equal" by that of the largest loop.
-        stop: whether the device is a bare bump stop, whose force stands still within its gap.
+    (isotonic regression) has none. Weights "range" divide residuals by each loop's half force range, so that small loops
+    count as much as large ones, "equal" by that of the largest loop. A bare bump stop's force stands still within its gap.
 
     Raises:
         ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.

@@ -56,11 +56,7 @@ class SpecimenFits(Brief):
         return self.covariance / np.outer(deviations, deviations)
 
     def spread(self, axis: str) -> Spread:
-        """Return the scatter as an isolator file keeps it, its parameters named "axial.alpha" and so on.
-
-        Args:
-            axis: "roll", "shear" or "axial", the axis that was tested.
-        """
+        """Return the scatter as an isolator file keeps it, its parameters named "axial.alpha" and so on by the tested axis."""
         one_of("axis", axis, ("roll", "shear", "axial"))
         return Spread(
             parameters=tuple(f"{axis}.{row.parameter}" for row in self.rows),

@@ -115,16 +115,9 @@ def _scaled(value: Any, factor: float | None) -> Any:
 AXES = ("roll", "shear", "axial")  # Axes of an isolator in the order x (across the bars), y (along the bars), z (axial)
 _KEYS = ("name", "coupling", "free")
 PARTS = {
-    "loop": LoopCoupling,
-    "rotation": Rotation,
-    "stiffening": Stiffening,
-    "bracket": Bracket,
-    "limits": Limits,
-    "geometry": Geometry,
-    "provenance": Provenance,
-    "spread": Spread,
-    "validity": Validity,
-}
+    "loop": LoopCoupling, "rotation": Rotation, "stiffening": Stiffening, "bracket": Bracket, "limits": Limits,
+    "geometry": Geometry, "provenance": Provenance, "spread": Spread, "validity": Validity,
+}  # fmt: skip
 
 
 def read_tables(content: dict[str, Any], where: str, folder: Path | None = None) -> dict[str, Any]:

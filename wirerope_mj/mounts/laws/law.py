@@ -127,13 +127,11 @@ class Law(ABC):
         return len(self.state_names)
 
     def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
-        """Return whether the law is valid, and at any deflection, with each entry of columns of its parameters.
+        """Return whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
-        they cannot say of many numbers at once NumPy refuses to take for true or false.
-
-        Args:
-            columns: by parameter; arrays (n,), or a tuple of them for a parameter that is several numbers.
+        they cannot say of many numbers at once NumPy refuses to take for true or false. A parameter that is several numbers
+        has a tuple of columns.
         """
         for column in columns.values():
             if not all(np.isfinite(one).all() for one in (column if isinstance(column, tuple) else (column,))):
@@ -269,6 +267,11 @@ class Law(ABC):
             raise ValueError(
                 f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
             )
+
+
+def of_law(name: str, doc: str) -> Any:
+    """Make a property that is that of `self.law`."""
+    return property(lambda self: getattr(self.law, name), doc=doc)
 
 
 def anywhere(condition: bool | npt.NDArray[np.bool_]) -> bool:

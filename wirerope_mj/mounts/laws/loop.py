@@ -18,20 +18,17 @@ _SHORTER = 0.7  # of the best span: what a cubic misses falls with the third pow
 
 
 def tangent_at_start(deflection: Array, force: Array) -> float:
-    """Return dF/dx at the first sample of a branch [N/m]; NaN if it has fewer than 7 samples or leads nowhere.
+    """Return dF/dx [N/m] at the first sample of a branch, deflections [m] and forces [N], (n,), its turning point first.
 
-    A cubic in the distance from the first sample is fitted by least squares to the first 7, 9, 12, ... samples, up to half
-    of the branch. The span with the smallest standard error of the slope is where misfit and noise are about even; 0.7 of it
-    is taken, for the misfit is all of one sign. Exact samples are thus judged on the shortest span, where a cubic bends as
-    the curve does, noisy ones on a longer one. Spans within the deflection's own noise, estimated from its third
-    differences, are left out: there the fit would see no deflection at all.
+    It is NaN where the branch has fewer than 7 samples or leads nowhere. A cubic in the distance from the first sample is
+    fitted by least squares to the first 7, 9, 12, ... samples, up to half of the branch. The span with the smallest standard
+    error of the slope is where misfit and noise are about even; 0.7 of it is taken, for the misfit is all of one sign. Exact
+    samples are thus judged on the shortest span, where a cubic bends as the curve does, noisy ones on a longer one. Spans
+    within the deflection's own noise, estimated from its third differences, are left out: there the fit would see no
+    deflection at all.
 
-    With noise of 0.1 % of the amplitudes and 200 samples a cycle the error is about 1 % for an ordinary loop, 3 % for
-    one that hardens or turns sharply, and 5 % for one that saturates within a tenth of its amplitude.
-
-    Args:
-        deflection: of the branch, its turning point first [m], (n,).
-        force: at the same samples [N], (n,).
+    With noise of 0.1 % of the amplitudes and 200 samples a cycle the error is about 1 % for an ordinary loop, 3 % for one
+    that hardens or turns sharply, and 5 % for one that saturates within a tenth of its amplitude.
     """
     depth = np.abs(deflection - deflection[0])
     if deflection.size < _FEWEST or depth.max() == 0.0:
@@ -177,9 +174,7 @@ class Loop(Summarised):
         """Return deflection [m] and force [N], (n,) each, on the way from one extreme deflection to the other.
 
         A path that ends near where it began is a cycle and goes on from its last sample to its first; any other ends there.
-
-        Args:
-            rising: from the smallest to the largest deflection (loading in tension), or from the largest to the smallest.
+        Rising is from the smallest to the largest deflection, loading in tension.
         """
         x, f = self.deflection, self.force
         start, stop = int(np.argmin(x)), int(np.argmax(x))

@@ -205,11 +205,8 @@ class LoopBoucWen(PlaneLaw):
     def energy(self, deflection: npt.ArrayLike, hysteretic_state: npt.ArrayLike) -> Array:
         """Return what is stored [J], (...): elastic, and what unloading without loss gives back of the hysteretic forces.
 
-        Zero where undeflected and unloaded.
-
-        Args:
-            deflection: roll and axial [m], (..., 2).
-            hysteretic_state: z of both [N], (..., 2); of several scales (..., n_scales, 2).
+        It is zero where undeflected and unloaded; deflections [m] are of roll and axial, (..., 2), and so are the hysteretic
+        states [N], (..., 2), of several scales (..., n_scales, 2).
         """
         d, z = np.asarray(deflection, dtype=np.float64), np.asarray(hysteretic_state, dtype=np.float64)
         if len(self.scales) > 1:

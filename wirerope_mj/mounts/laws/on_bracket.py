@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
-from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.law import Law, of_law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
 from wirerope_mj.mounts.laws.tabulated import TABULATED
@@ -64,6 +64,12 @@ class OnBracket(Law):
     law: Law
     stiffness: float  # K [N/m]
 
+    travel_ends = of_law("travel_ends", "Deflections up to which the law holds, short by the bracket's share [m].")
+    finite_travel = of_law("finite_travel", "The shorter of both [m].")
+    largest_force = of_law("largest_force", "That of the law [N].")
+    state_names = of_law("state_names", "Those of the law.")
+    damping_parameters = of_law("damping_parameters", "Those of the law.")
+
     def __post_init__(self) -> None:
         refused = [one.name for one in self.law.components if one.kernel not in _BEHIND]
         if refused:
@@ -83,31 +89,6 @@ class OnBracket(Law):
         """Tangent at the unloaded state [N/m]."""
         own = self.law.initial_stiffness
         return own * self.stiffness / (own + self.stiffness)
-
-    @property
-    def travel_ends(self) -> tuple[float, float]:
-        """Deflections up to which the law holds, short by the bracket's share [m]."""
-        return self.law.travel_ends
-
-    @property
-    def finite_travel(self) -> float:
-        """The shorter of both [m]."""
-        return self.law.finite_travel
-
-    @property
-    def largest_force(self) -> float:
-        """That of the law [N]."""
-        return self.law.largest_force
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """Those of the law."""
-        return self.law.state_names
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """Those of the law."""
-        return self.law.damping_parameters
 
     def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
         """Return whether there are no columns: each entry has to be tried."""

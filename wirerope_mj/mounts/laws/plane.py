@@ -64,8 +64,7 @@ class PlaneLaw(ABC):
     def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
         """Return forces, states and work along straight lines between the points of a path, entered unloaded.
 
-        Args:
-            deflection: path [m], (n_t, 2), roll and the other axis, at least two finite points.
+        The path [m], (n_t, 2), of roll and the other axis has at least two finite points.
         """
         path = np.asarray(deflection, dtype=np.float64)
         if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():

@@ -1,9 +1,9 @@
 """Semi-empirical laws without internal states: Tinker and Cutchins' law and Ko's equivalent viscous law."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 
@@ -11,7 +11,6 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
 from wirerope_mj.mounts.laws.law import Law, require_not_negative, require_positive
-from wirerope_mj.mounts.laws.loop import Loop
 
 TINKER_CUTCHINS = 5
 
@@ -114,49 +113,6 @@ class EquivalentViscous(Law):
         if not np.all(np.isfinite(damping)):
             raise ValueError(f"`amplitude` must not be so small that the damping is infinite, got {self.amplitude}.")
 
-    @classmethod
-    def from_loops(cls, loops: Sequence[Loop], *, amplitude: float, frequency: float) -> Self:
-        """Return the law of an amplitude between those of closed loops about zero.
-
-        The mid-line (F_up + F_down) / 2 of each loop is fitted by k1 x + k2 x^2 + k3 x^3 through its tips. Between two
-        loops k_p A^(p-1), parts
-        of the secant stiffness, are interpolated over log A, and the energy by a power law W = a A^p.
-
-        Args:
-            loops: closed loops, one for each amplitude.
-            amplitude: the amplitude wanted [m], within those of the loops.
-            frequency: at which the law is to be used [Hz].
-
-        Raises:
-            ValueError: no loops, one that is not closed or not about zero, or the amplitude lies outside theirs.
-        """
-        ordered = sorted(loops, key=lambda loop: loop.amplitude)
-        if not ordered:
-            raise ValueError("`loops` must hold at least one loop.")
-        for loop in ordered:
-            if not abs(loop.deflection[-1] - loop.deflection[0]) <= 2.0 * np.abs(np.diff(loop.deflection)).max():
-                raise ValueError("`loops` must be closed cycles, got an open path.")
-            if abs(loop.operating_point) > 0.01 * loop.amplitude:
-                raise ValueError(f"`loops` must be about zero, got one about {loop.operating_point:.6g} m.")
-        sizes = np.array([loop.amplitude for loop in ordered])
-        # The amplitude of a sampled loop differs from the one that was asked for by rounding.
-        if not sizes[0] * (1.0 - 1e-9) <= amplitude <= sizes[-1] * (1.0 + 1e-9):
-            raise ValueError(
-                f"`amplitude` must lie within those of the loops, {sizes[0]:.6g} to {sizes[-1]:.6g} m, got {amplitude}."
-            )
-        terms = np.array([_mid_line(loop) for loop in ordered]) * sizes[:, None] ** np.arange(3)
-        log_amplitude = np.log(amplitude)
-        k1, k2, k3 = (
-            float(np.interp(log_amplitude, np.log(sizes), term)) / amplitude**p for p, term in enumerate(terms.T)
-        )
-        # An elastic loop has an area of rounding.
-        energies = np.maximum([loop.dissipated_energy for loop in ordered], 0.0)
-        if (energies > 0.0).all():
-            energy = float(np.exp(np.interp(log_amplitude, np.log(sizes), np.log(energies))))
-        else:
-            energy = float(np.interp(log_amplitude, np.log(sizes), energies))
-        return cls(k1=k1, k2=k2, k3=k3, energy=energy, amplitude=float(amplitude), frequency=float(frequency))
-
     @property
     def damping_parameters(self) -> tuple[str, ...]:
         """The energy of its ellipse."""
@@ -175,18 +131,6 @@ class EquivalentViscous(Law):
     def damping_coefficient(self) -> float:
         """Equivalent viscous coefficient c_eq [N s/m]."""
         return self.energy / (math.pi * 2.0 * math.pi * self.frequency * self.amplitude**2)
-
-
-def _mid_line(loop: Loop) -> Array:
-    """Return k1, k2, k3 of the polynomial through the tips of a closed loop that is nearest to its mid-line."""
-    (x_up, up), (x_down, down) = loop.branch(rising=True), loop.branch(rising=False)
-    middle = 0.5 * (up + np.interp(x_up, x_down[::-1], down[::-1]))
-    x, amplitude = x_up - loop.operating_point, loop.amplitude
-    even, odd = 0.5 * (middle[-1] + middle[0]) / amplitude**2, 0.5 * (middle[-1] - middle[0]) / amplitude
-    # With k1 = odd - k3 A^2 and k2 = even the tips are met for every k3.
-    bend = x**3 - amplitude**2 * x
-    k3 = float(bend @ (middle - odd * x - even * x**2) / (bend @ bend))
-    return np.array([odd - k3 * amplitude**2, even, k3])
 
 
 @njit

@@ -8,15 +8,10 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.law import Law, of_law
 from wirerope_mj.mounts.laws.parallel import Parallel
 
 SMOOTHED = 10
-
-
-def _of_law(name: str, doc: str) -> Any:
-    """Return a property that is the law's own."""
-    return property(lambda self: getattr(self.law, name), doc=doc)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,12 +41,12 @@ class Smoothed(Law):
     law: Law
     width: float
 
-    initial_stiffness = _of_law("initial_stiffness", "Tangent of the law at its unloaded state [N/m].")
-    finite_travel = _of_law("finite_travel", "Deflection up to which the law holds [m].")
-    travel_ends = _of_law("travel_ends", "Deflections below and above zero up to which the law holds [m].")
-    largest_force = _of_law("largest_force", "That of the law [N]: finite without an elastic part.")
-    damping_parameters = _of_law("damping_parameters", "Those of the law.")
-    state_names = _of_law("state_names", "The state of the law.")
+    initial_stiffness = of_law("initial_stiffness", "Tangent of the law at its unloaded state [N/m].")
+    finite_travel = of_law("finite_travel", "Deflection up to which the law holds [m].")
+    travel_ends = of_law("travel_ends", "Deflections below and above zero up to which the law holds [m].")
+    largest_force = of_law("largest_force", "That of the law [N]: finite without an elastic part.")
+    damping_parameters = of_law("damping_parameters", "Those of the law.")
+    state_names = of_law("state_names", "The state of the law.")
 
     def __post_init__(self) -> None:
         if not isinstance(self.law, Law) or not smoothable(self.law):

@@ -14,7 +14,6 @@ from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
 
 STOP = 13
 
-
 NEVER = 1e300  # Gap of a side without a stop [m]
 
 

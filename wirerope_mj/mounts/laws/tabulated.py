@@ -44,12 +44,6 @@ class Tabulated(AsCall, Law):
     p >= 0; w at the first crossing has its sign. So the sum of w at upward less that at downward crossings is never negative.
     Limit curves of different shapes in Vaiana and Rosati's own form would let work be drawn once (their neutral state is
     z = x_y h', and h'' <= h / x_y^2 would be needed); here z = 0 is where small vibrations lead at every deflection.
-
-    Args:
-        yield_deflection: x_y, the length over which unloading leaves one limit curve for the other by 1 - 1/e [m]; > 0 if there
-            is hysteresis.
-        symmetric: the points begin at 0 and are mirrored about it.
-        extrapolate: beyond its ends the table goes on with their slope and g; else the law does not hold there.
     """
 
     name: ClassVar[str] = "tabulated"
@@ -68,9 +62,12 @@ class Tabulated(AsCall, Law):
     curve: str = "virgin"
     amplitudes: Sequence[float] = ()
     areas: Sequence[float] = ()
+    #: x_y, the length over which unloading leaves one limit curve for the other by 1 - 1/e [m]; > 0 if there is hysteresis
     yield_deflection: float = 0.0
-    symmetric: bool = False
-    extrapolate: bool = False
+    symmetric: bool = False  #: the points begin at 0 and are mirrored about it
+    extrapolate: bool = (
+        False  #: beyond its ends the table goes on with their slope and g; else the law does not hold there
+    )
 
     def _validate(self) -> None:
         x = np.array(self.deflection)

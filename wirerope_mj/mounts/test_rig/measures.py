@@ -34,11 +34,8 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
     the same ratios of amplitude only. Each gap is averaged over twentieths of the span before its size
     counts, so that the noise of a measurement adds little.
 
-    Args:
-        loops: at two amplitudes at least, about one operating point.
-
     Raises:
-        ValueError: fewer than two loops, loops that do not share a side in tension, or a largest loop without an area.
+        ValueError: fewer than two amplitudes, loops that do not share a side in tension, or a largest loop without an area.
     """
     amplitudes = {loop.amplitude for loop in loops}
     if len(amplitudes) < 2:
@@ -86,12 +83,8 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     """Return the amplitude at which the secant stiffness K(A) has its minimum: softening ends, hardening begins.
 
     K(A) = [F(x_max) - F(x_min)] / 2A of each loop is joined by a cubic spline over log A, and its least value looked for on
-    both sides of the smallest tested K. Source: the soft-hardening of thesis section 3.2.1 and figure 3.8.
-
-    Args:
-        loops: at three different amplitudes at least, about one operating point.
-        rise: fraction by which K must exceed its least tested value at some smaller and at some larger amplitude. The default
-            is for a law's own loops; for measured ones it is the scatter of their stiffnesses.
+    both sides of the smallest tested K, which K must exceed by the fraction `rise` at some smaller and some larger amplitude:
+    for measured loops the scatter of their stiffnesses. Source: the soft-hardening of thesis section 3.2.1 and figure 3.8.
 
     Raises:
         ValueError: fewer than three different amplitudes, or `rise` is negative.

@@ -164,9 +164,14 @@ def fit_curves(content: Mapping[str, Any], path: Path) -> Isolator:
         )  # fmt: skip
     except ValueError as error:
         raise ModelError(f"{path}: {error}") from None
-    return replace(
-        isolator, provenance=replace(provenance, fitted_to=provenance.fitted_to + _not_fitted(sheet, isolator))
-    )
+    other = next(kind for kind in KINDS if kind != sheet.curve)
+    rows = [
+        f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N"
+        for row in curve_values(sheet, isolator)
+        if row.name.startswith(other)
+    ]
+    fitted_to = provenance.fitted_to + (f". Not fitted: {'; '.join(rows)}" if rows else "")
+    return replace(isolator, provenance=replace(provenance, fitted_to=fitted_to))
 
 
 def curve_values(sheet: CurveSheet, isolator: Isolator) -> list[ComparedValue]:
@@ -236,14 +241,3 @@ def _fitted_to(sheet: CurveSheet) -> str:
         text += "".join(f", damping ratio {zeta:.4g} at {1e3 * a:.4g} mm" for a, zeta in side.damping)
         sides.append(text)
     return "; ".join(sides)
-
-
-def _not_fitted(sheet: CurveSheet, isolator: Isolator) -> str:
-    """Return the text on the curves that the laws do not follow, "" if there are none."""
-    other = next(kind for kind in KINDS if kind != sheet.curve)
-    rows = [
-        f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N"
-        for row in curve_values(sheet, isolator)
-        if row.name.startswith(other)
-    ]
-    return f". Not fitted: {'; '.join(rows)}" if rows else ""

@@ -8,7 +8,6 @@ belong together: the median of their ratios. Values at 45 degrees are in no fit.
 import math
 from dataclasses import dataclass, replace
 from functools import cache
-from pathlib import Path
 from statistics import median
 
 import numpy as np
@@ -46,7 +45,9 @@ def left_out(name: str, isolator: Isolator) -> Band:
     part = next((one for one in vendor_parts() if name.lower() in (one.name.lower(), *_file_of(one))), None)
     values: list[ComparedValue] = []
     if path.is_file():
-        values += _of_sheet(path, isolator)
+        sheet = read_datasheet(path)
+        values += [row for axis in AXES for row in _without_one(sheet, axis)]
+        values += [row for row in compare(path, isolator) if row.axis == DIAGONAL and row.error is not None]
     if part is not None:
         known = {row.axis for row in values}
         values += [row for axis in AXES if axis not in known for row in _of_table(part, axis)]
@@ -58,13 +59,6 @@ def left_out(name: str, isolator: Isolator) -> Band:
 def _file_of(part: VendorPart) -> tuple[str, ...]:
     ending = part.name.lower().replace("-", "_")
     return tuple(path.stem for path in catalogue_folder().glob(f"*_{ending}.toml"))
-
-
-def _of_sheet(path: Path, isolator: Isolator) -> list[ComparedValue]:
-    """Return values of a sheet that its own other values say: axes with three or more, and 45 degrees."""
-    sheet = read_datasheet(path)
-    rows = [row for axis in AXES for row in _without_one(sheet, axis)]
-    return rows + [row for row in compare(path, isolator) if row.axis == DIAGONAL and row.error is not None]
 
 
 def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:

@@ -65,8 +65,10 @@ class FitRule:
 
     def friction(self, deflection: float, yielding: float, *, steady: bool) -> float:
         """Return the friction force in parts of d, on the virgin path or at the end of the steady loop of an amplitude [m]."""
-        hold = _steady if steady else _virgin
-        return sum(share * hold(self.n, deflection / (part * yielding)) for share, part in self.scales)
+        reaches = [(share, deflection / (part * yielding)) for share, part in self.scales]  # in yield deflections
+        if steady:
+            return sum(share * _steady(self.n, reach) for share, reach in reaches)
+        return sum(share * (-math.expm1(-reach) if self.n == 1 else math.tanh(reach)) for share, reach in reaches)
 
     def deviation(self, asymmetry: float, of_bars: float) -> float:
         """Return the standard deviation of the axial law's c [1/m], from the rope loop's c and its deviation for the bars.
@@ -126,11 +128,6 @@ def first_state(law: NiLaw | Parallel) -> NiLaw:
     law = law.components[0]  # type: ignore[assignment]
     assert isinstance(law, NiLaw)
     return law
-
-
-def _virgin(n: int, reach: float) -> float:
-    """Return |w| = |z| / z_m after `reach` yield deflections on the virgin path."""
-    return -math.expm1(-reach) if n == 1 else math.tanh(reach)
 
 
 def _steady(n: int, reach: float) -> float:
