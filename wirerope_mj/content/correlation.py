@@ -28,10 +28,11 @@ _HEIGHT, _MOST_DB = 105.0, 12.0  # of a panel; of a ratio that is drawn [dB]
 def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
     """Compose what a run says of tests: the largest deviation first, then measures and curves of each test."""
     names = " and ".join(one.name for one in tests)
+    worst = min(tests, key=lambda test: min(one.rating.overall for one in test.responses))
     facts = tuple((f"Clock of {one.name}", _clock(one)) for one in tests)
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
-        title=f"{run} against {names}", verdict=agreement(min(tests, key=_worst_rating)), facts=facts, question=(question,),
+        title=f"{run} against {names}", verdict=agreement(worst), facts=facts, question=(question,),
         sections=tuple(one for one in correlation_sections(tests) if len(tests) > 1 or one.id != "tests"),
     )  # fmt: skip
 
@@ -58,10 +59,6 @@ def agreement(test: Correlation) -> Statement:
         id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.", tone=_TONES[worst.rating.grade],
         values={**values, "rating": worst.rating.overall, "delay_s": test.delay},
     )  # fmt: skip
-
-
-def _worst_rating(test: Correlation) -> float:
-    return min(one.rating.overall for one in test.responses)
 
 
 def _clock(test: Correlation) -> str:

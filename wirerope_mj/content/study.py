@@ -48,7 +48,9 @@ def study_content(summary: StudySummary) -> Content:
             Section("answer", "", lambda: _answer(summary), "headline"),
             Section("varied", "Varied quantities", lambda: (varied_table(study),)),
             Section("results", "Results", lambda: (measures_table(summary), *study_charts(summary)), "summary"),
-            Section("inputs", "Inputs that matter", lambda: _of_inputs(summary), "summary"),
+            Section(
+                "inputs", "Inputs that matter", lambda: indices_tables(summary) or [effects_table(summary)], "summary"
+            ),
             Section("worst", "Worst variants", lambda: (worst_table(summary),), "summary"),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
@@ -112,10 +114,6 @@ def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:
     stand = "stands" if len(result.failed) == 1 else "stand"
     text = f"{several(len(result.failed), noun)} could not be simulated and {stand} in no statistic:"
     yield Statement(id="failed", text=text, items=tuple(lines), tone="unjudged")
-
-
-def _of_inputs(summary: StudySummary) -> tuple[Table | None, ...]:
-    return tuple(indices_tables(summary)) or (effects_table(summary),)
 
 
 def numerics_table(result: StudyResult) -> Table:

@@ -33,7 +33,10 @@ def log_scene(
     for body in response.scene.bodies:
         frame = frames[body.name]
         if body.name != "world":
-            own = _base_rows(response) if body.name == response.scene.base else rows
+            own = rows
+            if body.name == response.scene.base:
+                moved = response.bodies[body.name].position
+                own = rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
             log_pose(rec, frame.path, response.time, frame.position, frame.orientation, own)
         draw_geoms(rec, frame.path, see_through(body), extent)
     if response.scene.mounts:
@@ -78,11 +81,6 @@ def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
         ends = np.concatenate(lengths, axis=1)
         rows = np.unique(np.concatenate([some, ends.argmin(axis=0), ends.argmax(axis=0)]))
     return rows
-
-
-def _base_rows(response: Response) -> Rows:
-    moved = response.bodies[response.scene.base].position
-    return rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
 
 
 def log_pose(rec: Any, path: str, time: Array, position: Array, orientation: Array, rows: Rows) -> None:

@@ -18,8 +18,9 @@ SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second take
 def layout(content: Any, window: tuple[float, float]) -> Any:
     """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
+    speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # what lasts longer is slow enough in real time
     panel = rrb.TimePanel(
-        state="collapsed", timeline=TIMELINE, playback_speed=_speed(window), play_state="paused", loop_mode="selection",
+        state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
     )  # fmt: skip
     return opening(content, panel)
@@ -31,11 +32,6 @@ def opening(content: Any, panel: Any) -> Any:
         content, panel, rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"), rrb.TopPanel(state="hidden"),
         auto_views=False, auto_layout=False,
     )  # fmt: skip
-
-
-def _speed(window: tuple[float, float]) -> float:
-    """Return slow motion for a shock, and real time for what lasts longer than ten seconds anyway."""
-    return SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0
 
 
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
