@@ -147,15 +147,12 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
     rows = [
         [
             Panel(
-                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes],
-                ylabel=label,
-                xlabel="time [s]" if unit == "mm" else "",
-                xlim=window,
-                unit=unit,
+                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes], ylabel=label,
+                xlabel="time [s]" if unit == "mm" else "", xlim=window, unit=unit,
             )
         ]
         for label, unit, x, values in parts
-    ]
+    ]  # fmt: skip
     return Chart(rows=rows, height=95.0, id="base-motion")
 
 

@@ -39,13 +39,10 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
         rows.append((part.name, *sizes, along.vibration, along.shock, made))
     return Table(
-        id="vendor-parts",
-        title="",
+        id="vendor-parts", title="",
         columns=(
-            Column("part", align="left"),
-            *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
-            Column("load", "N", ".0f"),
-            *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
+            Column("part", align="left"), *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
+            Column("load", "N", ".0f"), *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
             *(Column(f"{name}\nstiffness", "N/mm", ".4g") for name in ("vibration", "shock")),
             Column("isolator", align="left"),
         ),
@@ -53,7 +50,7 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         note="-: not stated. Load and stiffnesses are those in compression. Isolator: shipped as a file, fitted from the row "
         "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is "
         "fitted and what assumed.",
-    )
+    )  # fmt: skip
 
 
 def isolator_content(device: Isolator, band: Band | None = None) -> Content:

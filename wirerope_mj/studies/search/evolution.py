@@ -68,15 +68,12 @@ class Evolution:
             vars={name: _variable(one) for name, one in variables.items()}, n_obj=n_objectives, n_ieq_constr=n_limits + 1,
         )  # fmt: skip
         self._algorithm = NSGA2(
-            pop_size=len(first),
-            sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
+            pop_size=len(first), sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
             mating=MixedVariableMating(
-                selection=TournamentSelection(func_comp=binary_tournament),
-                mutation=mutation,
-                eliminate_duplicates=other,
+                selection=TournamentSelection(func_comp=binary_tournament), mutation=mutation, eliminate_duplicates=other,
             ),
             eliminate_duplicates=other,
-        )
+        )  # fmt: skip
         self._algorithm.setup(self._problem, seed=seed, termination=NoTermination(), verbose=False)
         self._asked: Any = None
 

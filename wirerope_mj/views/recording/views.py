@@ -37,15 +37,12 @@ def opening(content: Any, panel: Any) -> Any:
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
     """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
     return rrb.Spatial3DView(
-        origin=origin,
-        contents=list(contents),
-        name=known_letters(name),
-        background=GROUND,
+        origin=origin, contents=list(contents), name=known_letters(name), background=GROUND,
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital, position=camera.eye, look_target=camera.target, eye_up=[0.0, 0.0, 1.0]
         ),
-    )
+    )  # fmt: skip
 
 
 def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
