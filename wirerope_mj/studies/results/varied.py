@@ -121,7 +121,7 @@ def summary(result: StudyResult) -> dict[str, Any]:
     method = result.inputs["sampling"]["method"]
     table = result.independent if method == SAMPLING else result.table
     measures = {}
-    for name in known(table):
+    for name in known_measures(table, SUMMARISED):
         measures[name] = {"nominal": nominal[name]} if name in nominal else {}
         measures[name] |= _of_measure(table, name, sampled=method not in LISTED)
         if method == SAMPLING:
@@ -137,11 +137,6 @@ def head(result: StudyResult) -> dict[str, Any]:
         "variants": result.table.num_rows, "failed": len(result.failed),
         "timestep_s": result.inputs["simulate"]["timestep"], "varied": [one.to_dict() for one in varied_of(result.study)],
     }  # fmt: skip
-
-
-def known(table: pa.Table) -> list[str]:
-    """Return the measures of `SUMMARISED` that have values."""
-    return known_measures(table, SUMMARISED)
 
 
 def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
