@@ -50,9 +50,7 @@ def calibration_content(
             Section("values", "Values", lambda: (_values_table(result),), "summary"),
             Section("answer", "", lambda: (_findings(result), _warnings(warnings)), "headline"),
             Section(
-                "prediction",
-                "Prediction",
-                lambda: [block for one in predictions for block in _prediction_blocks(*one)],
+                "prediction", "Prediction", lambda: [block for one in predictions for block in _prediction_blocks(*one)],
                 "summary",
             ),
             Section("channels", "How the model follows", lambda: (_channel_table(result),), "summary"),
@@ -60,7 +58,7 @@ def calibration_content(
             Section("known-together", "Known together", lambda: (_correlation_table(result),)),
             Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
-    )
+    )  # fmt: skip
 
 
 def _headline(result: Calibration) -> Statement:
@@ -107,15 +105,13 @@ def _values_table(result: Calibration) -> Table:
         rows.append([name, value, low, high, result.units[k] or "factor", left, note])
     percent = f"{100.0 * LEVEL:.0f} %"
     return Table(
-        id="values",
-        title=f"Values, and the interval that holds each with a probability of {percent}",
+        id="values", title=f"Values, and the interval that holds each with a probability of {percent}",
         columns=(
             Column("quantity", align="left"), Column("median", form="z.5g"), Column("from", form="z.5g"),
             Column("to", form="z.5g"), Column("unit", align="left"), Column("left of the prior", "%", ".2g"),
             Column("note", align="left"),
         ),
-        rows=rows,
-        note="Left of the prior: standard deviation after the tests over that stated before.",
+        rows=rows, note="Left of the prior: standard deviation after the tests over that stated before.",
     )  # fmt: skip
 
 

@@ -20,13 +20,11 @@ def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
     """Tabulate sizes and ratings of the isolators of the catalogue by the names of their files."""
     rows = [(name, *ratings(one), one.provenance.kind) for name, one in devices.items()]
     return Table(
-        id="catalogue",
-        title="",
-        columns=(Column("isolator", align="left"), *RATING_COLUMNS, Column("figures are", align="left")),
-        rows=rows,
+        id="catalogue", title="",
+        columns=(Column("isolator", align="left"), *RATING_COLUMNS, Column("figures are", align="left")), rows=rows,
         note=f"-: not stated, and so not judged. `wirerope isolators NAME` shows one, `--all` the {len(vendor_parts())} parts "
         "of the vendors' tables, which every command takes by name as well.",
-    )
+    )  # fmt: skip
 
 
 def parts_table(parts: Sequence[VendorPart]) -> Table:

@@ -105,11 +105,7 @@ def _titled(tests: CyclicTests) -> dict[str, Sequence[Loop]]:
 
 
 def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
-    """Return a panel for each test: its loops from the smallest to the largest, as they were run or measured.
-
-    Args:
-        tests: loops by the title of their panel; one that begins with "axial" says that tension is positive.
-    """
+    """Return a panel for each test by its title, from the smallest loop to the largest; in "axial .." tension is positive."""
     panels = []
     for title, loops in tests.items():
         strong = max(float(np.abs(loop.force).max()) for loop in loops) >= _WEAK

@@ -98,19 +98,17 @@ def _rejected(selection: PartSelection, most: int | None) -> Table:
     """Tabulate the parts that do not meet the worksheet, nearest first."""
     undecided = " or are not judged" if any(part.undecided for part in selection.rejected) else ""
     return Table(
-        id="rejected",
-        title=f"{several(len(selection.rejected), 'part')} do not meet it{undecided}",
+        id="rejected", title=f"{several(len(selection.rejected), 'part')} do not meet it{undecided}",
         columns=(Column("part", align="left"), Column("used", "%", "z.0f"), Column("why", align="text")),
         rows=[
             [
-                part.part.name,
-                used_mark(None if math.isnan(part.margin) else 1.0 / (1.0 + part.margin)),
+                part.part.name, used_mark(None if math.isnan(part.margin) else 1.0 / (1.0 + part.margin)),
                 "; ".join(part.reasons),
             ]
             for part in selection.rejected
         ],
         shown=most,
-    )
+    )  # fmt: skip
 
 
 def _notes(selection: PartSelection) -> Iterator[str]:

@@ -225,13 +225,11 @@ def amplitude_chart(
     )  # fmt: skip
     name = "Transmissibility" if relative else "Largest acceleration"
     return Chart(
-        id="transmissibility" if relative else "amplitude",
-        rows=[[panel]],
-        height=360.0,
+        id="transmissibility" if relative else "amplitude", rows=[[panel]], height=360.0,
         caption=f"{name} of {what} over frequency, for every acceleration of the base. Unstable motions are dashed, which no "
         "sweep reaches; dots mark folds and changes of stability.",
         alt=f"{name} of {what} over frequency.",
-    )
+    )  # fmt: skip
 
 
 def _curves(findings: Sequence[LevelSummary], *, relative: bool) -> list[Curve]:

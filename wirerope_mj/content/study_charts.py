@@ -218,11 +218,7 @@ def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
 
 
 def indices_chart(indices: Sequence[SobolIndices]) -> Chart:
-    """Draw for each measure two bars per factor, first-order and total index, with their intervals.
-
-    Args:
-        indices: of one or two measures of a study; the first one gives the order of the factors.
-    """
+    """Draw for one or two measures two bars per factor, first-order and total index, with their intervals."""
     order = [one.name for one in indices[0].factors[:MOST_BARS]]
     panels: list[Panel] = []
     for one in indices:

@@ -79,10 +79,7 @@ def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
 
 
 def body_corners(body: SceneBody) -> Array:
-    """Return the corners of the box around a body's geoms, from its centre of mass in body axes [m], (8, 3) or (0, 3).
-
-    Planes have no end and do not count.
-    """
+    """Return the corners of the box around a body's geoms, planes left out, from its centre of mass, body axes [m], (n, 3)."""
     boxes = [_box(geom) for geom in body.geoms if geom.shape != "plane"]
     if not boxes:
         return np.zeros((0, 3))

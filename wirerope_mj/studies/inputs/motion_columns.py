@@ -152,10 +152,6 @@ class Record(MotionColumn):
         """Return whether the distribution is a Choice of integers."""
         return isinstance(distribution, Choice) and all(type(value) is int for value in distribution.choices)
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
-        """Return what the model says."""
-        return []
-
 
 def _directions(motions: Sequence[BaseMotion]) -> list[list[float]]:
     return [row for motion in motions for row in motion.directions.tolist()]

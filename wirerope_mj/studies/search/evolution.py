@@ -161,10 +161,7 @@ def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) ->
 
 
 def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> tuple[int, str, float] | None:
-    """Return the row that exceeds its limits the least, the limit that it exceeds most, and by how much of it.
-
-    None if no design has values by which it could be judged.
-    """
+    """Return the row that exceeds its limits the least, the limit that it exceeds most, and by how much; None without one."""
     rows = nearest_first(table, names, limits)
     if not limits or not rows:
         return None
