@@ -40,7 +40,7 @@ def identification_content(
         verdict=_headline(result, fits, warnings),
         sections=(
             Section(
-                "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), _warnings(warnings)), "headline"
+                "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), record_warnings(warnings)), "headline"
             ),
             Section("parameters", "Parameters", lambda: _parameter_blocks(result), "summary"),
             Section(
@@ -105,7 +105,8 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
     return Statement(id="findings", items=(*texts, *given))
 
 
-def _warnings(warnings: Sequence[str]) -> Statement | None:
+def record_warnings(warnings: Sequence[str]) -> Statement | None:
+    """Return what the records show of faults of the rig; None if it is nothing."""
     text = "Warnings about the records:"
     return Statement(id="warnings", text=text, items=tuple(warnings), tone="unjudged") if warnings else None
 

@@ -45,15 +45,7 @@ class Runs(Protocol):
 
 
 class SystemForward:
-    """Series of all tests of a system as a function of what varies.
-
-    Attributes:
-        system: as the model has it.
-        tests: measured.
-        series: of all tests.
-        prior: of what varies: first the quantities of the system, then those of the channels.
-        columns: of the quantities.
-    """
+    """Series of all tests of a system as a function of what varies: first of the system, then of the measuring channels."""
 
     def __init__(
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"

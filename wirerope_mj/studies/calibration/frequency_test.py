@@ -110,9 +110,7 @@ def _tracked(time: Array, values: Array, frequency: float) -> float:
 def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
     """Return a test for each level of a file with the columns frequency [Hz], level (with its unit) and transmissibility.
 
-    Args:
-        path: of the file.
-        phrase: what was measured: "body/rack z".
+    The phrase says what was measured: "body/rack z".
 
     Raises:
         RecordError: the file has other columns, or too few rows of a level.
