@@ -173,12 +173,6 @@ def record_blocks(run: JudgedRun) -> Iterator[Block | None]:
             yield _correction(record)
 
 
-def baseline_text(record: Record) -> str:
-    """Return the baseline correction of a record, for instance "baseline: the mean taken off"."""
-    text = _TEXTS[record.baseline]
-    return text if record.highpass is None else f"{text}, {record.highpass:g} Hz"
-
-
 def _correction(record: Record) -> Table:
     """Tabulate the ends of a record without its baseline correction and with it."""
     measured = record.as_measured
@@ -221,7 +215,8 @@ def record_chart(played: Record) -> Chart:
                 title="xyz"[axis] if number == 0 else "", unit=unit,
             ))  # fmt: skip
         rows.append(row)
-    along, text = listed(["xyz"[axis] for axis in axes]), baseline_text(played)
+    along, text = listed(["xyz"[axis] for axis in axes]), _TEXTS[played.baseline]
+    text += "" if played.highpass is None else f", {played.highpass:g} Hz"
     velocity, displacement = ends(played)
     left = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
     how = "as measured and as it is played" if corrected else "as it is played"

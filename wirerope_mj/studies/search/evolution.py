@@ -81,7 +81,8 @@ class Evolution:
         """Return the designs of the next generation; none if there are no other ones."""
         self._asked = self._algorithm.ask()
         designs = [] if self._asked is None else self._asked.get("X")
-        return [{name: _plain(value) for name, value in design.items()} for design in designs]
+        # Numbers of NumPy's own types as Python's.
+        return [{k: one.item() if isinstance(one, np.generic) else one for k, one in row.items()} for row in designs]
 
     def tell(self, objectives: Array, violations: Array) -> None:
         """Take what is minimised of the designs asked for last, (n, n_objectives), and by how much each limit is exceeded.
@@ -106,10 +107,6 @@ def _variable(distribution: distributions.Uniform | distributions.Choice) -> Any
     if set(distribution.choices) == {False, True} and isinstance(distribution.choices[0], bool):
         return variable.Binary()
     return variable.Choice(options=list(distribution.choices))
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
 
 
 Mask = npt.NDArray[np.bool_]
