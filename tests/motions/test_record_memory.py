@@ -109,7 +109,7 @@ def test_the_error_of_a_densely_sampled_record_is_estimated_and_not_taken_for_no
 
 
 def test_the_samples_of_a_long_run_are_read_and_recorded_block_by_block(tmp_path, monkeypatch):
-    from wirerope_mj.views.recording.state import read_state
+    from wirerope_mj.views.recording.record import read_state
 
     # 301 samples: five blocks, the last of them short
     monkeypatch.setattr("wirerope_mj.engine.response.histories.BLOCK_ROWS", 70)

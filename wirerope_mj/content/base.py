@@ -147,15 +147,12 @@ def _motion_chart(response: Response, motion: BaseMotion, window: tuple[float, f
     rows = [
         [
             Panel(
-                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes],
-                ylabel=label,
-                xlabel="time [s]" if unit == "mm" else "",
-                xlim=window,
-                unit=unit,
+                curves=[Curve(x=x, y=values[:, axis], name="xyz"[axis], kind=axis) for axis in axes], ylabel=label,
+                xlabel="time [s]" if unit == "mm" else "", xlim=window, unit=unit,
             )
         ]
         for label, unit, x, values in parts
-    ]
+    ]  # fmt: skip
     return Chart(rows=rows, height=95.0, id="base-motion")
 
 
@@ -174,12 +171,6 @@ def record_blocks(run: JudgedRun) -> Iterator[Block | None]:
         yield record_chart(record)
         if record.baseline != "none":
             yield _correction(record)
-
-
-def baseline_text(record: Record) -> str:
-    """Return the baseline correction of a record, for instance "baseline: the mean taken off"."""
-    text = _TEXTS[record.baseline]
-    return text if record.highpass is None else f"{text}, {record.highpass:g} Hz"
 
 
 def _correction(record: Record) -> Table:
@@ -224,7 +215,8 @@ def record_chart(played: Record) -> Chart:
                 title="xyz"[axis] if number == 0 else "", unit=unit,
             ))  # fmt: skip
         rows.append(row)
-    along, text = listed(["xyz"[axis] for axis in axes]), baseline_text(played)
+    along, text = listed(["xyz"[axis] for axis in axes]), _TEXTS[played.baseline]
+    text += "" if played.highpass is None else f", {played.highpass:g} Hz"
     velocity, displacement = ends(played)
     left = "; ".join(f"{velocity[n]:+.3g} m/s and {displacement[n]:+.3g} m along {'xyz'[n]}" for n in axes)
     how = "as measured and as it is played" if corrected else "as it is played"

@@ -7,6 +7,7 @@ from importlib.metadata import version
 import numpy as np
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -32,15 +33,7 @@ def calibration_content(
     warnings: Sequence[str] = (),
     predictions: Sequence[tuple[Prediction, Sequence[StatedLimit]]] = (),
 ) -> Content:
-    """Compose what a calibration says.
-
-    Args:
-        result: the calibration.
-        title: of the whole.
-        sources: the tests that were read.
-        warnings: what the records show.
-        predictions: of other motions, with the limits that they are held against.
-    """
+    """Compose what a calibration says: values, how the model follows, and predictions of other motions against their limits."""
     return Content(
         title=title,
         facts=(("Tests", several(len(result.forward.tests), "test")), ("By", f"wirerope-mj {version('wirerope-mj')}")),
@@ -48,11 +41,9 @@ def calibration_content(
         verdict=_headline(result),
         sections=(
             Section("values", "Values", lambda: (_values_table(result),), "summary"),
-            Section("answer", "", lambda: (_findings(result), _warnings(warnings)), "headline"),
+            Section("answer", "", lambda: (_findings(result), record_warnings(warnings)), "headline"),
             Section(
-                "prediction",
-                "Prediction",
-                lambda: [block for one in predictions for block in _prediction_blocks(*one)],
+                "prediction", "Prediction", lambda: [block for one in predictions for block in _prediction_blocks(*one)],
                 "summary",
             ),
             Section("channels", "How the model follows", lambda: (_channel_table(result),), "summary"),
@@ -60,7 +51,7 @@ def calibration_content(
             Section("known-together", "Known together", lambda: (_correlation_table(result),)),
             Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
-    )
+    )  # fmt: skip
 
 
 def _headline(result: Calibration) -> Statement:
@@ -107,15 +98,13 @@ def _values_table(result: Calibration) -> Table:
         rows.append([name, value, low, high, result.units[k] or "factor", left, note])
     percent = f"{100.0 * LEVEL:.0f} %"
     return Table(
-        id="values",
-        title=f"Values, and the interval that holds each with a probability of {percent}",
+        id="values", title=f"Values, and the interval that holds each with a probability of {percent}",
         columns=(
             Column("quantity", align="left"), Column("median", form="z.5g"), Column("from", form="z.5g"),
             Column("to", form="z.5g"), Column("unit", align="left"), Column("left of the prior", "%", ".2g"),
             Column("note", align="left"),
         ),
-        rows=rows,
-        note="Left of the prior: standard deviation after the tests over that stated before.",
+        rows=rows, note="Left of the prior: standard deviation after the tests over that stated before.",
     )  # fmt: skip
 
 
@@ -131,11 +120,6 @@ def _findings(result: Calibration) -> Statement:
             "intervals count it, but say nothing of what the model lacks: try another law, or what else may differ"
         )
     return Statement(id="findings", items=tuple(texts))
-
-
-def _warnings(warnings: Sequence[str]) -> Statement | None:
-    text = "Warnings about the records:"
-    return Statement(id="warnings", text=text, items=tuple(warnings), tone="unjudged") if warnings else None
 
 
 def _channel_table(result: Calibration) -> Table:

@@ -20,13 +20,11 @@ def catalogue_table(devices: Mapping[str, Isolator]) -> Table:
     """Tabulate sizes and ratings of the isolators of the catalogue by the names of their files."""
     rows = [(name, *ratings(one), one.provenance.kind) for name, one in devices.items()]
     return Table(
-        id="catalogue",
-        title="",
-        columns=(Column("isolator", align="left"), *RATING_COLUMNS, Column("figures are", align="left")),
-        rows=rows,
+        id="catalogue", title="",
+        columns=(Column("isolator", align="left"), *RATING_COLUMNS, Column("figures are", align="left")), rows=rows,
         note=f"-: not stated, and so not judged. `wirerope isolators NAME` shows one, `--all` the {len(vendor_parts())} parts "
         "of the vendors' tables, which every command takes by name as well.",
-    )
+    )  # fmt: skip
 
 
 def parts_table(parts: Sequence[VendorPart]) -> Table:
@@ -39,13 +37,10 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         sizes = [part.height, part.width, part.rope, along.static_load, along.travel, across.travel]
         rows.append((part.name, *sizes, along.vibration, along.shock, made))
     return Table(
-        id="vendor-parts",
-        title="",
+        id="vendor-parts", title="",
         columns=(
-            Column("part", align="left"),
-            *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
-            Column("load", "N", ".0f"),
-            *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
+            Column("part", align="left"), *(Column(name, "mm", ".4g") for name in ("height", "width", "rope")),
+            Column("load", "N", ".0f"), *(Column(name, "mm", ".4g") for name in ("compr.", "shear")),
             *(Column(f"{name}\nstiffness", "N/mm", ".4g") for name in ("vibration", "shock")),
             Column("isolator", align="left"),
         ),
@@ -53,7 +48,7 @@ def parts_table(parts: Sequence[VendorPart]) -> Table:
         note="-: not stated. Load and stiffnesses are those in compression. Isolator: shipped as a file, fitted from the row "
         "when it is asked for, or none where too little is stated; `wirerope isolators PART` says what is "
         "fitted and what assumed.",
-    )
+    )  # fmt: skip
 
 
 def isolator_content(device: Isolator, band: Band | None = None) -> Content:

@@ -6,7 +6,6 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import (
     BASE,
-    ComparedRun,
     Comparison,
     Component,
     HistoryDifference,
@@ -53,7 +52,8 @@ def better_run(comparison: Comparison) -> Statement:
     used = {run.name: most_used(run.verdicts) for run in comparison.runs}
     if not all(used.values()):
         return _smaller_acceleration(comparison)
-    ranks = {run.name: (_exceeded(run), used[run.name].utilisation or 0.0) for run in comparison.runs}  # type: ignore[union-attr]
+    exceeded = {run.name: sum(row.verdict == EXCEEDED for row in run.verdicts) for run in comparison.runs}
+    ranks = {name: (count, used[name].utilisation or 0.0) for name, count in exceeded.items()}  # type: ignore[union-attr]
     best = min(ranks, key=lambda name: ranks[name])
     parts = []
     for run in comparison.runs:
@@ -64,10 +64,6 @@ def better_run(comparison: Comparison) -> Statement:
     tie = sum(rank == ranks[best] for rank in ranks.values()) > 1
     text = "None is better" if tie else f"{best} is better"
     return Statement(id="better", text=f"{text}. {'; '.join(parts)}.", values={"better": None if tie else best})
-
-
-def _exceeded(run: ComparedRun) -> int:
-    return sum(row.verdict == EXCEEDED for row in run.verdicts)
 
 
 def _smaller_acceleration(comparison: Comparison) -> Statement:

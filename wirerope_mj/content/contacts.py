@@ -55,14 +55,11 @@ def _table(run: RunResult, contacts: Mapping[str, ContactPeak]) -> Table:
             rows.append((contact.called(verdict.subject), *touches, *sizes, judged))
     untouched = len(contacts) - len(rows)
     return Table(
-        id="contacts",
-        title="Stops and contacts that touched",
-        columns=_COLUMNS,
-        rows=rows,
+        id="contacts", title="Stops and contacts that touched", columns=_COLUMNS, rows=rows,
         note="Normal forces of all contact points of a pair together, at steps. Depth: overlap when pressed, as the model's "
         "stiffness of the contact has it; of a mount's stop the travel beyond its gap. Energy: what it took up, which the "
         f"motion has lost once it is open again.{f' {untouched} others never touched.' if untouched else ''}",
-    )
+    )  # fmt: skip
 
 
 def contact_panels(response: Response, window: tuple[float, float]) -> list[Panel]:

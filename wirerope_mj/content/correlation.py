@@ -28,10 +28,11 @@ _HEIGHT, _MOST_DB = 105.0, 12.0  # of a panel; of a ratio that is drawn [dB]
 def correlation_content(run: str, tests: Sequence[Correlation]) -> Content:
     """Compose what a run says of tests: the largest deviation first, then measures and curves of each test."""
     names = " and ".join(one.name for one in tests)
+    worst = min(tests, key=lambda test: min(one.rating.overall for one in test.responses))
     facts = tuple((f"Clock of {one.name}", _clock(one)) for one in tests)
     question = f"How well does the model agree with what was measured in {names}?"
     return Content(
-        title=f"{run} against {names}", verdict=agreement(min(tests, key=_worst_rating)), facts=facts, question=(question,),
+        title=f"{run} against {names}", verdict=agreement(worst), facts=facts, question=(question,),
         sections=tuple(one for one in correlation_sections(tests) if len(tests) > 1 or one.id != "tests"),
     )  # fmt: skip
 
@@ -58,10 +59,6 @@ def agreement(test: Correlation) -> Statement:
         id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.", tone=_TONES[worst.rating.grade],
         values={**values, "rating": worst.rating.overall, "delay_s": test.delay},
     )  # fmt: skip
-
-
-def _worst_rating(test: Correlation) -> float:
-    return min(one.rating.overall for one in test.responses)
 
 
 def _clock(test: Correlation) -> str:
@@ -124,27 +121,23 @@ def _histories(test: Correlation) -> Iterator[Block]:
     saturated = [one.label for one in test.channels if one.channel.saturated.any()]
     cut = f" Saturated, so that the true peak is higher: {'; '.join(saturated)}." if saturated else ""
     yield Chart(
-        id=f"histories-{test.name}",
-        rows=rows,
-        height=_HEIGHT,
+        id=f"histories-{test.name}", rows=rows, height=_HEIGHT,
         caption=f"As measured in {test.name}, and as the model says: {several(len(panels), 'channel')} on one clock, while "
         f"responses are above 5 % of their peaks.{cut}",
         alt=f"Histories measured in {test.name} and of the model.",
-    )
+    )  # fmt: skip
 
 
 def _spectra(test: Correlation) -> Iterator[Block]:
     rows = [[_both(one, ratio), _ratio(ratio)] for one in test.responses for ratio in (one.shock, one.density) if ratio]
     if rows:
         yield Chart(
-            id=f"spectra-{test.name}",
-            rows=rows,
-            height=_HEIGHT,
+            id=f"spectra-{test.name}", rows=rows, height=_HEIGHT,
             caption="Left: shock response spectra (maximax, Q = 10) of accelerations that die away, and roots of "
             "power spectral densities in sixths of an octave, where there is more than noise. Right: "
             "model over measurement; the dashed lines are 3 dB.",
             alt=f"Spectra measured in {test.name} and of the model, and their ratios.",
-        )
+        )  # fmt: skip
 
 
 def _both(one: ChannelCorrelation, ratio: SpectrumRatio) -> Panel:
@@ -182,13 +175,11 @@ def _transmissibility(test: Correlation) -> Iterator[Block]:
             rows.append([spectrum_panel(curves, "[-]", "", title=f"{one.label}: FRAC {found.frac:.2f}")])
     if rows:
         yield Chart(
-            id=f"transmissibility-{test.name}",
-            rows=rows,
-            height=_HEIGHT,
+            id=f"transmissibility-{test.name}", rows=rows, height=_HEIGHT,
             caption="Acceleration over that of the measured base along the same axis, where the base moves; motion across it "
             "is in there, too.",
             alt=f"Transmissibilities measured in {test.name} and of the model.",
-        )
+        )  # fmt: skip
 
 
 def _loops(test: Correlation) -> Iterator[Block]:

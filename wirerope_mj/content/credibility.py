@@ -52,14 +52,11 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
     )  # fmt: skip
     rows = [
         (
-            part.name,
-            Mark(f"{part.grade} of 4, {GRADES[part.grade]}", "unjudged" if part.grade < 2 else ""),
-            part.text,
-            part.size,
-            part.size**2 / total if total > 0.0 else None,
+            part.name, Mark(f"{part.grade} of 4, {GRADES[part.grade]}", "unjudged" if part.grade < 2 else ""), part.text,
+            part.size, part.size**2 / total if total > 0.0 else None,
         )
         for part in parts
-    ]
+    ]  # fmt: skip
     columns = (
         Column("part", align="left"), Column("rests on", align="left"), Column("what is known", align="text"),
         Column("moves peaks by ±", "%", 2), Column("share of these", "%", 2),

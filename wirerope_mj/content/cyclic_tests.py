@@ -49,12 +49,15 @@ def loops_content(tests: CyclicTests) -> Content:
     about = f", about {in_unit(tests.operating_point, 'mm'):.4g} mm" if tests.operating_point else ""
     rate = "" if all(law.rate_independent for law in tests.laws.values()) else f", at {tests.frequency:g} Hz"
     title = f"{tests.isolator.name}{about}{rate}"
+    # In the titles of the panels, a rate-dependent law has the frequency.
+    each = {name: "" if law.rate_independent else f", {tests.frequency:g} Hz" for name, law in tests.laws.items()}
+    titled = {f"{name}{each[name]}": loops for name, loops in tests.loops.items()}
     return Content(
         title=title,
         verdict=Statement(id="tests", text=title),
         sections=(
             Section("tests", "", lambda: _test_blocks(tests), "summary"),
-            Section("loops", "", lambda: [loops_chart(_titled(tests))]),
+            Section("loops", "", lambda: [loops_chart(titled)]),
         ),
     )
 
@@ -98,18 +101,8 @@ def _findings(loops: Sequence[Loop]) -> Iterator[str]:
         yield softening_to_hardening(loops).message
 
 
-def _titled(tests: CyclicTests) -> dict[str, Sequence[Loop]]:
-    """Return the loops by the titles of their panels: of a rate-dependent law with the frequency."""
-    rate = f", {tests.frequency:g} Hz"
-    return {f"{name}{'' if tests.laws[name].rate_independent else rate}": one for name, one in tests.loops.items()}
-
-
 def loops_chart(tests: Mapping[str, Sequence[Loop]]) -> Chart:
-    """Return a panel for each test: its loops from the smallest to the largest, as they were run or measured.
-
-    Args:
-        tests: loops by the title of their panel; one that begins with "axial" says that tension is positive.
-    """
+    """Return a panel for each test by its title, from the smallest loop to the largest; in "axial .." tension is positive."""
     panels = []
     for title, loops in tests.items():
         strong = max(float(np.abs(loop.force).max()) for loop in loops) >= _WEAK

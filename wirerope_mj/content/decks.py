@@ -180,13 +180,10 @@ def _areas(areas: Sequence[AreaForce]) -> Table:
         for one in areas
     ]  # fmt: skip
     return Table(
-        id="deck",
-        title="Sums of the mounts' forces on what carries them",
-        columns=columns,
-        rows=rows,
+        id="deck", title="Sums of the mounts' forces on what carries them", columns=columns, rows=rows,
         note="At the samples, weight included, in the world's axes: downwards, upwards where the mounts pull, horizontally. "
         "Contacts of geoms are not among them.",
-    )
+    )  # fmt: skip
 
 
 def _bolts(run: JudgedRun) -> Table:

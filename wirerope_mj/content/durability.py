@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from wirerope_mj.assessment.durability.equivalent import EquivalentVibration
-from wirerope_mj.assessment.durability.mission import Mission, MountDamage, Stage
+from wirerope_mj.assessment.durability.mission import Mission, MountDamage
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.foundation.tables import Column, Row, Table
@@ -14,7 +14,10 @@ _FEW = 12  # rows of a density that are shown at once
 
 def durability_content(mission: Mission, damages: Sequence[MountDamage], *, rows: int) -> Content:
     """Describe the damage of a service life, the largest first: what is damaged most, how long it lasts, a table of `rows`."""
-    names = " + ".join(_often(stage) for stage in mission.stages)
+    names = " + ".join(
+        f"{one.hours:g} h of {one.run.name}" if one.repetitions is None else f"{one.repetitions:g} x {one.run.name}"
+        for one in mission.stages
+    )
     worst = _worst(mission, damages)
     return Content(
         title=f"Durability: {names}",
@@ -90,8 +93,3 @@ def _table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table
 
 def _called(one: MountDamage) -> str:
     return f"{one.mount} {one.axis}"
-
-
-def _often(stage: Stage) -> str:
-    name = stage.run.name
-    return f"{stage.hours:g} h of {name}" if stage.repetitions is None else f"{stage.repetitions:g} x {name}"

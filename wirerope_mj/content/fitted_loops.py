@@ -62,10 +62,7 @@ def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
 
 
 def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
-    """Return energy per cycle and secant stiffness over the amplitude: measured as dots, fitted as lines between them.
-
-    Operating points differ by colour. Fitted values stand at the measured amplitudes, where they were compared.
-    """
+    """Return energy per cycle and secant stiffness over the amplitude: measured as dots, fitted as lines between them."""
     amplitudes = np.array([in_unit(fit.amplitude, "mm") for fit in fits])
     across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
     panels = []

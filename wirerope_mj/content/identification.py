@@ -35,30 +35,26 @@ def identification_content(
     `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.
     """
     return Content(
-        title=title,
-        facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
+        title=title, facts=(("Loops", str(len(fits))), ("By", f"wirerope-mj {version('wirerope-mj')}")),
         question=("Which parameters of the law follow the measured loops, and how well are they known?",),
         verdict=_headline(result, fits, warnings),
         sections=(
             Section(
-                "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), _warnings(warnings)), "headline"
+                "answer", "", lambda: (fit_chart(fits), _findings(result, fits, given), record_warnings(warnings)), "headline"
             ),
             Section("parameters", "Parameters", lambda: _parameter_blocks(result), "summary"),
             Section(
-                "loops-and-residuals",
-                "Loops and residuals",
-                lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)),
-                "summary",
+                "loops-and-residuals", "Loops and residuals",
+                lambda: (_loop_table(fits), residual_chart(fits), measures_chart(fits)), "summary",
             ),
             Section("search", "Search", lambda: (_stage_table(result),), "summary"),
             Section(
-                "how-well-the-parameters-are-known",
-                "How well the parameters are known",
+                "how-well-the-parameters-are-known", "How well the parameters are known",
                 lambda: (_correlation_table(result), _singular_values(result)),
             ),
             Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
-    )
+    )  # fmt: skip
 
 
 def _headline(result: Identification, fits: Sequence[FittedLoop], warnings: Sequence[str]) -> Statement:
@@ -109,7 +105,8 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
     return Statement(id="findings", items=(*texts, *given))
 
 
-def _warnings(warnings: Sequence[str]) -> Statement | None:
+def record_warnings(warnings: Sequence[str]) -> Statement | None:
+    """Return what the records show of faults of the rig; None if it is nothing."""
     text = "Warnings about the records:"
     return Statement(id="warnings", text=text, items=tuple(warnings), tone="unjudged") if warnings else None
 

@@ -72,16 +72,12 @@ def job_content(job: JudgedJob) -> Content:
     texts = document.paragraphs if document else lambda name: []
     versions = first.inputs.get("versions", {})
     return Content(
-        title=job.name,
-        document=document,
+        title=job.name, document=document,
         facts=(
-            ("Model", first.model_file),
-            ("Load cases", str(len(job.cases))),
-            ("Simulated", job.written),
+            ("Model", first.model_file), ("Load cases", str(len(job.cases))), ("Simulated", job.written),
             ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
         ),
-        question=(job.question,),
-        verdict=job_headline(job.verdicts),
+        question=(job.question,), verdict=job_headline(job.verdicts),
         sections=(
             Section("answer", "", lambda: _answers(job), "headline"),
             Section("scope", "Scope", lambda: stated("scope", texts("scope"))),
@@ -90,17 +86,15 @@ def job_content(job: JudgedJob) -> Content:
             Section("envelope", "Envelope over all load cases", lambda: envelope_blocks(job.runs)),
             Section("conclusion", "Conclusion", lambda: stated("conclusion", texts("conclusion"))),
             Section(
-                "basis",
-                "What is assumed, and what was validated",
+                "basis", "What is assumed, and what was validated",
                 lambda: basis_blocks(job.runs, texts("assumptions"), texts("validation")),
             ),
             Section("model", "Model and mounts", partial(model_blocks, first)),
             Section("statics", "At rest under gravity", partial(run_statics_blocks, first)),
-            Section("modes", "Modes", partial(run_modes_blocks, first)),
-            *(_case(case, job.report) for case in job.cases),
+            Section("modes", "Modes", partial(run_modes_blocks, first)), *(_case(case, job.report) for case in job.cases),
             *(_appendix(case) for case in job.cases if "verdicts" in job.report),
         ),
-    )
+    )  # fmt: skip
 
 
 def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:

@@ -8,6 +8,7 @@ from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.peaks import BodyPeak
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
+from wirerope_mj.content.mounts import EXTREMES
 from wirerope_mj.content.numbers import listed
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, short
 from wirerope_mj.content.payload import in_si
@@ -70,12 +71,9 @@ def _mounts(runs: Mapping[str, JudgedRun]) -> Table | None:
             cells.append(max(figures[number] for _, figures in figures_of))
         worst = max(figures_of, key=lambda pair: max(pair[1][:4]))
         rows.append([*cells, worst[0]])
-    heads = ("compr.", "tension", "shear", "roll")
-    columns = [Column("mount", align="left"), *(Column(head, "mm", "z.1f") for head in heads)]
-    columns += [Column(head, "kN", "z.2f") for head in heads]
     return Table(
         id="envelope-mounts", title="Largest travels and forces of the mounts in all load cases",
-        columns=[*columns, Column("largest deflection in", align="left")], rows=rows,
+        columns=[*EXTREMES, Column("largest deflection in", align="left")], rows=rows,
         note="Sizes; each figure is the largest of any case, so that those of a row need not occur together. The case named "
         "last has the largest deflection in mm; which case uses most of a rating stands with the limits.",
     )  # fmt: skip
@@ -102,13 +100,11 @@ def _spectra(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
     if panels:
         left_out = f" Without {listed(without)}: steady or random motions have no such spectrum." if without else ""
         yield Chart(
-            id="envelope-spectra",
-            rows=[panels],
-            height=190.0,
+            id="envelope-spectra", rows=[panels], height=190.0,
             caption=f"Shock response spectra of {name} under each load case along the axes that it moves the base, and their "
             f"envelope, maximax, Q = {q:g}.{left_out}",
             alt=f"Shock response spectra of {name} under all load cases and their envelope.",
-        )
+        )  # fmt: skip
     elif without:
         yield Statement(id="envelope-spectra", text="No load case has a shock response spectrum.", tone="quiet")
 

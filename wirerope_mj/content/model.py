@@ -58,15 +58,12 @@ def _masses(run: JudgedRun) -> Table | None:
     if known is None or not known.payloads:
         return None
     return Table(
-        id="masses",
-        title="What the mounts carry, and its centre of mass at rest",
+        id="masses", title="What the mounts carry, and its centre of mass at rest",
         columns=(
-            Column("payload", align="left"),
-            Column("mass", "kg", 4),
-            *(Column(axis, "m", "z.3f") for axis in "xyz"),
+            Column("payload", align="left"), Column("mass", "kg", 4), *(Column(axis, "m", "z.3f") for axis in "xyz"),
         ),
         rows=[(name, payload.mass, *map(float, payload.centre)) for name, payload in known.payloads.items()],
-    )
+    )  # fmt: skip
 
 
 def _mounts(run: JudgedRun) -> Table | None:

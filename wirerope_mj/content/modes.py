@@ -86,13 +86,11 @@ def energy_table(system: System, modes: Modes) -> Table | None:
         for number, shape in enumerate(modes.descriptions)
     ]
     return Table(
-        id=f"strain-energy-{modes.history}",
-        title="Where the strain energy sits",
-        columns=(*_MODE, _FREQUENCY, *(Column(name, "%", "z.1f") for name in SHARES)),
-        rows=rows,
+        id=f"strain-energy-{modes.history}", title="Where the strain energy sits",
+        columns=(*_MODE, _FREQUENCY, *(Column(name, "%", "z.1f") for name in SHARES)), rows=rows,
         note="Mounts: with what weight and contacts do. Deck: what bends or is sprung between base and mounts. Most of it in "
         "the deck: the mode is the deck's own, and moves with the deck's frequency, hardly with the mounts.",
-    )
+    )  # fmt: skip
 
 
 def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
@@ -120,15 +118,13 @@ def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
         f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True)
     )
     yield Statement(
-        id="mode",
-        text=f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}",
-        tone="strong",
+        id="mode", text=f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}", tone="strong",
         items=(
             f"damping {in_unit(float(modes.damping_ratio[mode]), '%'):.1f} %",
             f"tangents at rest: unloading {_text(modes.unloading[mode])}, loading {_text(modes.loading[mode])}",
             f"mass that takes part: {mass}",
         ),
-    )
+    )  # fmt: skip
     columns = [Column("mount", align="left"), *(Column(axis, form="+.3f") for axis in ("roll", "shear", "axial"))]
     rows: list[Row] = [(name, *map(float, shape[mode])) for name, shape in modes.mounts.items()]
     yield Table(id="mode-shape", title="Deflections of the mounts, the largest 1", columns=columns, rows=rows)
@@ -253,13 +249,11 @@ def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
         column for axis in "xyz" for column in (Column(f"weight {axis}", "kN", ".3f"), Column(f"D {axis}", "g", ".1f"))
     ]
     return Table(
-        id="ddam",
-        title=f"DDAM: design accelerations, {ship}, {location}",
-        columns=(Column("mode", align="left"), _FREQUENCY, *axes),
-        rows=rows,
+        id="ddam", title=f"DDAM: design accelerations, {ship}, {location}",
+        columns=(Column("mode", align="left"), _FREQUENCY, *axes), rows=rows,
         note="x fore and aft, y athwartship, z vertical; modal weights at small amplitude. The unclassified interim values of "
         "NRL memorandum 1396, elastic, at least 6 g; a linear method, in which large deflections of mounts have no place.",
-    )
+    )  # fmt: skip
 
 
 def _size(result: Modes) -> str:

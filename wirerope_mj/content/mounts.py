@@ -22,6 +22,12 @@ _LONG = 10_000  # samples from which loops are drawn around the largest deflecti
 _AROUND = 300  # samples before and after it
 _ROUNDING = 1e-9  # of the largest force, below which an axis carries none
 _ACROSS = (("shear", 1), ("roll", 0))
+_SENSES = ("compr.", "tension", "shear", "roll")
+# A mount with its extremes by sense
+EXTREMES = (
+    Column("mount", align="left"), *(Column(head, "mm", "z.1f") for head in _SENSES),
+    *(Column(head, "kN", "z.2f") for head in _SENSES),
+)  # fmt: skip
 
 
 def mount_blocks(run: RunResult) -> Iterator[Block | None]:
@@ -71,9 +77,7 @@ def _peaks(run: RunResult, peaks: Sequence[MountPeak]) -> Table:
             cells += [used_mark(row.utilisation), row.governing or "-"]
             cells += [used_mark(combined[row.name].utilisation if row.name in combined else None)] if combined else []
         rows.append([*cells, _verdict(row, combined.get(row.name))])
-    heads = ("compr.", "tension", "shear", "roll")
-    columns = [Column("mount", align="left"), *(Column(head, "mm", "z.1f") for head in heads)]
-    columns += [Column(head, "kN", "z.2f") for head in heads]
+    columns = list(EXTREMES)
     if rated:
         columns += [Column("travel used", "%", "z.0f"), Column("in", align="left")]
         columns += [Column("combined", "%", "z.0f")] if combined else []

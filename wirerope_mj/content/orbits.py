@@ -38,13 +38,11 @@ def _loops_chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int) -> 
     panels = [_loops_panel(level, mount, axis) for level in motions]
     across = 2 if len(panels) == _MOST else len(panels)
     return Chart(
-        id="orbit-loops",
-        rows=[panels[first : first + across] for first in range(0, len(panels), across)],
-        height=260.0,
+        id="orbit-loops", rows=[panels[first : first + across] for first in range(0, len(panels), across)], height=260.0,
         caption=f"Loops of {mount} ({device}), {AXES[axis]}, along the resonance of each level: the highest motion bold, "
         "unstable ones dashed.",
         alt=f"Loops of {mount} along the resonance.",
-    )
+    )  # fmt: skip
 
 
 def _loops_panel(level: Sequence[Motion], mount: str, axis: int) -> Panel:
@@ -113,14 +111,12 @@ def motion_blocks(motion: Motion, until: int, loop: tuple[str, int] | None) -> I
         tone="strong",
     )
     yield Table(
-        id="multipliers",
-        title="",
-        columns=(Column("Floquet multiplier"), Column("modulus", form=".4f")),
+        id="multipliers", title="", columns=(Column("Floquet multiplier"), Column("modulus", form=".4f")),
         rows=[
             (f"{value.real:+.4f} {value.imag:+.4f} i", float(abs(value)))
             for value in orbit.floquet_multipliers[:_MULTIPLIERS]
         ],
-    )
+    )  # fmt: skip
     if loop is not None:
         low, high, least, most, work = _ranges(orbit, *loop)
         yield Statement(

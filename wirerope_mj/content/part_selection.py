@@ -1,9 +1,9 @@
 """Content of the vendors' worksheet: its demands, the parts that meet them, and why the others do not."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
-from wirerope_mj.assessment.criteria.verdict import Verdict, most_used
+from wirerope_mj.assessment.criteria.verdict import most_used
 from wirerope_mj.assessment.selection import PartSelection, Worksheet, mode_text
 from wirerope_mj.assessment.selection.worksheet import IMPULSE, WORKSHEET_GRAVITY
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
@@ -84,37 +84,31 @@ def _candidates(selection: PartSelection, most: int | None) -> Table:
     for one in selection.candidates:
         critical = Mark("nothing judged", "quiet") if one.governing is None else str(one.governing.criterion)
         peak = f"{_g(one.acceleration):.2f}{'*' if selection.worksheet.amplifies(one.acceleration) else ''}"
+        worst = most_used(one.verdicts)
         cells: list[Cell] = [one.part.name, used_mark(one.utilisation("static load")), one.frequency, one.travel]
-        cells += [used_mark(one.utilisation("rated travel")), peak, _used(one.verdicts), critical]
+        cells += [used_mark(one.utilisation("rated travel")), peak, used_mark(worst.utilisation if worst else None)]
+        cells.append(critical)
         rows.append(cells)
     title = f"{several(len(rows), 'part')} meet{'s' if len(rows) == 1 else ''} it"
     note = "Used: of the limit that is the most critical."
     return Table(id="candidates", title=title, columns=columns, rows=rows, note=note, shown=most)
 
 
-def _used(verdicts: Sequence[Verdict]) -> Mark:
-    """Return the largest utilisation of all that is judged."""
-    worst = most_used(verdicts)
-    return used_mark(None if worst is None else worst.utilisation)
-
-
 def _rejected(selection: PartSelection, most: int | None) -> Table:
     """Tabulate the parts that do not meet the worksheet, nearest first."""
     undecided = " or are not judged" if any(part.undecided for part in selection.rejected) else ""
     return Table(
-        id="rejected",
-        title=f"{several(len(selection.rejected), 'part')} do not meet it{undecided}",
+        id="rejected", title=f"{several(len(selection.rejected), 'part')} do not meet it{undecided}",
         columns=(Column("part", align="left"), Column("used", "%", "z.0f"), Column("why", align="text")),
         rows=[
             [
-                part.part.name,
-                used_mark(None if math.isnan(part.margin) else 1.0 / (1.0 + part.margin)),
+                part.part.name, used_mark(None if math.isnan(part.margin) else 1.0 / (1.0 + part.margin)),
                 "; ".join(part.reasons),
             ]
             for part in selection.rejected
         ],
         shown=most,
-    )
+    )  # fmt: skip
 
 
 def _notes(selection: PartSelection) -> Iterator[str]:

@@ -39,8 +39,7 @@ def response_content(
         facts=(
             ("Base", f"along {direction_text(options.direction)}"),
             ("Response", f"acceleration of {options.payload} along {direction_text(options.response_direction)}"),
-            ("Range", f"{start:g} to {stop:g} Hz ({options.range_from})"),
-            ("By", f"wirerope-mj {version('wirerope-mj')}"),
+            ("Range", f"{start:g} to {stop:g} Hz ({options.range_from})"), ("By", f"wirerope-mj {version('wirerope-mj')}"),
         ),
         question=("Where does the payload resonate, how strongly, and which motions are stable?",),
         verdict=_headline(findings, str(options.payload)),
@@ -49,25 +48,18 @@ def response_content(
                 "answer", "", lambda: (amplitude_chart(result, findings, bands), *_orders(findings, bands)), "headline"
             ),
             Section(
-                "peaks",
-                "Peaks and changes of stability",
-                lambda: (peak_table(findings), event_table(findings)),
+                "peaks", "Peaks and changes of stability", lambda: (peak_table(findings), event_table(findings)), "summary",
+            ),
+            Section(
+                "levels", "How each level was computed", lambda: [_level_statement(one, options.rate) for one in findings],
                 "summary",
             ),
             Section(
-                "levels",
-                "How each level was computed",
-                lambda: [_level_statement(one, options.rate) for one in findings],
-                "summary",
-            ),
-            Section(
-                "transmissibility",
-                "Transmissibility",
-                lambda: (amplitude_chart(result, findings, bands, relative=True),),
+                "transmissibility", "Transmissibility", lambda: (amplitude_chart(result, findings, bands, relative=True),),
             ),
             Section("motions", "Motions along the resonance", partial(orbit_blocks, result.branches)),
         ),
-    )
+    )  # fmt: skip
 
 
 def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
@@ -233,13 +225,11 @@ def amplitude_chart(
     )  # fmt: skip
     name = "Transmissibility" if relative else "Largest acceleration"
     return Chart(
-        id="transmissibility" if relative else "amplitude",
-        rows=[[panel]],
-        height=360.0,
+        id="transmissibility" if relative else "amplitude", rows=[[panel]], height=360.0,
         caption=f"{name} of {what} over frequency, for every acceleration of the base. Unstable motions are dashed, which no "
         "sweep reaches; dots mark folds and changes of stability.",
         alt=f"{name} of {what} over frequency.",
-    )
+    )  # fmt: skip
 
 
 def _curves(findings: Sequence[LevelSummary], *, relative: bool) -> list[Curve]:

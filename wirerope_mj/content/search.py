@@ -81,26 +81,21 @@ def front_table(result: SearchResult, most: int | None = None) -> Table:
     measures = [measure_of(name) for name in result.shown]
     rows = result.table.slice(0, result.start).to_pylist() + result.front.to_pylist()
     return Table(
-        id="front-designs",
-        title="The front: designs within the limits that no other one beats",
+        id="front-designs", title="The front: designs within the limits that no other one beats",
         columns=[
-            Column("design", align="left"),
-            *(measure.column for measure in measures),
-            Column("generation"),
+            Column("design", align="left"), *(measure.column for measure in measures), Column("generation"),
             Column("", align="left"),
         ],
         rows=[
             (
-                str(row["variant"]),
-                *(row[measure.name] for measure in measures),
-                str(row[GENERATION]),
+                str(row["variant"]), *(row[measure.name] for measure in measures), str(row[GENERATION]),
                 result.remark(row["variant"]),
             )
             for row in list({row["variant"]: row for row in rows}.values())[:most]
         ],
         note="Other designs of the search may come close to these, and better ones may exist: an evolution proves nothing.",
         shown=_SHOWN,
-    )
+    )  # fmt: skip
 
 
 def designs_table(result: SearchResult) -> Table:

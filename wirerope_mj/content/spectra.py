@@ -38,33 +38,25 @@ def _srs_label(q: float) -> str:
 
 
 def base_spectrum_chart(spectra: Mapping[str, ShockResponseSpectrum]) -> Chart:
-    """Return the base's spectra: absolute acceleration and pseudo-velocity over frequency, a line for each axis.
-
-    Args:
-        spectra: by axis, "x", "y", "z".
-    """
+    """Return the base's spectra by axis: absolute acceleration and pseudo-velocity over frequency, a line for each axis."""
     q = next(iter(spectra.values())).q
     parts = ((_srs_label(q), "g"), (f"pseudo-velocity, Q = {q:g} [m/s]", "m/s"))
     row = []
     for number, (label, unit) in enumerate(parts):
         curves = [
             Curve(
-                x=one.frequencies,
-                y=one.pseudo_velocity if number else in_unit(one.maximax, "g"),
-                name=axis,
+                x=one.frequencies, y=one.pseudo_velocity if number else in_unit(one.maximax, "g"), name=axis,
                 kind="xyz".index(axis),
             )
             for axis, one in spectra.items()
-        ]
+        ]  # fmt: skip
         row.append(spectrum_panel(curves, label, unit))
     return Chart(
-        id="base-spectrum",
-        rows=[row],
-        height=190.0,
+        id="base-spectrum", rows=[row], height=190.0,
         caption=f"Shock response spectrum of the base, Q = {q:g}: peak absolute acceleration (maximax) and pseudo-velocity of "
         "oscillators that stand on the base without isolators.",
         alt="Shock response spectrum of the base.",
-    )
+    )  # fmt: skip
 
 
 def shock_chart(run: JudgedRun) -> Chart:

@@ -109,14 +109,11 @@ def _mounts(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> 
             cells = axial, across, float(row.force[2]), row.carries, row.split, row.utilisation
             rows.append((name, history, *cells, Mark(verdict, TONE[verdict])))
     return Table(
-        id="sag",
-        title="Sag and load of every mount",
-        columns=columns,
-        rows=rows,
+        id="sag", title="Sag and load of every mount", columns=columns, rows=rows,
         note="Axial: along the mount's own axis, negative in compression. Carries: what the mount pushes up with. Used: axial "
         "load over the rated static load, which is one in compression. "
         + " ".join(f"{history.capitalize()}: {HISTORIES[history]}." for history in table.sags),
-    )
+    )  # fmt: skip
 
 
 def _payloads(table: StaticTable) -> Table:

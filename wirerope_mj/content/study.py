@@ -48,7 +48,9 @@ def study_content(summary: StudySummary) -> Content:
             Section("answer", "", lambda: _answer(summary), "headline"),
             Section("varied", "Varied quantities", lambda: (varied_table(study),)),
             Section("results", "Results", lambda: (measures_table(summary), *study_charts(summary)), "summary"),
-            Section("inputs", "Inputs that matter", lambda: _of_inputs(summary), "summary"),
+            Section(
+                "inputs", "Inputs that matter", lambda: indices_tables(summary) or [effects_table(summary)], "summary"
+            ),
             Section("worst", "Worst variants", lambda: (worst_table(summary),), "summary"),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
@@ -114,10 +116,6 @@ def failed_blocks(result: StudyResult, noun: str) -> Iterator[Block]:
     yield Statement(id="failed", text=text, items=tuple(lines), tone="unjudged")
 
 
-def _of_inputs(summary: StudySummary) -> tuple[Table | None, ...]:
-    return tuple(indices_tables(summary)) or (effects_table(summary),)
-
-
 def numerics_table(result: StudyResult) -> Table:
     """Tabulate numerics and versions of a study."""
     content = result.inputs
@@ -161,17 +159,14 @@ def measures_table(summary: StudySummary) -> Table:
     meanings = "; ".join(f"{one.name.replace('_', ' ')}: {one.text}" for one in summary.measures)
     percentiles = " A percentile is given if at least five variants lie beyond it." if sampled else ""
     return Table(
-        id="measures",
-        title="Measures and their percentiles" if sampled else "Measures",
+        id="measures", title="Measures and their percentiles" if sampled else "Measures",
         columns=[
-            Column("measure", align="left"),
-            *map(Column, ("nominal", *heads)),
-            *map(Column, ("largest", "in\nvariant", "limit")),
-            Column("beyond it", align="text"),
+            Column("measure", align="left"), *map(Column, ("nominal", *heads)),
+            *map(Column, ("largest", "in\nvariant", "limit")), Column("beyond it", align="text"),
         ],
         rows=[_measure_row(one, sampled) for one in summary.statistics],
         note=f"{meanings[0].upper()}{meanings[1:]}.{percentiles}",
-    )
+    )  # fmt: skip
 
 
 def _measure_row(one: Statistics, sampled: bool) -> list[Cell]:
@@ -215,12 +210,9 @@ def effects_table(summary: StudySummary) -> Table | None:
         return None
     significant = {True: Mark("yes", "strong"), False: Mark("no", "quiet")}
     return Table(
-        id="effects",
-        title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
+        id="effects", title=f"Variance explained by each input alone of: {measure_of(summary.by).text}",
         columns=[
-            Column("input", align="text"),
-            Column("first-order index", "%", ".1f"),
-            Column("significant", align="left"),
+            Column("input", align="text"), Column("first-order index", "%", ".1f"), Column("significant", align="left"),
             Column("rank correlation", form="+.2f"),
         ],
         rows=[
@@ -231,7 +223,7 @@ def effects_table(summary: StudySummary) -> Table | None:
         "index. What is missing to 100 % comes from inputs that act together, and from what so "
         "few variants do not show. If some inputs rise and fall together, what they explain in common is counted for the "
         "strongest alone.",
-    )
+    )  # fmt: skip
 
 
 def worst_table(summary: StudySummary) -> Table:
@@ -241,8 +233,7 @@ def worst_table(summary: StudySummary) -> Table:
     measures = [one for one in summary.measures if one.name != "acceleration" or ALL not in names]
     names = list(summary.ranked_inputs[: max(_COLUMNS - len(measures), 2)])
     return Table(
-        id="worst-variants",
-        title=f"Worst variants by {summary.by}, with the inputs that matter most",
+        id="worst-variants", title=f"Worst variants by {summary.by}, with the inputs that matter most",
         columns=[
             Column("variant", align="left"),
             *(replace(measure.column, heading=two_lines(measure.name)) for measure in measures),
@@ -250,14 +241,12 @@ def worst_table(summary: StudySummary) -> Table:
         ],
         rows=[
             (
-                str(row["variant"]),
-                *(row[measure.name] for measure in measures),
-                *(input_cell(row[name]) for name in names),
+                str(row["variant"]), *(row[measure.name] for measure in measures), *(input_cell(row[name]) for name in names),
             )
             for row in summary.worst(_WORST)
         ],
         note=f"Not shown: {', '.join(summary.left_out)}." if summary.left_out else "",
-    )
+    )  # fmt: skip
 
 
 def input_cell(value: Any) -> Cell:

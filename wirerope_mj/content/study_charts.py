@@ -218,11 +218,7 @@ def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
 
 
 def indices_chart(indices: Sequence[SobolIndices]) -> Chart:
-    """Draw for each measure two bars per factor, first-order and total index, with their intervals.
-
-    Args:
-        indices: of one or two measures of a study; the first one gives the order of the factors.
-    """
+    """Draw for one or two measures two bars per factor, first-order and total index, with their intervals."""
     order = [one.name for one in indices[0].factors[:MOST_BARS]]
     panels: list[Panel] = []
     for one in indices:
@@ -271,19 +267,14 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
     ends = min(-180.0, float(azimuth.min())), max(180.0, float(azimuth.max()))
     angles = (-90, -60, -45, -30, -15, 0, 15, 30, 45, 60, 90)
     panel = Panel(
-        curves=curves,
-        field=None if grid is None else _field(*grid, shown),
-        ylabel="elevation [°], 90 = up",
-        xlabel="azimuth [°], 0 = along x, 90 = along y",
-        title=title.replace("-", MINUS),
-        dots=dots,
-        xlim=ends if grid is None else None,
-        ylim=(-1.0, 1.0),
+        curves=curves, field=None if grid is None else _field(*grid, shown), ylabel="elevation [°], 90 = up",
+        xlabel="azimuth [°], 0 = along x, 90 = along y", title=title.replace("-", MINUS), dots=dots,
+        xlim=ends if grid is None else None, ylim=(-1.0, 1.0),
         yticks=[(math.sin(math.radians(angle)), f"{angle}".replace("-", MINUS)) for angle in angles],
         xticks=[
             (float(one), f"{one}".replace("-", MINUS)) for one in range(-180, 361, 45) if ends[0] <= one <= ends[1]
         ],
-    )
+    )  # fmt: skip
     caption = (
         f"{capital(shown.text)} over the direction in which the base is driven first; equal areas are equal parts of the "
         "sphere; the dot is the largest, red is beyond the limit."
@@ -300,15 +291,11 @@ def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
     place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, _CLASSES - 1)
     return [
         Curve(
-            x=azimuth[rows],
-            y=height[rows],
-            name=f"{edges[number]:.3g} to {edges[number + 1]:.3g}",
-            kind=number,
-            marks=True,
+            x=azimuth[rows], y=height[rows], name=f"{edges[number]:.3g} to {edges[number + 1]:.3g}", kind=number, marks=True,
         )
         for number in range(_CLASSES)
         if (rows := known & (place == number)).any()
-    ]
+    ]  # fmt: skip
 
 
 def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array, Array] | None:

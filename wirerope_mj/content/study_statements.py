@@ -30,11 +30,10 @@ SLIGHT = 0.01  # Total index below which a factor is only named
 
 def statements(result: StudyResult) -> list[str]:
     """Return a statement on every measure with a limit, and what must be known to read them."""
-    texts = [
-        _of_limit(result, measure, measure.limit)
-        for measure in map(measure_of, [*headlines(result.table), *_overloaded(result.table)])
-        if measure.limit is not None
-    ]
+    # A mount that keeps its static load is not mentioned.
+    overloaded = np.nanmax(values_of(result.table, "static_load"), initial=0.0) > 1.0
+    measures = map(measure_of, [*headlines(result.table), *(["static_load"] if overloaded else [])])
+    texts = [_of_limit(result, measure, measure.limit) for measure in measures if measure.limit is not None]
     if not texts:
         texts.append("The isolators state no rated travel and the model no limit: judged is only what --limit states.")
     texts = [*early_statements(result.table), *texts, *struck_statements(result.table)]
@@ -81,11 +80,6 @@ def struck_statements(table: pa.Table) -> list[str]:
         f"Stops are struck in {struck} of {table.num_rows} variants: their accelerations depend on stiffness and "
         "damping of the stops."
     ]
-
-
-def _overloaded(table: pa.Table) -> list[str]:
-    """Return the measure of static load if a mount is loaded beyond its rating; one that keeps it is not mentioned."""
-    return ["static_load"] if np.nanmax(values_of(table, "static_load"), initial=0.0) > 1.0 else []
 
 
 def travel_statements(system: System) -> list[str]:

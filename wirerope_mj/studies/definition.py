@@ -168,16 +168,27 @@ class StudyDefinition:
     @cached_property
     def work(self) -> Work:
         """Inputs that all variants share, the timestep chosen."""
-        step = self.timestep
-        if step is None:
-            step = _common_step(
-                self.base, self._maker, self._columns, self._checked, initial=self.initial, duration=self.duration,
-                sample_rate=self.sample_rate, accuracy=self.accuracy,
-            )  # fmt: skip
+        step = self._common_step() if self.timestep is None else self.timestep
         return Work(
             system=self.base, motions=self.motions, columns=self._columns, duration=self.duration, timestep=step,
             sample_rate=self.sample_rate, initial=self.initial, corners=joined(*(one.corners for one in self.motions)),
         )  # fmt: skip
+
+    def _common_step(self) -> float:
+        """Return the smallest of the steps that `simulate` chooses for the nominal system under the extreme motions [s].
+
+        Of every record that is the motion of the highest level; if the direction varies, those that reach farthest along x, y
+        and z.
+        """
+        steps = []
+        for row in _extremes(self._columns, self._checked):
+            motion = self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])
+            chosen = choose_timestep(
+                self.base, motion, initial_state(self.base, motion, self.initial), duration=self.duration,
+                sample_rate=self.sample_rate, accuracy=self.accuracy,
+            )  # fmt: skip
+            steps.append(chosen.timestep)
+        return min(steps)
 
     @property
     def _columns(self) -> tuple[InputColumn, ...]:
@@ -197,33 +208,6 @@ def _motions(motion: BaseMotion | None, motions: Sequence[BaseMotion]) -> tuple[
         if not isinstance(one, BaseMotion):
             raise ValueError(f"`motion` must be a base motion, got {one!r}.")
     return given
-
-
-def _common_step(
-    system: System,
-    maker: Maker,
-    columns: Sequence[InputColumn],
-    inputs: pa.Table,
-    *,
-    initial: str,
-    duration: float,
-    sample_rate: float,
-    accuracy: float,
-) -> float:
-    """Return the smallest of the steps that `simulate` chooses for the nominal system under the study's extreme motions [s].
-
-    Of every record that is the motion of the highest level; if the direction varies, the motions that reach farthest along x,
-    y and z.
-    """
-    steps = []
-    for row in _extremes(columns, inputs):
-        motion = maker.motion(inputs.slice(row, 1).to_pylist()[0])
-        start = initial_state(system, motion, initial)
-        chosen = choose_timestep(
-            system, motion, start, duration=duration, sample_rate=sample_rate, accuracy=accuracy
-        )  # fmt: skip
-        steps.append(chosen.timestep)
-    return min(steps)
 
 
 def _extremes(columns: Sequence[InputColumn], inputs: pa.Table) -> list[int]:

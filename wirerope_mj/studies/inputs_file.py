@@ -62,7 +62,10 @@ def read_inputs(folder: Path) -> dict[str, Any]:
         _check_inputs(content)
     except ValueError as error:
         raise RecordError(f"{path}: this is not the file of a study as it was written: {error}") from None
-    return todays_inputs(content)
+    if content["format"] != FIRST:
+        return content
+    # Today's names; the format stays, which says how the table is written.
+    return {**content, "vary": [{**one, "name": todays_name(one["name"])} for one in content["vary"]]}
 
 
 def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: dict[str, Any] | None) -> dict[str, Any]:
@@ -207,13 +210,6 @@ def _check_distribution(name: str, table: Any) -> None:
 def todays_name(name: str) -> str:
     """Return what an input of a folder of format 1 is called now: "body/floor/centre/x" is "body/floor/centre_shift/x"."""
     return _SHIFT.sub(r"\1_shift", name)
-
-
-def todays_inputs(content: dict[str, Any]) -> dict[str, Any]:
-    """Return the content of a `study.toml` with today's names; its format stays, which says how its table is written."""
-    if content["format"] != FIRST:
-        return content
-    return {**content, "vary": [{**one, "name": todays_name(one["name"])} for one in content["vary"]]}
 
 
 def todays_table(table: pa.Table, content: dict[str, Any]) -> pa.Table:

@@ -127,10 +127,7 @@ def _judged_names(mounts: tuple[str, ...]) -> tuple[str, ...]:
 def _travel(
     system: System, peaks: Peaks, judged: Sequence[str], isolators: Mapping[int, Isolator]
 ) -> tuple[list[float], list[float], list[float]]:
-    """Return the travel of some mounts [m], one rating after the other, and their largest utilisation; NaN if not rated.
-
-    The last are the utilisations of all axes at once.
-    """
+    """Return the travel of mounts [m] by rating, their largest utilisation, and those of all axes at once; NaN if not rated."""
     if not judged:
         return [], [], []
     deflections = np.array([peaks.mounts[name].deflection.numbers for name in judged])

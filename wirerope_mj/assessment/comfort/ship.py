@@ -175,15 +175,11 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
     one_of("space", space, RMS_2000)
     return tuple(
         Verdict(
-            criterion=Criterion(f"ISO 6954:2000 {space} {name}"),
-            subject=subject,
-            value=velocity,
-            limit=limit,
-            unit="m/s",
+            criterion=Criterion(f"ISO 6954:2000 {space} {name}"), subject=subject, value=velocity, limit=limit, unit="m/s",
             note=f"weighted rms velocity from 1 to 80 Hz; {_MEANING[name]}",
         )
         for name, limit in zip(("lower", "upper"), RMS_2000[space], strict=True)
-    )
+    )  # fmt: skip
 
 
 def _rows(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:

@@ -88,8 +88,10 @@ def largest_differences(runs: Sequence[ComparedRun], subjects: Iterable[Subject]
             time, distance = difference(subject, first, run)
             if time.size:
                 row = int(distance.argmax())
-                value, peak = float(distance[row]), _peak(subject, first.response).value
-                ratio = value / peak if peak else np.nan
+                peaks = first.response.peaks.mounts
+                peak = peaks[subject].deflection if isinstance(subject, str) else subject.peak(first.response)
+                value = float(distance[row])
+                ratio = value / peak.value if peak.value else np.nan
                 entries.append(
                     HistoryDifference(subject=subject, run=run.name, value=value, time=float(time[row]), ratio=ratio)
                 )
@@ -126,7 +128,3 @@ def identical(a: Response, b: Response) -> bool:
 
 def _history(subject: Subject, response: Response) -> Array:
     return response.mounts[subject].deflection if isinstance(subject, str) else subject.acceleration(response)
-
-
-def _peak(subject: Subject, response: Response) -> Peak:
-    return response.peaks.mounts[subject].deflection if isinstance(subject, str) else subject.peak(response)

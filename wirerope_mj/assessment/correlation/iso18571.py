@@ -45,7 +45,9 @@ def iso_rating(measured: Array, computed: Array) -> Rating:
     shift, phase = _phase(measured, computed)
     n = measured.size - abs(shift)
     first, moved = (measured[:n], computed[shift:]) if shift >= 0 else (measured[-shift:], computed[:n])
-    magnitude, slope = _magnitude(first, moved), _slope(first, moved)
+    one, other = _warped(first, moved)
+    magnitude = _rated(first[one], moved[other], _LARGEST_MAGNITUDE)
+    slope = _rated(_smoothed(np.gradient(first)), _smoothed(np.gradient(moved)), _LARGEST_SLOPE)
     overall = float(np.dot(_WEIGHTS, (corridor, phase, magnitude, slope)))
     return Rating(corridor=corridor, phase=phase, magnitude=magnitude, slope=slope, overall=overall)
 
@@ -71,16 +73,6 @@ def _phase(measured: Array, computed: Array) -> tuple[int, float]:
             if correlation > best:
                 best, shift = correlation, sign * size
     return shift, max(0.0, (largest - abs(shift)) / largest) if largest else 1.0
-
-
-def _magnitude(measured: Array, computed: Array) -> float:
-    first, second = _warped(measured, computed)
-    return _rated(measured[first], computed[second], _LARGEST_MAGNITUDE)
-
-
-def _slope(measured: Array, computed: Array) -> float:
-    one, other = (_smoothed(np.gradient(curve)) for curve in (measured, computed))
-    return _rated(one, other, _LARGEST_SLOPE)
 
 
 def _rated(measured: Array, computed: Array, largest: float) -> float:

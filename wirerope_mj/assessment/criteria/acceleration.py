@@ -62,15 +62,11 @@ def _judge(name: str, peak: Peak, limit: PayloadLimit | None, note: str) -> list
         notes = [note, UNLIMITED if limit is None else ""]
         return [
             Verdict(
-                criterion=Criterion(ACCELERATION),
-                subject=name,
-                value=peak.value,
-                limit=None if limit is None else limit.values[0],
-                unit=UNIT,
-                time=peak.time,
+                criterion=Criterion(ACCELERATION), subject=name, value=peak.value,
+                limit=None if limit is None else limit.values[0], unit=UNIT, time=peak.time,
                 note="; ".join(part for part in notes if part),
             )
-        ]
+        ]  # fmt: skip
     verdicts = []
     for axis, allowed in enumerate(limit.values):
         low = -peak.minimum[axis] > peak.maximum[axis]

@@ -121,12 +121,10 @@ def judge(
     begin = require_over(
         response,
         (
-            *acceleration_verdicts(response, limits),
-            *travel_verdicts(response),
-            *bottoming_verdicts(response),
+            *acceleration_verdicts(response, limits), *travel_verdicts(response), *bottoming_verdicts(response),
             *rattle_verdicts(response, limits),
         ),
-    )
+    )  # fmt: skip
     contacts = require_over(response, contact_verdicts(response))
     if statics is None:
         return Verdicts((*begin, *starting_load_verdicts(response), *contacts))

@@ -38,14 +38,11 @@ def starting_load_verdicts(response: Response) -> tuple[Verdict, ...]:
     unsettled = "" if max(start, default=0.0) < AT_REST else "the run does not begin at rest in equilibrium"
     return tuple(
         _static(
-            Criterion(STATIC_LOAD),
-            mount.name,
-            read_start(response, f"mounts/{mount.name}/force/roll", 3),
-            mount.static_load,
+            Criterion(STATIC_LOAD), mount.name, read_start(response, f"mounts/{mount.name}/force/roll", 3), mount.static_load,
             "" if math.isnan(mount.static_load) else unsettled,
         )
         for mount in response.scene.isolating
-    )
+    )  # fmt: skip
 
 
 def static_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
@@ -64,15 +61,11 @@ def missing_load_verdicts(table: StaticTable) -> tuple[Verdict, ...]:
     """Return for each history without an equilibrium that its static loads are not judged, and why."""
     return tuple(
         Verdict(
-            criterion=Criterion(STATIC_LOAD, sense=history),
-            subject="every mount",
-            value=math.nan,
-            limit=None,
-            unit="N",
+            criterion=Criterion(STATIC_LOAD, sense=history), subject="every mount", value=math.nan, limit=None, unit="N",
             note=reason.rstrip("."),
         )
         for history, reason in table.missing.items()
-    )
+    )  # fmt: skip
 
 
 def _static(

@@ -82,15 +82,12 @@ def mount_peaks(response: Response) -> list[MountPeak]:
         roll, shear, axial = (high if high >= -low else low for low, high in force)
         rows.append(
             MountPeak(
-                name=mount.name,
-                isolator=mount.isolator,
-                minimum=tuple(peaks.deflection.minimum.tolist()),
-                maximum=tuple(peaks.deflection.maximum.tolist()),
-                force=(roll, shear, axial),
+                name=mount.name, isolator=mount.isolator, minimum=tuple(peaks.deflection.minimum.tolist()),
+                maximum=tuple(peaks.deflection.maximum.tolist()), force=(roll, shear, axial),
                 travel={
                     rating: replace(row, limit=None, note=early) if early and row.verdict == WITHIN else row
                     for rating, row in peak_travel_verdicts(mount, peaks.deflection).items()
                 },
             )
-        )
+        )  # fmt: skip
     return sorted(rows, key=lambda row: -1.0 if row.utilisation is None else row.utilisation, reverse=True)

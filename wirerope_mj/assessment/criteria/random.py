@@ -81,16 +81,11 @@ def random_verdicts(
     )
     return tuple(
         Verdict(
-            criterion=Criterion(kind, axis=along),
-            subject=subject,
-            value=value,
-            limit=allowed,
-            unit=UNIT,
-            time=instant,
+            criterion=Criterion(kind, axis=along), subject=subject, value=value, limit=allowed, unit=UNIT, time=instant,
             note="; ".join(part for part in (note, UNLIMITED if allowed is None else "") if part),
         )
         for kind, value, allowed, instant, note in rows
-    )
+    )  # fmt: skip
 
 
 def judge_random(

@@ -53,7 +53,8 @@ def rattle_verdicts(response: Response, limits: Sequence[PayloadLimit] | None = 
         if body.name in corners:
             verdicts += _judge_corners(response, body, corners[body.name], stated.get(body.name))
     for name in (name for name in pairs if name in stated):
-        moved, rate = between_points(response, name), _rate_between(response, name)
+        one, other = (response.points[end] for end in name.split(BETWEEN))
+        moved, rate = between_points(response, name), one.velocity - other.velocity
         length = sampled_peak(response.time, np.linalg.norm(moved, axis=1))
         sides = _sampled_sides(response.time, moved, rate)
         verdicts += _judge(name, *length, sides, stated[name], "between two points", sampled_text(response.time))
@@ -64,12 +65,6 @@ def between_points(response: Response, name: str) -> Array:
     """Return how far the first of two points, "a to b", moved relative to the second [m], (n_t, 3), from as modelled."""
     one, other = name.split(BETWEEN)
     return response.points[one].relative_displacement - response.points[other].relative_displacement
-
-
-def _rate_between(response: Response, name: str) -> Array:
-    """Return the velocity of the first of two points relative to the second [m/s], (n_t, 3)."""
-    one, other = name.split(BETWEEN)
-    return response.points[one].velocity - response.points[other].velocity
 
 
 # Displacement one way [m], its instant [s], and by how much it may be larger between the samples [m].
@@ -84,10 +79,7 @@ def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
 
 
 def body_corners(body: SceneBody) -> Array:
-    """Return the corners of the box around a body's geoms, from its centre of mass in body axes [m], (8, 3) or (0, 3).
-
-    Planes have no end and do not count.
-    """
+    """Return the corners of the box around a body's geoms, planes left out, from its centre of mass, body axes [m], (n, 3)."""
     boxes = [_box(geom) for geom in body.geoms if geom.shape != "plane"]
     if not boxes:
         return np.zeros((0, 3))

@@ -90,10 +90,7 @@ class Verdict:
 
     @property
     def margin(self) -> float | None:
-        """Limit over value minus one: how much more there could be (0.25 = a quarter), negative where it is exceeded.
-
-        None = not judged; infinite where the value is zero.
-        """
+        """Limit over value minus one, negative where it is exceeded; None = not judged; infinite where the value is zero."""
         used = self.utilisation
         if used is None:
             return None

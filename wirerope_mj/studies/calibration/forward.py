@@ -1,27 +1,35 @@
 """The forward model of a calibration: values of quantities to the series that tests would have measured, many at once."""
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from typing import Any, Protocol
 
 import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.calibration.frequency_test import FrequencyRuns, FrequencyTest
 from wirerope_mj.studies.calibration.loop_test import LoopRuns, LoopTest
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest, TransientRuns
 from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.calibration.nuisance import UNITS, chains, nuisances
 from wirerope_mj.studies.calibration.prior import Prior
 from wirerope_mj.studies.calibration.spectral import Domain
 from wirerope_mj.studies.inputs.column import InputColumn
-from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic
+from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Uniform
 from wirerope_mj.studies.inputs.quantities import quantities
 from wirerope_mj.studies.inputs.sampling import values_at
 from wirerope_mj.studies.inputs.variants import Maker
 
 Test = MeasuredTest | FrequencyTest | LoopTest
+# Names of such quantities; NAME may hold * and ? and matches channels with or without their test's name
+FORM = "channel/NAME/gain, channel/NAME/delay, channel/NAME/offset"
+UNITS = {"gain": "", "delay": "s", "offset": "SI"}
+NEUTRAL = {"gain": 1.0, "delay": 0.0, "offset": 0.0}
+_NAME = re.compile(r"channel/(.*)/(gain|delay|offset)")
 
 
 class Runs(Protocol):
@@ -37,15 +45,7 @@ class Runs(Protocol):
 
 
 class SystemForward:
-    """Series of all tests of a system as a function of what varies.
-
-    Attributes:
-        system: as the model has it.
-        tests: measured.
-        series: of all tests.
-        prior: of what varies: first the quantities of the system, then those of the channels.
-        columns: of the quantities.
-    """
+    """Series of all tests of a system as a function of what varies: first of the system, then of the measuring channels."""
 
     def __init__(
         self, system: System, tests: Sequence[Test], vary: Mapping[str, Distribution], domain: Domain = "time"
@@ -118,3 +118,60 @@ def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domai
     return (
         LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
     )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Nuisance:
+    """One number of measuring chains."""
+
+    name: str  # as in `vary`, each channel's own where each has one
+    kind: str  # "gain", "delay" or "offset"
+    channels: tuple[int, ...]  # numbers of those that have it
+    distribution: Normal | Uniform  # of its values
+
+
+def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list[Nuisance]:
+    """Return the numbers of measuring chains among the quantities that vary.
+
+    Raises:
+        ModelError: a name matches no channel.
+        ValueError: a distribution is not Normal or Uniform, or relative.
+    """
+    found = []
+    for name, distribution in vary.items():
+        if not name.startswith("channel/"):
+            continue
+        match = _NAME.fullmatch(name)
+        if match is None:
+            raise ModelError(f"`vary`: there is no quantity {name!r} of a channel; there is {FORM}.")
+        pattern, kind = match.groups()
+        matched = [
+            k
+            for k, one in enumerate(channels)
+            if fnmatchcase(one, pattern) or fnmatchcase(one.partition("/")[2], pattern)
+        ]
+        if not matched:
+            raise ModelError(f"`vary`: {name!r}: there is no channel {pattern!r}. There is: {', '.join(channels)}.")
+        if not isinstance(distribution, Normal | Uniform) or distribution.relative:
+            raise ValueError(f"`vary`: {name!r} must be a Normal or a Uniform, not relative, got {distribution!r}.")
+        groups = [(k,) for k in matched] if distribution.each else [tuple(matched)]
+        found += [
+            Nuisance(
+                name=f"channel/{channels[own[0]]}/{kind}" if distribution.each else name, kind=kind, channels=own,
+                distribution=distribution,
+            )
+            for own in groups
+        ]  # fmt: skip
+    return found
+
+
+def chains(found: Sequence[Nuisance], values: Array, channels: int) -> dict[str, Array]:
+    """Return gain [-], delay [s] and offset [SI] of every channel, (n, n_channels) each, from values (n, n_nuisances)."""
+    chain = {kind: np.full((len(values), channels), neutral) for kind, neutral in NEUTRAL.items()}
+    for one, column in zip(found, values.T, strict=True):
+        for k in one.channels:
+            if one.kind == "gain":
+                chain[one.kind][:, k] *= column
+            else:
+                chain[one.kind][:, k] += column
+    return chain

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,8 +10,11 @@ import numpy as np
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.units import ACCELERATION_UNITS
 from wirerope_mj.motions import Sine
+from wirerope_mj.motions.records.channel_map import parse_channel
 from wirerope_mj.studies.calibration.measured_test import work_of
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.engines.together import histories
@@ -20,6 +24,8 @@ from wirerope_mj.studies.inputs.column import InputColumn
 SETTLED, MEASURED = 20, 12
 FEWEST = 5  # frequencies that a response must have
 _STEPS = 16.0  # samples of a cycle at which steps end
+_KIND, _EXAMPLE = "frequency response", '"frequency [Hz], level [g], transmissibility"'
+_COLUMNS = ("frequency", "level", "transmissibility")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -99,3 +105,48 @@ def _tracked(time: Array, values: Array, frequency: float) -> float:
     """Return the amplitude of a history at a frequency [Hz], as a tracking filter shows it."""
     window = np.hanning(time.size)
     return float(2.0 * abs(np.sum(window * values * np.exp(-2j * np.pi * frequency * time))) / window.sum())
+
+
+def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
+    """Return a test for each level of a file with the columns frequency [Hz], level (with its unit) and transmissibility.
+
+    The phrase says what was measured: "body/rack z".
+
+    Raises:
+        RecordError: the file has other columns, or too few rows of a level.
+        ValueError: the phrase names no body with an axis.
+    """
+    said = parse_channel("transmissibility", phrase)
+    kind, _, payload = said.subject.partition("/")
+    if kind != "body":
+        raise ValueError(f"a frequency response is of a body, such as 'body/rack z', got {phrase!r}.")
+    header = read_header(path, kind=_KIND, example=_EXAMPLE)
+    if missing := [name for name in _COLUMNS if name not in header.names]:
+        raise RecordError(
+            f"{header.location}: a frequency response has the columns {_EXAMPLE}; {missing[0]!r} is missing among "
+            f"{header.listed()}."
+        )
+    places = [header.names.index(name) for name in _COLUMNS]
+    factors = (header.factor(places[0], {"Hz": 1.0}), header.factor(places[1], ACCELERATION_UNITS), 1.0)
+    rows = np.array(
+        [
+            [
+                number_in(location, name, cells[k]) * factor
+                for name, k, factor in zip(_COLUMNS, places, factors, strict=True)
+            ]
+            for _, location, cells in rows_below(header)
+        ]
+    ).reshape(-1, 3)
+    tests = []
+    for level in np.unique(rows[:, 1]).tolist():
+        own = rows[rows[:, 1] == level]
+        own = own[np.argsort(own[:, 0])]
+        tests.append(
+            FrequencyTest(
+                name=f"{path.stem} {level:.3g} m s-2", payload=payload, acceleration=level, frequency=own[:, 0],
+                transmissibility=own[:, 2], direction=said.axis,
+            )
+        )  # fmt: skip
+    if not tests:
+        raise RecordError(f"{path}: there are no rows below the header.")
+    return tests

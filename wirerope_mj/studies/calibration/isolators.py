@@ -16,14 +16,10 @@ _MOVED = 1e-9  # relative standard deviation below which a parameter did not var
 
 
 def calibrated_isolators(calibration: Calibration, tests: Sequence[str]) -> dict[str, Isolator]:
-    """Return the isolators that a calibration changed, by mount, with the spread that the tests leave.
+    """Return the isolators that a calibration from tests changed, by mount, with the spread that the tests leave.
 
     The spread is the covariance of the laws' parameters over draws of the posterior, so that a study with
     `"mount/NAME/spread": Specimens()` draws from it.
-
-    Args:
-        calibration: of a system.
-        tests: names of what it was calibrated from.
     """
     forward = calibration.forward
     middle = forward.isolators_at(calibration.values)

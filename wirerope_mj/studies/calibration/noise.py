@@ -107,11 +107,7 @@ class Information:
 def information(series: Series, noise: Noise, jacobian: Array, linear: Array) -> tuple[Information, float, float]:
     """Return what a series says, half the log determinant of its covariance, and r^T K^-1 r.
 
-    Args:
-        series: measured.
-        noise: of it.
-        jacobian: of the model's series by u, (n, d).
-        linear: measured minus model at u = 0 on the tangent, (n,).
+    The jacobian is that of the model's series by u, (n, d), `linear` measured minus model at u = 0 on the tangent, (n,).
     """
     root = noise.root(series)
     white = scipy.linalg.solve_triangular(

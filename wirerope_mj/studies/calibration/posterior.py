@@ -75,7 +75,7 @@ def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) ->
     count = _terms(np.zeros((1, size))).shape[1]
     points = REACH * generator.standard_normal((max(2 * count, 24), size))
     normals = coordinates.normals(np.concatenate([np.zeros((1, size)), points]))
-    residuals = _residuals(problem, normals, roots)
+    residuals = problem.whitened((problem.model(normals) - problem.measured).T, roots).T
     error = np.inf
     for number in range(ROUNDS):
         good = np.isfinite(residuals).all(axis=1)
@@ -96,10 +96,6 @@ def sample(problem: Problem, found: Fit, *, draws: int = 1000, seed: int = 1) ->
         normals=chain, values=problem.prior.values(chain), emulator_error=error, acceptance=acceptance, checked=rows,
         series=series,
     )  # fmt: skip
-
-
-def _residuals(problem: Problem, normals: Array, roots: list[Array]) -> Array:
-    return problem.whitened((problem.model(normals) - problem.measured).T, roots).T
 
 
 def _terms(s: Array) -> Array:

@@ -172,7 +172,8 @@ def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
                 changes = make.changes(row)
                 for mount, isolator in changes.isolators.items():
                     conditioned = isolator.conditioned
-                    if not _numbers(system).write_isolator(own[0], mount, conditioned) or not _endless(conditioned):
+                    endless = all(law is None or np.isinf(law.travel_ends).all() for law in conditioned.axes.values())
+                    if not _numbers(system).write_isolator(own[0], mount, conditioned) or not endless:
                         break
                     first = 3 * list(system.mounts).index(mount)
                     own[1][:, first : first + 3] = np.array([rates_of(law) for law in conditioned.axes.values()]).T
@@ -251,11 +252,6 @@ def _form(law: Law | None, laws: _Laws) -> tuple[float, float, float, float]:
     form = laws[key][2]
     assert form is not None
     return form
-
-
-def _endless(isolator: Any) -> bool:
-    """Return whether all laws hold everywhere."""
-    return all(law is None or np.isinf(law.travel_ends).all() for law in isolator.axes.values())
 
 
 def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags]:

@@ -28,6 +28,7 @@ class Mass(ValueOrFactor):
     form = "body/NAME/mass"
     pattern = re.compile(r"body/(.*)/mass")
     model_unit = "kg"
+    bounds = "positive"
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
@@ -45,10 +46,6 @@ class Mass(ValueOrFactor):
             raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
         for body in self.targets:
             draft.masses[body] = value if self.relative else value / self.nominal_of(draft.system, body)
-
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return bool(np.isfinite(values).all() and values.min() > 0.0)
 
 
 class CentreShift(Shift):
@@ -81,6 +78,7 @@ class Centre(InputColumn):
     form = "body/NAME/centre/x"
     pattern = re.compile(r"body/(.*)/centre/([^/]*)")
     model_unit = "m"
+    bounds = "finite"
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
@@ -98,10 +96,6 @@ class Centre(InputColumn):
         for body in self.targets:
             centre = draft.centres.setdefault(body, centre_of_mass(draft.system, body))
             centre[WORLD.index(self.key[0])] = value
-
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return bool(np.isfinite(values).all())
 
     def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
         """Return in which variants the centre stands elsewhere than in the model."""
@@ -175,6 +169,7 @@ class Tuning(ValueOrFactor):
     form = "joint/NAME/frequency"
     pattern = re.compile(r"joint/(.*)/frequency")
     model_unit = "Hz"
+    bounds = "positive"
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
@@ -192,7 +187,3 @@ class Tuning(ValueOrFactor):
             raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
         for joint in self.targets:
             draft.tunings[joint] = value if self.relative else value / self.nominal_of(draft.system, joint)
-
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return bool(np.isfinite(values).all() and values.min() > 0.0)

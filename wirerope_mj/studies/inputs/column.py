@@ -7,7 +7,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
-from typing import Any, ClassVar, Self
+from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -76,6 +76,7 @@ class InputColumn:
     model_unit: ClassVar[str] = ""  # of what the model says: "SI" as the law states
     type: ClassVar[pa.DataType] = pa.float64()  # of the numbers in the table
     places_mounts: ClassVar[bool] = False  # whether it says where mounts are
+    bounds: ClassVar[Literal["", "finite", "positive"]] = ""  # of all numbers that are valid; "" where they do not tell
 
     name: str  # of the column
     targets: tuple[str, ...] = ()  # mounts or bodies
@@ -134,7 +135,9 @@ class InputColumn:
 
     def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
         """Return whether all values are valid; False says nothing. Parameters of laws go into `draft`, which checks them."""
-        return False
+        if not self.bounds:
+            return False
+        return bool(np.isfinite(values).all()) and (self.bounds == "finite" or bool(values.min() > 0.0))
 
     def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
         """Return in which variants something stands elsewhere than in the model."""

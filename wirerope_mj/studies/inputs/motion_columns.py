@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
 import numpy.typing as npt
 import pyarrow as pa
 
@@ -58,6 +57,7 @@ class MotionColumn(InputColumn):
     """Column of the base motion, which acts on no mount or body."""
 
     numbers = "a distribution of numbers"
+    bounds = "finite"
 
     @property
     def setting(self) -> str:
@@ -77,10 +77,6 @@ class MotionColumn(InputColumn):
     def suits(cls, distribution: Distribution) -> bool:
         """Return whether the distribution is of numbers that the setting takes."""
         return not isinstance(distribution, Choice) or all(type(one) in (int, float) for one in distribution.choices)
-
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return bool(np.isfinite(values).all())
 
 
 class Level(MotionColumn):
@@ -155,10 +151,6 @@ class Record(MotionColumn):
     def suits(cls, distribution: Distribution) -> bool:
         """Return whether the distribution is a Choice of integers."""
         return isinstance(distribution, Choice) and all(type(value) is int for value in distribution.choices)
-
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
-        """Return what the model says."""
-        return []
 
 
 def _directions(motions: Sequence[BaseMotion]) -> list[list[float]]:

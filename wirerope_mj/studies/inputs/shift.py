@@ -22,6 +22,7 @@ class Shift(InputColumn):
 
     nature = "shift"
     model_unit = "m"
+    bounds = "finite"
 
     mirrored: tuple[str, ...] = ()  # targets that move the other way
 
@@ -52,10 +53,6 @@ class Shift(InputColumn):
         for target in self.targets:
             shift = self.shifts_of(draft).setdefault(target, [0.0, 0.0, 0.0])
             shift[WORLD.index(self.key[0])] = -value if target in self.mirrored else value
-
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are finite."""
-        return bool(np.isfinite(values).all())
 
     def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
         """Return in which variants something is shifted."""

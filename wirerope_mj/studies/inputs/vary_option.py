@@ -66,7 +66,7 @@ def _bodies(system: System) -> list[str]:
         return []
     lines = ["bodies, with the model's mass and centre of mass from the body's origin:"]
     for body in bodies:
-        centre = ", ".join(f"{_rounded(value):.4g}" for value in centre_of_mass(system, body))
+        centre = ", ".join(f"{0.0 if abs(value) < 1e-9 else value:.4g}" for value in centre_of_mass(system, body))
         lines.append(f"  {body}: {float(system.model.body(body).mass[0]):.4g} kg, centre ({centre}) m")
     return [
         *lines, "  body/NAME/mass  value [kg] or factor", f"  body/NAME/centre/AXIS  value [m] along the body's {_AXES}",
@@ -98,11 +98,6 @@ def _can_turn(system: System, motion: BaseMotion) -> bool:
     """Return whether the motion is along one line, and the base can be driven along all axes."""
     one_line = np.linalg.matrix_rank(motion.directions, tol=1e-9) == 1  # 1e-9: rounding of unit vectors
     return bool(one_line and np.linalg.matrix_rank(system.assembly.tables.drive) == len(WORLD))
-
-
-def _rounded(value: float) -> float:
-    """Return a position without what rounding has left of 0 [m]."""
-    return 0.0 if abs(value) < 1e-9 else value
 
 
 def _text(value: object) -> str:

@@ -50,14 +50,6 @@ class StatedLimit:
         return np.asarray(np.fmax.reduce([values_of(table, name) for name in self.measures]))
 
 
-def matching_measures(pattern: str, known: Sequence[str]) -> tuple[str, ...]:
-    """Return the measures that a pattern with * and ? matches; ValueError if there is none."""
-    names = tuple(name for name in known if fnmatchcase(name, pattern))
-    if not names:
-        raise ValueError(unknown_measure(pattern, known))
-    return names
-
-
 def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
     """Return the limit of a text such as `deflection/*/roll = 35 mm`.
 
@@ -69,18 +61,16 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"a limit of a study is written like {_EXAMPLE}; got {short(text)!r}.")
     pattern, number, unit = match.groups()
     quantity = pattern.partition("/")[0]
-    try:
-        names = matching_measures(pattern, known)
-    except ValueError as error:
-        raise ValueError(f"limit {short(text)!r}: {error}") from None
+    names = tuple(name for name in known if fnmatchcase(name, pattern))
+    if not names:
+        raise ValueError(f"limit {short(text)!r}: {unknown_measure(pattern, known)}")
     units = _UNITS.get(quantity, {})
     if unit not in units:
         raise ValueError(
             f"limit {short(text)!r}: {unit!r} is no unit of {quantity}; known are {', '.join(units) or 'none'}."
         )
     try:
-        value = in_si(float(number), units[unit])
-        return StatedLimit(text=text, measures=names, limit=value)
+        return StatedLimit(text=text, measures=names, limit=in_si(float(number), units[unit]))
     except ValueError as error:
         raise ValueError(f"limit {short(text)!r}: {error}") from None
 

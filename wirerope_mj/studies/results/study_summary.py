@@ -121,10 +121,7 @@ class StudySummary:
         return tuple(f"{name} ({len(own)} numbers)" for name, own in self._factors.items() if len(own) > _PAIR)
 
     def worst(self, count: int) -> list[dict[str, Any]]:
-        """Return the rows of the variants with the largest values of `by`.
-
-        Of a study for Sobol's indices they are independent ones: the others repeat them but for one factor.
-        """
+        """Return the rows of the variants with the largest values of `by`; for Sobol's indices, of independent ones."""
         table = self.result.independent
         every = {
             name: values_of(table, name).tolist()

@@ -7,7 +7,6 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.column import Quantity, nominal_text
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
@@ -121,7 +120,7 @@ def summary(result: StudyResult) -> dict[str, Any]:
     method = result.inputs["sampling"]["method"]
     table = result.independent if method == SAMPLING else result.table
     measures = {}
-    for name in known(table):
+    for name in known_measures(table, SUMMARISED):
         measures[name] = {"nominal": nominal[name]} if name in nominal else {}
         measures[name] |= _of_measure(table, name, sampled=method not in LISTED)
         if method == SAMPLING:
@@ -139,14 +138,12 @@ def head(result: StudyResult) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def known(table: pa.Table) -> list[str]:
-    """Return the measures of `SUMMARISED` that have values."""
-    return known_measures(table, SUMMARISED)
-
-
 def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
     values, limit = finite(values_of(table, name)), measure_of(name).limit
-    content = _quantiles(values) if sampled else {"smallest": float(values.min()), "median": float(np.median(values))}
+    content: dict[str, Any] = {"smallest": float(values.min()), "median": float(np.median(values))}
+    if sampled:
+        each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
+        content = {name: value for name, value in each if np.isfinite(value)}
     content |= {"largest": float(values.max()), "variant": worst(table, name, 1)[0]}
     if limit is not None:
         beyond = exceedance_of(table, name, limit)
@@ -155,11 +152,6 @@ def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
         if sampled:
             content |= {"probability": beyond.ratio, "low": beyond.low, "high": beyond.high, "confidence": CONFIDENCE}
     return content
-
-
-def _quantiles(values: Array) -> dict[str, Any]:
-    each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
-    return {name: value for name, value in each if np.isfinite(value)}
 
 
 def _indices(result: StudyResult, name: str) -> dict[str, Any]:

@@ -68,15 +68,12 @@ class Evolution:
             vars={name: _variable(one) for name, one in variables.items()}, n_obj=n_objectives, n_ieq_constr=n_limits + 1,
         )  # fmt: skip
         self._algorithm = NSGA2(
-            pop_size=len(first),
-            sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
+            pop_size=len(first), sampling=Population.new(X=np.array([dict(design) for design in first], dtype=object)),
             mating=MixedVariableMating(
-                selection=TournamentSelection(func_comp=binary_tournament),
-                mutation=mutation,
-                eliminate_duplicates=other,
+                selection=TournamentSelection(func_comp=binary_tournament), mutation=mutation, eliminate_duplicates=other,
             ),
             eliminate_duplicates=other,
-        )
+        )  # fmt: skip
         self._algorithm.setup(self._problem, seed=seed, termination=NoTermination(), verbose=False)
         self._asked: Any = None
 
@@ -84,7 +81,8 @@ class Evolution:
         """Return the designs of the next generation; none if there are no other ones."""
         self._asked = self._algorithm.ask()
         designs = [] if self._asked is None else self._asked.get("X")
-        return [{name: _plain(value) for name, value in design.items()} for design in designs]
+        # Numbers of NumPy's own types as Python's.
+        return [{k: one.item() if isinstance(one, np.generic) else one for k, one in row.items()} for row in designs]
 
     def tell(self, objectives: Array, violations: Array) -> None:
         """Take what is minimised of the designs asked for last, (n, n_objectives), and by how much each limit is exceeded.
@@ -109,10 +107,6 @@ def _variable(distribution: distributions.Uniform | distributions.Choice) -> Any
     if set(distribution.choices) == {False, True} and isinstance(distribution.choices[0], bool):
         return variable.Binary()
     return variable.Choice(options=list(distribution.choices))
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.generic) else value
 
 
 Mask = npt.NDArray[np.bool_]
@@ -164,10 +158,7 @@ def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) ->
 
 
 def nearest(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> tuple[int, str, float] | None:
-    """Return the row that exceeds its limits the least, the limit that it exceeds most, and by how much of it.
-
-    None if no design has values by which it could be judged.
-    """
+    """Return the row that exceeds its limits the least, the limit that it exceeds most, and by how much; None without one."""
     rows = nearest_first(table, names, limits)
     if not limits or not rows:
         return None

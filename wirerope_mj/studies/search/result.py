@@ -132,17 +132,12 @@ class SearchResult(StudyResult):
             return f"None has values of all that is minimised or limited: {why.rstrip('.')}."
         row, name, over = closest
         measure, value = measure_of(name), self.table[name][row].as_py()
-        number = self.table["variant"][row].as_py()
+        number, percent = self.table["variant"][row].as_py(), 100.0 * over
+        above = f"{percent:.2g} %" if percent < 99.5 else f"{percent:.0f} %"
         return (
             f"The nearest is design {number}: {measure.text} is {measure.factor * value:.4g} {measure.unit}, "
-            f"{_over(over)} above its limit of {measure.factor * self.limits[name]:.4g} {measure.unit}."
+            f"{above} above its limit of {measure.factor * self.limits[name]:.4g} {measure.unit}."
         )
-
-
-def _over(over: float) -> str:
-    """Return by how much a limit is exceeded, in per cent to two digits: "0.3 %", "103 %"."""
-    value = 100.0 * over
-    return f"{value:.2g} %" if value < 99.5 else f"{value:.0f} %"
 
 
 def read_result(folder: Path, study_class: type[StudyDefinition]) -> StudyResult:

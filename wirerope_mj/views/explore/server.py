@@ -53,25 +53,18 @@ class Explored(Protocol):
 
 
 class ExploreServer(ThreadingHTTPServer):
-    """Serves the page of one what-if on a free port of this machine.
-
-    Attributes:
-        explored: what it shows.
-        viewer: whether the page has the viewer beside it.
-        token: what requests must bring along; new for every server.
-        runs, recordings: who may compute now.
-        hosts: what a request may be addressed to; the viewer has the other name than the page, see `explore.js`.
-        policy: what the page may load.
-    """
+    """Serves the page of one what-if on a free port of this machine."""
 
     daemon_threads = True
 
     def __init__(self, explored: Explored, *, viewer: bool = True, port: int = 0) -> None:
-        self.explored, self.viewer, self.token = explored, viewer, token_urlsafe(24)
-        self.runs, self.recordings = Turns(), Turns()
+        self.explored, self.viewer = explored, viewer
+        self.token = token_urlsafe(24)  # what requests must bring along
+        self.runs, self.recordings = Turns(), Turns()  # who may compute now
         self._viewer_files: dict[str, bytes] = {}
         self._fetching = Lock()
         super().__init__((LOCAL, port), _Handler)
+        # What a request may be addressed to; the viewer has the other name than the page, see `explore.js`.
         self.hosts = tuple(f"{name}:{self.server_port}" for name in (LOCAL, "localhost"))
         self.policy = _POLICY.format(ours=" ".join(f"http://{host}" for host in self.hosts))
 

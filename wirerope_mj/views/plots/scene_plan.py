@@ -25,10 +25,7 @@ _MARKERS = "osD^vP"
 
 
 def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = "") -> None:
-    """Write scenes under a title as one PNG, whole or not at all: two beside each other, plan above elevation.
-
-    Empty places of mounts are crossed.
-    """
+    """Write scenes as one PNG, whole or not at all: two beside each other, plan above elevation, empty places crossed."""
     rows, columns = (len(views) + 1) // 2, min(len(views), 2)
     figure = PlainFigure(figsize=(5.0 * columns, 4.4 * rows + 0.6), layout="constrained", dpi=_DPI)
     figure.suptitle(title, fontsize=12, fontweight="bold")

@@ -143,17 +143,14 @@ def _mounts(scene: Scene, view: View, place: Place, absent: Sequence[str]) -> It
         for mount in scene.mounts:
             if mount.isolator == device:
                 at = place(view.seen(mount_position(scene, mount)))
-                yield _cross(at) if mount.name in absent else _mark(number, at)
+                cross = f'<path d="M{at[0] - 3:.1f} {at[1] - 3:.1f}l6 6m0-6l-6 6" stroke="{_INK}" stroke-width="1.2"/>'
+                yield cross if mount.name in absent else _mark(number, at)
 
 
 def _mark(number: int, at: Array) -> str:
     shape, colour = _MARKERS[number % len(_MARKERS)], _COLOURS[number % len(_COLOURS)]
     moved = f"translate({at[0]:.1f} {at[1]:.1f})"
     return f'<path d="{shape}" transform="{moved}" fill="{colour}" stroke="#fff" stroke-width="0.5"/>'
-
-
-def _cross(at: Array) -> str:
-    return f'<path d="M{at[0] - 3:.1f} {at[1] - 3:.1f}l6 6m0-6l-6 6" stroke="{_INK}" stroke-width="1.2"/>'
 
 
 def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:

@@ -76,7 +76,8 @@ def animation_of(strip: Strip) -> Animation:
     blocks, starts, start = [], [], 0.0
     for orbit in strip.orbits:
         samples = orbit.response.samples
-        largest = _largest(strip.branch, orbit)
+        acceleration = orbit.response.bodies[strip.branch.payload].acceleration[: orbit.steps]
+        largest = int(np.argmax(np.abs(acceleration @ unit_vector(strip.branch.response_direction))))
         phases = np.arange(rows) / rows
         chosen = (largest + np.round((phases + 1.0 / rows) * orbit.steps).astype(np.int64)) % orbit.steps
         block = samples.columns(0, len(samples.names))[chosen]
@@ -86,12 +87,6 @@ def animation_of(strip: Strip) -> Animation:
         start += orbit.duration
     whole = with_values(strip.orbits[int(np.argmax(strip.amplitude))].response, np.concatenate(blocks))
     return Animation(strip=strip, starts=np.array(starts), response=whole)
-
-
-def _largest(branch: Branch, orbit: PeriodicOrbit) -> int:
-    """Return the row at which the payload's acceleration is largest."""
-    acceleration = orbit.response.bodies[branch.payload].acceleration[: orbit.steps]
-    return int(np.argmax(np.abs(acceleration @ unit_vector(branch.response_direction))))
 
 
 def with_values(like: Response, values: Array) -> Response:

@@ -152,14 +152,12 @@ def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]
         rec.log(
             child(path, "labels"),
             rr.Points3D(
-                [device.mount.base_point for device in devices],
-                labels=[device.mount.name for device in devices],
-                colors=[colour_of(selection, device.mount.name) for device in devices],
-                radii=rr.Radius.ui_points(0.0),
+                [device.mount.base_point for device in devices], labels=[device.mount.name for device in devices],
+                colors=[colour_of(selection, device.mount.name) for device in devices], radii=rr.Radius.ui_points(0.0),
                 show_labels=True,
             ),
             static=True,
-        )
+        )  # fmt: skip
 
 
 def _log_worst(rec: Any, path: str, response: Response, selection: Selection, device: Device) -> None:

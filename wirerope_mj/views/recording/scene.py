@@ -33,7 +33,10 @@ def log_scene(
     for body in response.scene.bodies:
         frame = frames[body.name]
         if body.name != "world":
-            own = _base_rows(response) if body.name == response.scene.base else rows
+            own = rows
+            if body.name == response.scene.base:
+                moved = response.bodies[body.name].position
+                own = rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
             log_pose(rec, frame.path, response.time, frame.position, frame.orientation, own)
         draw_geoms(rec, frame.path, see_through(body), extent)
     if response.scene.mounts:
@@ -42,8 +45,12 @@ def log_scene(
         if response.scene.base in frames:
             log_bending(rec, frames[response.scene.base].path, response, rows, 1.0)
     if response.scene.base in frames:
-        corner = _corners(response, extent)[1] * [1.0, 1.0, 0.0]
-        _log_axes(rec, child(frames[response.scene.base].path, "axes"), corner, 0.07 * extent)
+        corner, length = _corners(response, extent)[1] * [1.0, 1.0, 0.0], 0.07 * extent
+        axes = rr.Arrows3D(
+            vectors=length * np.eye(3), origins=[corner] * 3, colors=_AXES, labels=["x", "y", "z"], show_labels=True,
+            radii=0.02 * length,
+        )  # fmt: skip
+        rec.log(child(frames[response.scene.base].path, "axes"), axes, static=True)
         _log_base_acceleration(rec, response, frames, extent, arrow)
 
 
@@ -54,12 +61,6 @@ def _corners(response: Response, extent: float) -> tuple[Array, Array]:
     known = [box for box in boxes if np.isfinite(box).all()] or [(np.full(3, -0.5 * extent), np.full(3, 0.5 * extent))]
     lows, highs = zip(*known, strict=True)
     return np.min(lows, axis=0), np.max(highs, axis=0)
-
-
-def _log_axes(rec: Any, path: str, origin: Array, length: float) -> None:
-    """Log the axes of the world at a corner of the base."""
-    look = {"labels": ["x", "y", "z"], "show_labels": True, "radii": 0.02 * length}
-    rec.log(path, rr.Arrows3D(vectors=length * np.eye(3), origins=[origin] * 3, colors=_AXES, **look), static=True)
 
 
 def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
@@ -78,11 +79,6 @@ def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
         ends = np.concatenate(lengths, axis=1)
         rows = np.unique(np.concatenate([some, ends.argmin(axis=0), ends.argmax(axis=0)]))
     return rows
-
-
-def _base_rows(response: Response) -> Rows:
-    moved = response.bodies[response.scene.base].position
-    return rows_of_steps(response.time, moved, _STILL * float(np.ptp(moved, axis=0).max()))
 
 
 def log_pose(rec: Any, path: str, time: Array, position: Array, orientation: Array, rows: Rows) -> None:

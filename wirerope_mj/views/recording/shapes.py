@@ -8,7 +8,7 @@ import numpy.typing as npt
 import rerun as rr
 
 from wirerope_mj.engine.response.scene import Geom, SceneMount
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.views.recording.paths import child
 from wirerope_mj.views.recording.poses import rotate
 
@@ -28,7 +28,11 @@ def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> Non
         same = [geom for geom in geoms if geom.shape == shape]
         if shape in ("mesh", "plane"):
             for number, geom in enumerate(same):
-                mesh = _plane(geom, extent) if shape == "plane" else _mesh(geom)
+                corners, triangles = _plane(geom, extent) if shape == "plane" else (geom.vertices, geom.faces)
+                mesh = rr.Mesh3D(
+                    vertex_positions=geom.position + rotate(geom.orientation, corners),
+                    triangle_indices=triangles.astype(np.uint32), albedo_factor=rgba8(geom.rgba),
+                )  # fmt: skip
                 rec.log(child(path, "geoms", geom.name or f"{shape}_{number}"), mesh, static=True)
         else:
             rec.log(child(path, "geoms", shape), _solids(shape, same), static=True)
@@ -65,22 +69,9 @@ def _solids(shape: str, geoms: list[Geom]) -> Any:
     return rr.Ellipsoids3D(half_sizes=halves, centers=centers, **common)
 
 
-def _plane(geom: Geom, extent: float) -> Any:
+def _plane(geom: Geom, extent: float) -> tuple[Array, Integers]:
     x, y = (half if half > 0.0 else 2.0 * extent for half in geom.size[:2])
-    corners = np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]])
-    return rr.Mesh3D(
-        vertex_positions=geom.position + rotate(geom.orientation, corners),
-        triangle_indices=[[0, 1, 2], [0, 2, 3]],
-        albedo_factor=rgba8(geom.rgba),
-    )
-
-
-def _mesh(geom: Geom) -> Any:
-    return rr.Mesh3D(
-        vertex_positions=geom.position + rotate(geom.orientation, geom.vertices),
-        triangle_indices=geom.faces.astype(np.uint32),
-        albedo_factor=rgba8(geom.rgba),
-    )
+    return np.array([[-x, -y, 0.0], [x, -y, 0.0], [x, y, 0.0], [-x, y, 0.0]]), np.array([[0, 1, 2], [0, 2, 3]])
 
 
 def rgba8(rgba: Array) -> list[int]:

@@ -69,14 +69,10 @@ def overlay_texts(comparison: Comparison, inputs: Inputs, tables: Sequence[Table
             path=("peaks", "accelerations"), name="Accelerations", place="Peaks", text=of("accelerations", "components")
         ),
         Text(
-            path=("peaks", "mounts"),
-            name="Mounts",
-            place="Peaks",
-            text=of("travel", "mounts") or "There are no mounts.",
+            path=("peaks", "mounts"), name="Mounts", place="Peaks", text=of("travel", "mounts") or "There are no mounts.",
         ),
-        Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=of("apart")),
-        *study,
-    )
+        Text(path=("peaks", "apart"), name="Farthest apart", place="Peaks", text=of("apart")), *study,
+    )  # fmt: skip
 
 
 def _fenced(text: str) -> str:

@@ -18,8 +18,9 @@ SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second take
 def layout(content: Any, window: tuple[float, float]) -> Any:
     """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
+    speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # what lasts longer is slow enough in real time
     panel = rrb.TimePanel(
-        state="collapsed", timeline=TIMELINE, playback_speed=_speed(window), play_state="paused", loop_mode="selection",
+        state="collapsed", timeline=TIMELINE, playback_speed=speed, play_state="paused", loop_mode="selection",
         time_selection=rrb.components.AbsoluteTimeRange(min=start, max=end),
     )  # fmt: skip
     return opening(content, panel)
@@ -33,23 +34,15 @@ def opening(content: Any, panel: Any) -> Any:
     )  # fmt: skip
 
 
-def _speed(window: tuple[float, float]) -> float:
-    """Return slow motion for a shock, and real time for what lasts longer than ten seconds anyway."""
-    return SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0
-
-
 def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
     """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
     return rrb.Spatial3DView(
-        origin=origin,
-        contents=list(contents),
-        name=known_letters(name),
-        background=GROUND,
+        origin=origin, contents=list(contents), name=known_letters(name), background=GROUND,
         line_grid=rrb.LineGrid3D(visible=False),
         eye_controls=rrb.EyeControls3D(
             kind=rrb.Eye3DKind.Orbital, position=camera.eye, look_target=camera.target, eye_up=[0.0, 0.0, 1.0]
         ),
-    )
+    )  # fmt: skip
 
 
 def tabs_with(entries: list[Any], argument: str, name: str) -> Any:

@@ -31,20 +31,14 @@ def report_html(content: Content) -> str:
     script = (_FOLDER / "read_curves.js").read_text(encoding="utf-8").strip()
     titled = [section for section in content.sections if section.title and section.blocks]
     filed = content.document
-    return (
-        template.render(
-            content=content,
-            sections=[section for section in titled if not section.appendix],
-            appendices=[section for section in titled if section.appendix],
-            letter=letter_of,
-            logo=_logo(filed.logo) if filed and filed.logo else "",
-            css=css,
-            script=Markup(script),
-            script_hash=f"sha256-{b64encode(sha256(script.encode()).digest()).decode('ascii')}",
-            version=version("wirerope-mj"),
-        )
-        + "\n"
-    )
+    page = template.render(
+        content=content, sections=[section for section in titled if not section.appendix],
+        appendices=[section for section in titled if section.appendix], letter=letter_of,
+        logo=_logo(filed.logo) if filed and filed.logo else "", css=css, script=Markup(script),
+        script_hash=f"sha256-{b64encode(sha256(script.encode()).digest()).decode('ascii')}",
+        version=version("wirerope-mj"),
+    )  # fmt: skip
+    return page + "\n"
 
 
 def _logo(path: Path) -> Markup:
@@ -63,7 +57,7 @@ def _environment() -> Environment:
         "svg": lambda chart: Markup(chart_svg(chart)),  # whose texts are escaped where they are put in
         "drawings": lambda view: Markup("".join(scene_svgs(view))),  # so, too
         "named": _named,
-        "breakable": _breakable,
+        "breakable": lambda text: " long" if len(text) > _LONG else "",
         "instant": _instant,
         "letter": lambda column: column.align[0],
         "heading": lambda column: column.title().replace("/\n", "/").replace("\n", " "),
@@ -88,7 +82,3 @@ def _instant(column: Column, value: object) -> float | None:
 def _named(block: Block) -> Markup:
     """Return the attribute that carries a block's id, the same in every output; nothing without one."""
     return Markup(f' data-id="{escape(plain_lines(block.id))}"') if block.id else Markup("")
-
-
-def _breakable(text: str) -> str:
-    return " long" if len(text) > _LONG else ""
