@@ -18,6 +18,8 @@ from wirerope_mj.foundation.arrays import Array
 # Singular values below this say nothing: they are the difference quotients' own error. Axes that hardly move have singular
 # values near 1e-5 that must not be cut off: their states do converge.
 NEUTRAL = 1e-6
+# Gap, over the tolerance, that may stay in directions that say nothing: along them a motion drifts for a million periods.
+ALONG_NEUTRAL = 10.0
 # Corrections of one point.
 CORRECTIONS = 10
 # Ratio of two gaps above which the matrix is computed anew.
@@ -57,6 +59,13 @@ def least_solution(matrix: Array, right: Array) -> Array:
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
 
 
+def felt(matrix: Array, gap: Array) -> Array:
+    """Take out of a gap, (n,), what lies along directions in which nothing changes."""
+    u, values, _ = np.linalg.svd(matrix, full_matrices=False)
+    kept = u[:, values > NEUTRAL]
+    return np.asarray(kept @ (kept.T @ gap))
+
+
 def unit_tangent(matrix: Array, like: Array) -> Array:
     """Compute the unit tangent, (n + 1,), turned like another direction."""
     n = matrix.shape[0]
@@ -93,7 +102,9 @@ def corrected(
     system, now = np.vstack([matrix, row]), at(move)
     size = float(np.abs(now.gap).max())
     for correction in range(CORRECTIONS):
-        if size <= tolerance:
+        if size <= tolerance or (
+            size <= ALONG_NEUTRAL * tolerance and np.abs(felt(system[:n], now.gap)).max() <= tolerance
+        ):
             return now, move, correction
         if not np.isfinite(size):
             return None

@@ -187,9 +187,9 @@ class GrowingBranch:
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
         return point
 
-    def _at(self, x: Array, value: float) -> Point:
+    def _at(self, x: Array, value: float, steps: int | None = None) -> Point:
         """Close a motion that has been found before."""
-        motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value)), self.options.tolerance)
+        motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value, steps)), self.options.tolerance)
         return self.path.point(motion, value, before=None, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
@@ -207,7 +207,8 @@ class GrowingBranch:
         last = self.rows[-1]
         if last.smoothing_width:
             self.search.flow.smooth(last.smoothing_width)
-        point = self._at(last.unknowns, self.options.followed(last))
+        point = self._at(last.unknowns, self.options.followed(last), last.steps)
+        self.search.adapt(point.shot)
         if len(self.rows) == 1:
             return point
         return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
