@@ -11,6 +11,7 @@ import argparse
 import time
 import warnings
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from house import deck, mjcf
@@ -48,7 +49,7 @@ class Compared:
     points: int
     gaps: int
     ended: str  # why it ended early, empty if it reached the end of the range
-    seconds: float
+    seconds: float  # of processor time for the branch
 
     @property
     def held(self) -> bool:
@@ -58,12 +59,22 @@ class Compared:
             near and abs(self.settled_at / self.at - 1.0) < ALIKE and self.confirmed == self.called and not self.ended
         )
 
+    @property
+    def text(self) -> str:
+        """The row of the table."""
+        return (
+            f"{self.at:.4f} {self.peak:.5g}{' edge' if self.at_edge else ''} | {self.settled_at:.4f} {self.settled:.5g} | "
+            f"{100 * self.same:+.3f} % {100 * self.elsewhere:.2f} % at {self.elsewhere_at:.4g} | {self.called}/"
+            f"{self.confirmed}/{self.uncalled} side {100 * self.side:.2g} % unstable {self.unstable}/{self.points} "
+            f"gaps {self.gaps}{self.ended} {self.seconds:.0f} s {'' if self.held else 'OFF'}"
+        )
 
-def compared(system, axis, level):
-    """Follow a branch with the default options and settle beside it."""
-    begun = time.perf_counter()
-    result = frequency_response(system, ResponseOptions(accelerations=(level,), direction=axis))
-    seconds, (branch,) = time.perf_counter() - begun, result.branches
+
+def compared(system, axis, level, keep):
+    """Follow a branch with the default options, kept in a folder if one is given, and settle beside it."""
+    begun = time.process_time()
+    result = frequency_response(system, ResponseOptions(accelerations=(level,), direction=axis), keep=keep)
+    seconds, (branch,) = time.process_time() - begun, result.branches
     top = peaks_of(branch)[0]
     shake = {"acceleration": level, "direction": axis, "payload": branch.payload}
     low, high = branch.frequency.min(), branch.frequency.max()
@@ -150,6 +161,9 @@ def main():
     parser.add_argument("--axes", nargs="+", default=list("xyz"))
     parser.add_argument("--floors", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1, help="of the first random floor")
+    parser.add_argument(
+        "--keep", type=Path, help="folder that keeps the points of the branches: what was interrupted goes on"
+    )
     asked, found = parser.parse_args(), []
     warnings.simplefilter("ignore")
     print(
@@ -163,18 +177,13 @@ def main():
             for axis in asked.axes:
                 for level in asked.levels:
                     try:
-                        row = compared(system, axis, level)
+                        keep = asked.keep / f"{name}-{title.split(':')[0]}-{axis}" if asked.keep else None
+                        row = compared(system, axis, level, keep)
                     except (ValueError, wr.ModelError, wr.ConvergenceError, wr.SimulationError) as error:
                         print(f"{title} {axis} {level:g} | {type(error).__name__}: {error}", flush=True)
                         continue
                     found.append(row)
-                    print(
-                        f"{title} {axis} {level:g} | {row.at:.4f} {row.peak:.5g}{' edge' if row.at_edge else ''} | "
-                        f"{row.settled_at:.4f} {row.settled:.5g} | {100 * row.same:+.3f} % {100 * row.elsewhere:.2f} % at {row.elsewhere_at:.4g} | "
-                        f"{row.called}/{row.confirmed}/{row.uncalled} side {100 * row.side:.2g} % unstable "
-                        f"{row.unstable}/{row.points} gaps {row.gaps}{row.ended} "
-                        f"{row.seconds:.0f} s {'' if row.held else 'OFF'}", flush=True,
-                    )  # fmt: skip
+                    print(f"{title} {axis} {level:g} | {row.text}", flush=True)
     print(
         f"{sum(row.held for row in found)} of {len(found)} held; folds {sum(r.called for r in found)} called, "
         f"{sum(r.confirmed for r in found)} confirmed; {sum(bool(r.ended) for r in found)} ended early"
