@@ -248,8 +248,8 @@ def warn_of_uncertainty(response: Response) -> None:
         )
     elif math.isnan(numerics.accuracy) and numerics.error_estimate > ENOUGH_GIVEN:
         warnings.warn(
-            f"the step of {1e3 * numerics.timestep:.4g} ms that was given is too long for friction that yields within it: half "
-            f"of it differs by {numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
+            f"the given step of {1e3 * numerics.timestep:.4g} ms is too long for friction that yields within it: half of it "
+            f"differs by {numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
             AccuracyWarning,
             stacklevel=3,
         )
