@@ -135,7 +135,7 @@ class OrbitSearch:
                 x, settled = self._settled(x, drive, more), settled + more
             motion = self._closed(x, drive, tolerance)
             best = min(best, motion.residual)
-            if motion.residual <= max(tolerance, ACCEPTED):
+            if motion.closes(max(tolerance, ACCEPTED)):
                 return self.judged(motion, tolerance, f" after {settled} periods of settling" if settled else "")
         raise ConvergenceError(
             f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
