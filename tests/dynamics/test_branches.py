@@ -350,3 +350,4 @@ def test_axes_that_hardly_move_do_not_stop_a_branch():
     system = wr.load_system("shock_table_frame")
     branch = wr.follow_branch(system, start=150.0, stop=170.0, acceleration=0.5, direction="z", payload="block")
     assert branch.complete
+    assert branch.gaps == ()
