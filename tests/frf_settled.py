@@ -24,9 +24,9 @@ from wirerope_mj.dynamics.periodic.branch import ALIKE
 from wirerope_mj.mounts.vendor_parts.parts import vendor_parts
 
 # Sines about the peak, over its frequency; and sines over the whole range.
-ABOUT, OVER = np.arange(-4, 5) * 0.01 + 1.0, 25
+ABOUT, OVER = np.arange(-2, 3) * 0.01 + 1.0, 15
 BESIDE = 2e-3  # distance from a fold, over its frequency, at which both motions are left to themselves
-SETTLED = 300  # cycles of these
+SETTLED = 300  # cycles of these, and of the sines over the whole range at the most
 
 
 @dataclass(frozen=True)
@@ -82,7 +82,9 @@ def compared(system, axis, level, keep):
     ways = [wr.stepped_sine(system, frequencies=f, **shake) for f in (about, about[::-1])]
     settled, settled_at = max(vertex(way.frequency, way.amplitude) for way in ways)
     there = np.array([way.amplitude[way.frequency.size // 2] for way in ways])
-    wide = wr.stepped_sine(system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, **shake)
+    wide = wr.stepped_sine(
+        system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, largest_cycles=SETTLED, **shake
+    )
     curve = curve_of(branch)
     nearest = np.nanmin(
         [
