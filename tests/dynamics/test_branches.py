@@ -329,3 +329,25 @@ def test_the_floating_floor_is_followed_through_its_first_resonances():
     )  # fmt: skip
     assert settled.amplitude.argmax() == 1  # 4.4675, 4.4949 and 4.4709 m/s^2
     assert settled.amplitude[1] == pytest.approx(vertical.amplitude[vertical.peak], rel=1e-3)
+
+
+def test_friction_that_yields_within_a_tenth_of_a_millimetre_is_stepped_as_it_settles():
+    """With 128 steps a period it made RK4 grow: multipliers of 50 that are none, and the branch ended at 4.278 Hz."""
+    system = wr.load_system("shock_table")
+    table = {"acceleration": 3.0, "direction": "x", "payload": "block"}
+    branch = wr.follow_branch(system, start=4.25, stop=4.7, **table)
+    assert branch.complete
+    assert branch.gaps == ()
+    assert branch.stable.all()
+    assert branch.steps[-1] > 500
+    settled = wr.stepped_sine(system, frequencies=[4.7], **table)
+    # 1e-4 of settling and of each integration; of 1000 cycles of settling the slowest mode leaves nothing.
+    assert branch.amplitude[-1] == pytest.approx(settled.amplitude[0], rel=1e-3)
+
+
+def test_axes_that_hardly_move_do_not_stop_a_branch():
+    """Their friction has multipliers within 5e-7 of 1, along which a residual of 1e-6 is no error: it ended at 166.06 Hz."""
+    system = wr.load_system("shock_table_frame")
+    branch = wr.follow_branch(system, start=150.0, stop=170.0, acceleration=0.5, direction="z", payload="block")
+    assert branch.complete
+    assert branch.gaps == ()

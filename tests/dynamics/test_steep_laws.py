@@ -3,47 +3,14 @@
 import numpy as np
 import pytest
 from house import sdof
+from steep_branches import MASS, asymmetric, bouc_wen, moduli, motion_of, search_of, two_scales
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic import flow as flows
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.flow import KernelFlow
-from wirerope_mj.dynamics.periodic.motion import Drive
-from wirerope_mj.dynamics.periodic.shooting import monodromy, shot, wide_monodromy
+from wirerope_mj.dynamics.periodic.shooting import monodromy, wide_monodromy
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-
-MASS = 3.5
-Z_MAX, YIELD, ELASTIC = 240.0, 1e-3, 34e3
-
-
-def bouc_wen(n, share=1.0):
-    """Return a law that yields at a millimetre with `share` of the friction force."""
-    return wr.BoucWen.from_normalised(z_max=share * Z_MAX, x_y=share * YIELD, sigma=0.5, n=n, k=ELASTIC)
-
-
-def asymmetric(n):
-    return wr.AsymmetricBoucWen.from_normalised(
-        z_max=Z_MAX, x_y=YIELD, sigma=0.5, n=n, k1=ELASTIC, k2=-2e5, k3=3e8, b=np.e, c=20.0
-    )
-
-
-def two_scales():
-    return wr.Parallel(laws=[bouc_wen(0.2), asymmetric(0.4)])
-
-
-def motion_of(search, frequency, level_g, steps):
-    """Return what is left after 150 periods, which forgets all but 1e-3 of a start at rest."""
-    drive = Drive(frequency=frequency, acceleration=level_g * STANDARD_GRAVITY, periods=1, steps=steps)
-    return shot(search.flow, search._settled(search.coordinates.rest(), drive, 150), drive)
-
-
-def search_of(law):
-    return OrbitSearch(sdof(law, mass=MASS), direction="z", history="relaxed", accuracy=1e-4)
-
-
-def moduli(matrix):
-    return np.sort(np.abs(np.linalg.eigvals(matrix)))[::-1]
 
 
 @pytest.mark.quick

@@ -117,6 +117,8 @@ def _error(numerics: Numerics) -> str:
         return "not estimated: the step was given" if math.isnan(numerics.accuracy) else numerics.error_text
     if numerics.limited_by == SENSITIVE:
         return numerics.error_text
-    error = f"{with_unit(numerics.error_estimate, '%', digits=2)} of the peaks, by halving the step before the run"
+    error = f"{with_unit(numerics.error_estimate, '%', digits=2)} of the peaks, by halving the step"
+    if math.isnan(numerics.accuracy):
+        return f"{error} that was given"
     asked = f"{with_unit(numerics.accuracy, '%', digits=2)} asked for"
     return f"{error}; {'above the ' if numerics.error_estimate > numerics.accuracy else ''}{asked}"

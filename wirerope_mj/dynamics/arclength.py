@@ -18,6 +18,10 @@ from wirerope_mj.foundation.arrays import Array
 # Singular values below this say nothing: they are the difference quotients' own error. Axes that hardly move have singular
 # values near 1e-5 that must not be cut off: their states do converge.
 NEUTRAL = 1e-6
+# The same for tangents: what takes 100 000 periods to settle leads nowhere, and is left to the corrector.
+SLOWEST = 1e-5
+# Gap, over the tolerance, that may stay in directions that say nothing: along them a motion drifts for a million periods.
+ALONG_NEUTRAL = 10.0
 # Corrections of one point.
 CORRECTIONS = 10
 # Ratio of two gaps above which the matrix is computed anew.
@@ -44,23 +48,30 @@ T = TypeVar("T", bound=Tried)
 P = TypeVar("P", bound=OnCurve)
 
 
-def least_solution(matrix: Array, right: Array) -> Array:
+def least_solution(matrix: Array, right: Array, neutral: float = NEUTRAL) -> Array:
     """Solve matrix @ step = right, with the least step in the directions in which nothing changes."""
     try:
         inverse = np.linalg.inv(matrix)
     except np.linalg.LinAlgError:
         inverse = np.full_like(matrix, np.inf)
-    if np.linalg.norm(inverse) < 1.0 / NEUTRAL:  # no singular value is below it: this costs a tenth of them
+    if np.linalg.norm(inverse) < 1.0 / neutral:  # no singular value is below it: this costs a tenth of them
         return np.asarray(inverse @ right)
     u, values, v = np.linalg.svd(matrix, full_matrices=False)
-    kept = values > NEUTRAL
+    kept = values > neutral
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
+
+
+def felt(matrix: Array, gap: Array) -> Array:
+    """Take out of a gap, (n,), what lies along directions in which nothing changes."""
+    u, values, _ = np.linalg.svd(matrix, full_matrices=False)
+    kept = u[:, values > NEUTRAL]
+    return np.asarray(kept @ (kept.T @ gap))
 
 
 def unit_tangent(matrix: Array, like: Array) -> Array:
     """Compute the unit tangent, (n + 1,), turned like another direction."""
     n = matrix.shape[0]
-    tangent = least_solution(np.vstack([matrix, like]), np.append(np.zeros(n), 1.0))
+    tangent = least_solution(np.vstack([matrix, like]), np.append(np.zeros(n), 1.0), SLOWEST)
     return np.asarray(tangent / np.linalg.norm(tangent))
 
 
@@ -93,7 +104,9 @@ def corrected(
     system, now = np.vstack([matrix, row]), at(move)
     size = float(np.abs(now.gap).max())
     for correction in range(CORRECTIONS):
-        if size <= tolerance:
+        if size <= tolerance or (
+            size <= ALONG_NEUTRAL * tolerance and np.abs(felt(system[:n], now.gap)).max() <= tolerance
+        ):
             return now, move, correction
         if not np.isfinite(size):
             return None

@@ -93,7 +93,7 @@ class Continuation:
     def closed(self, x: Array, value: float) -> Shot | None:
         """Close the motion near the unknowns at a value of the parameter by Newton's method; None if that fails."""
         motion = self.search.closed(shot(self.flow, x, self.drive(value)), self.tolerance)
-        return motion if motion.residual <= self.tolerance else None
+        return motion if motion.closes(self.tolerance) else None
 
     def _matrix(self, motion: Shot, value: float) -> Array:
         """Differentiate the scaled gap by the scaled unknowns and by ln p / unit, (n_x, n_x + 1)."""

@@ -4,9 +4,9 @@ import math
 
 import numpy as np
 
-from wirerope_mj.dynamics.periodic.flow import Flow, flow_of
+from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, flow_of
 from wirerope_mj.dynamics.periodic.laws import ScaledStates, smoothed
-from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, ranges, travel_exceeded
+from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, deflection_rates, ranges, travel_exceeded
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
 from wirerope_mj.dynamics.periodic.shooting import (
     ACCEPTED,
@@ -19,7 +19,7 @@ from wirerope_mj.dynamics.periodic.shooting import (
 )
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
+from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step, yield_rates
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
@@ -37,6 +37,10 @@ NATURAL = 32
 REFERENCE = 1e-4
 # Fraction of the stability limit that a step may have.
 STABLE = 0.9
+# Decay of a hysteretic state near its bound over a step at the most: beyond 2.785 RK4 makes it grow, two coupled ones sooner.
+SETTLED = 2.0
+# Relative change of the largest such rate for which the steps are not changed.
+SAME_RATE = 0.1
 # Periods that are simulated before Newton's method starts, and more of them each time it fails.
 SETTLING = (20, 60, 240)
 # Newton iterations of one attempt: four times what a smooth start takes.
@@ -57,6 +61,7 @@ class Steps:
         self._finer = math.sqrt(REFERENCE / accuracy)
         self._highest = float(np.abs(eigenvalues(system).imag).max(initial=0.0)) / (2.0 * math.pi)
         self._longest = STABLE * stable_step(system)
+        self.decay = 0.0  # largest rate at which a hysteretic state of the motion goes back to its bound [1/s]
 
     def per_period(self, frequency: float) -> int:
         """Return the number for a frequency [Hz].
@@ -65,7 +70,8 @@ class Steps:
         and an odd number would break it.
         """
         wanted = self._finer * max(STEPS, NATURAL * self._highest / frequency)
-        return 2 * math.ceil(max(wanted, 1.0 / (frequency * self._longest)) / 2.0)
+        stable = max(1.0 / self._longest, self.decay / SETTLED) / frequency
+        return 2 * math.ceil(max(wanted, stable) / 2.0)
 
 
 class OrbitSearch:
@@ -85,15 +91,26 @@ class OrbitSearch:
         stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
         self.flow = flow_of(self.coordinates, stepped)
         self.scaled = ScaledStates(stepped).serve
+        self._yield_rates = yield_rates(system, steep=not isinstance(self.flow, KernelFlow) or smoothing is not None)
         self.variational = variational_of(self.flow) if self.scaled or self.coordinates.size >= MANY else None
 
     def adapt(self, motion: Shot) -> bool:
-        """Smooth the laws over their fraction of this motion's velocity; return whether the width changed much."""
+        """Take steps that hysteretic states settle in, and smooth the laws over their fraction of this motion's velocity.
+
+        Returns whether either changed much.
+        """
+        before, steps = self._steps.decay, motion.track.drive
+        decay = float((self._yield_rates * deflection_rates(self.system, motion.track)).max(initial=0.0))
+        changed = False
+        if np.isfinite(decay) and abs(decay - before) > SAME_RATE * decay:
+            self._steps.decay = decay
+            now = self.drive(steps.frequency, steps.acceleration, steps.periods).steps
+            changed = abs(now - steps.steps) > SAME_RATE * steps.steps
         if self.smoothing is None:
-            return False
-        before, wanted = self.flow.width, self.smoothing * ranges(self.system, motion.track).rate
+            return changed
+        width, wanted = self.flow.width, self.smoothing * ranges(self.system, motion.track).rate
         self.flow.smooth(wanted)
-        return abs(wanted - before) > SAME_WIDTH * wanted
+        return changed or abs(wanted - width) > SAME_WIDTH * wanted
 
     def derivative(self, flow: Flow, at: Shot) -> Array:
         """Return the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
@@ -118,7 +135,7 @@ class OrbitSearch:
                 x, settled = self._settled(x, drive, more), settled + more
             motion = self._closed(x, drive, tolerance)
             best = min(best, motion.residual)
-            if motion.residual <= max(tolerance, ACCEPTED):
+            if motion.closes(max(tolerance, ACCEPTED)):
                 return self.judged(motion, tolerance, f" after {settled} periods of settling" if settled else "")
         raise ConvergenceError(
             f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
@@ -132,6 +149,7 @@ class OrbitSearch:
         motion = shot(self.flow, x, drive)
         for _ in range(WIDTHS):
             changed = self.adapt(motion)
+            drive = self.drive(drive.frequency, drive.acceleration, drive.periods)
             start = shot(self.flow, motion.x, drive) if changed else motion
             motion = self.closed(start, tolerance)
             if not changed:

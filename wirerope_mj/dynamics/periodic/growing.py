@@ -16,6 +16,7 @@ from wirerope_mj.dynamics.periodic.motion import travel_exceeded
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
 from wirerope_mj.dynamics.periodic.storage import (
+    COLUMNS,
     BranchOptions,
     Row,
     fingerprint,
@@ -75,8 +76,8 @@ class GrowingBranch:
         """Return a motion a little further on, found anew from the last one, None if there is none."""
         options = self.options
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
-        for unsupported_motion in LEAPS:
-            value = last.parameter * math.exp(towards * unsupported_motion * options.largest_step)
+        for leap in LEAPS:
+            value = last.parameter * math.exp(towards * leap * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
                 return None
             motion = self.path.closed(last.shot.x, value)
@@ -187,9 +188,9 @@ class GrowingBranch:
         require_motion(self.rows[-1].amplitude, drive.acceleration, options.payload, options.response_direction)
         return point
 
-    def _at(self, x: Array, value: float) -> Point:
+    def _at(self, x: Array, value: float, steps: int | None = None) -> Point:
         """Close a motion that has been found before."""
-        motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value)), self.options.tolerance)
+        motion = self.search.closed(shot(self.search.flow, x, self.path.drive(value, steps)), self.options.tolerance)
         return self.path.point(motion, value, before=None, sign=self.options.sign)
 
     def _resumed(self) -> Point | None:
@@ -207,7 +208,8 @@ class GrowingBranch:
         last = self.rows[-1]
         if last.smoothing_width:
             self.search.flow.smooth(last.smoothing_width)
-        point = self._at(last.unknowns, self.options.followed(last))
+        point = self._at(last.unknowns, self.options.followed(last), last.steps)
+        self.search.adapt(point.shot)
         if len(self.rows) == 1:
             return point
         return self.path.turned(point, last.tangent, last.unknowns - self.rows[-2].unknowns)
@@ -276,25 +278,15 @@ class GrowingBranch:
         multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
         for i, row in enumerate(rows):
             multipliers[i, : row.multipliers.size] = row.multipliers
-        columns = (
-            "frequency",
-            "acceleration",
-            "amplitude",
-            "stable",
-            "neutral",
-            "smoothing_width",
-            "unknowns",
-            "steps",
-            "residual",
-        )
         values: dict[str, Any] = {
-            name: np.array([getattr(row, name) for row in rows]) for name in (*columns, "residual")
+            name: np.array([getattr(row, name) for row in rows]) for name in (*COLUMNS, "unknowns")
         }
+        values["tangents"] = values.pop("tangent")
         kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values |= {name: getattr(options, name) for name in kept}
         return Branch(
-            system=self.system, **values, tangents=np.array([row.tangent for row in rows]), floquet_multipliers=multipliers,
-            bifurcations=tuple(self.events), complete=self.complete, gaps=tuple(self.gaps),
+            system=self.system, **values, floquet_multipliers=multipliers, bifurcations=tuple(self.events),
+            complete=self.complete, gaps=tuple(self.gaps),
             side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
             model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
         )  # fmt: skip

@@ -192,6 +192,12 @@ def ranges(system: System, track: Track) -> Ranges:
     return Ranges(deflection=half_range, rate=speed, internal=internal)
 
 
+def deflection_rates(system: System, track: Track) -> Array:
+    """Return the largest rates of the deflections of all mounts in their axes [m/s], (n_mounts, 3)."""
+    moved = np.abs(np.diff(mount_deflections(system, track), axis=0)).max(axis=0)
+    return np.asarray(moved * track.drive.steps / track.drive.duration)
+
+
 def largest(values: Array) -> float:
     """Return the largest value of a periodic series, refined by the parabola through three neighbours."""
     i = int(np.argmax(values))

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.dynamics.arclength import least_solution
+from wirerope_mj.dynamics.arclength import ALONG_NEUTRAL, felt, least_solution
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.motion import Drive, Track, ranges, scales
 from wirerope_mj.foundation.arrays import Array, ComplexArray, Integers
@@ -47,12 +47,14 @@ class Shot:
         scale: unit of every unknown, (n_x,).
         residual: largest difference of end and start in these units.
         iterations: of Newton's method.
+        drifts: whether what is left of its gap lies along directions in which nothing changes.
     """
 
     x: Array
     track: Track
     scale: Array
     iterations: int = 0
+    drifts: bool = False
 
     @property
     def gap(self) -> Array:
@@ -65,6 +67,10 @@ class Shot:
         """Largest component of the gap; infinite where the motion went astray."""
         largest = float(np.abs(self.gap).max())
         return largest if np.isfinite(largest) else np.inf
+
+    def closes(self, tolerance: float) -> bool:
+        """Say whether it repeats itself within a residual, but for a drift."""
+        return self.residual <= tolerance or self.drifts
 
 
 def shot(flow: Flow, x: Array, drive: Drive, scale: Array | None = None) -> Shot:
@@ -102,7 +108,10 @@ def close(
         phi = derivative(flow, now)
         if not np.isfinite(phi).all():
             break
-        step = least_solution(np.eye(now.gap.size) - phi, now.gap)
+        slope = np.eye(now.gap.size) - phi
+        if now.residual <= ALONG_NEUTRAL * tolerance and np.abs(felt(slope, now.gap)).max() <= tolerance:
+            return replace(now, drifts=True)
+        step = least_solution(slope, now.gap)
         step *= min(1.0, LONGEST / max(float(np.abs(step).max()), 1e-300))
         better = _trial(flow, now, step)
         if better is None:

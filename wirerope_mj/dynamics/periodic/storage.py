@@ -29,7 +29,7 @@ _KIND = "the table of a branch"
 _REMEDY = "Remove it, and the branch is followed anew, or give another folder."
 # What says how far a branch has come, and does not belong to its question.
 PROGRESS = ("complete", "message", "model_steps", "gaps", "side_branches")
-_COLUMNS = (
+COLUMNS = (
     "frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual"
 )  # fmt: skip
 
@@ -172,7 +172,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RecordError(f"{folder}: no folder can be made there ({error.strerror}). Choose another one.") from None
-    columns: dict[str, Any] = {name: [getattr(row, name) for row in rows] for name in _COLUMNS}
+    columns: dict[str, Any] = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
     columns["multiplier_real"] = [row.multipliers.real for row in rows]
     columns["multiplier_imag"] = [row.multipliers.imag for row in rows]
     columns["unknowns"] = [row.unknowns for row in rows]
@@ -198,7 +198,7 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
             )
     rows = [
         Row(
-            **{name: record[name] for name in _COLUMNS},
+            **{name: record[name] for name in COLUMNS},
             multipliers=np.array(record["multiplier_real"]) + 1j * np.array(record["multiplier_imag"]),
             unknowns=np.array(record["unknowns"]),
         )

@@ -198,7 +198,7 @@ class Numerics:
         if self.limited_by == SENSITIVE:
             return f"sensitive: runs with finer steps differ by up to {self.error_estimate:.1e} of the peaks"
         if math.isfinite(self.error_estimate):
-            missed = "" if self.error_estimate <= self.accuracy else f", above the {self.accuracy:.0e} asked for"
+            missed = f", above the {self.accuracy:.0e} asked for" if self.error_estimate > self.accuracy else ""
             return f"estimated error {self.error_estimate:.1e} of the peaks{missed}"
         given = math.isnan(self.accuracy)
         return "step given: no error estimated" if given else "no error estimated: halving the step changes nothing"

@@ -36,6 +36,8 @@ from wirerope_mj.mounts.isolator.travel import beyond_law
 
 OTHERS = "further pairs"  # name of all pairs of geoms beyond the memory's last row
 
+ENOUGH_GIVEN = 1e-3  # error of a given step, relative to the peaks, that is not warned of
+
 CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
 
 # where the numbers of a `Peak` stand in the tracker's memory of a channel
@@ -221,7 +223,7 @@ def require_lawful(system: System, peaks: Peaks) -> None:
 
 
 def warn_of_uncertainty(response: Response) -> None:
-    """Warn where contacts were struck, and where the estimated error is above the accuracy that was asked for.
+    """Warn where contacts were struck, and where the estimated error is above what was asked for, or a given step too long.
 
     A stop among the mounts' laws is as certain as they are: that it was struck is a verdict, and no doubt about numbers.
     """
@@ -241,6 +243,13 @@ def warn_of_uncertainty(response: Response) -> None:
             f"the answer is sensitive to what the system hits: runs with steps of {1e3 * numerics.timestep:.4g} ms and less "
             f"differ by up to {numerics.error_estimate:.1e} of the peaks, and finer ones do not agree better. Take the peaks "
             "with that spread, or give the stops more loss.",
+            AccuracyWarning,
+            stacklevel=3,
+        )
+    elif math.isnan(numerics.accuracy) and numerics.error_estimate > ENOUGH_GIVEN:
+        warnings.warn(
+            f"the given step of {1e3 * numerics.timestep:.4g} ms is too long for friction that yields within it: half of it "
+            f"differs by {numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
             AccuracyWarning,
             stacklevel=3,
         )

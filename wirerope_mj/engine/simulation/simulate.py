@@ -15,9 +15,9 @@ from wirerope_mj.engine.simulation.grid import time_grid
 from wirerope_mj.engine.simulation.progress import progress_bar
 from wirerope_mj.engine.simulation.recorder import Recorder, column_plan
 from wirerope_mj.engine.simulation.run import RunResult, require_lawful, warn_of_aliasing, warn_of_uncertainty
-from wirerope_mj.engine.simulation.stability import slowest_period, stable_step
+from wirerope_mj.engine.simulation.stability import decay_over_step, slowest_period, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
-from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, limit_of_given
+from wirerope_mj.engine.simulation.timestep import ChosenStep, choose_timestep, error_of_given, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
@@ -33,6 +33,9 @@ NUMBER = 8  # bytes of a number
 OF_AN_INSTANT = 4 * NUMBER
 
 FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
+
+# decay of a hysteretic state over a given step from which on RK4 may make it grow, and half of the step is tried beside it
+STIFF = 2.0
 
 # steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
 MOST_STEPS = 1e9
@@ -117,6 +120,16 @@ def simulate(
                 )
         require_lawful(system, done.peaks)
         error = step.error or math.nan  # no difference at all tells nothing
+        if timestep is not None and decay_over_step(system, done.peaks, done.largest_step) > STIFF:
+            error = error_of_given(
+                system,
+                motion,
+                start,
+                timestep=done.largest_step,
+                duration=duration,
+                sample_rate=sample_rate,
+                engine=engine,
+            )
         asked = accuracy if timestep is None else math.nan
         numerics = numerics_of(system, motion, done, accuracy=asked, error=error, limited_by=step.limited_by)
         response = recorder.finish(start, done.final_state, done.peaks, numerics)

@@ -6,9 +6,12 @@ import numpy.typing as npt
 
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import equations
+from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.system import System, mount_rates, once_per_system
 from wirerope_mj.engine.system.tables import turning
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.laws import Smoothed
+from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.mounts.laws.law import Law
 
 # RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used
@@ -81,6 +84,32 @@ def stable_step(system: System) -> float:
     decay = max((law.relaxation_rate for law in laws), default=0.0)
     fastest = max(float(np.abs(eigenvalues(system, closed=True)).max(initial=0.0)), decay)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf
+
+
+def yield_rates(system: System, *, steep: bool = True) -> Array:
+    """Return n / x_y of the state that yields soonest on the mounts' axes [1/m], (n_mounts, 3); 0 without any.
+
+    Near its bound a Bouc-Wen state goes back there at that times the rate of the deflection [1/s]. `steep`: whether states
+    with n < 1 on axes of their own count.
+    """
+    rates = np.zeros((len(system.mounts), 3))
+    for number, mount in enumerate(system.mounts.values()):
+        for axis, law in enumerate(mount.isolator.axes.values()):
+            for part in law.components if law is not None else ():
+                plain = part.law if isinstance(part, Smoothed) else part
+                if isinstance(plain, Hysteresis) and (steep or plain.n >= 1.0 or axis in mount.isolator.coupled_axes):
+                    rates[number, axis] = max(rates[number, axis], plain.n * plain.alpha / plain.z_max)
+    return rates
+
+
+def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
+    """Estimate by how much the fastest hysteretic state of a run goes back to its bound over a step [-]; see `yield_rates`.
+
+    Of a mount that travels d while its payload's acceleration is a at most, the rate is taken for sqrt(a d).
+    """
+    travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
+    most = max((peaks.bodies[name].acceleration.value for name in system.payloads), default=0.0)
+    return step * float((yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
 
 
 def slowest_period(system: System) -> float:

@@ -84,6 +84,23 @@ def limit_of_given(timestep: float, sample_rate: float) -> str:
     return GIVEN if timestep <= 1.0 / sample_rate else SAMPLES
 
 
+def error_of_given(
+    system: System,
+    motion: BaseMotion,
+    start: State,
+    *,
+    timestep: float,
+    duration: float,
+    sample_rate: float,
+    engine: Engine,
+) -> float:
+    """Estimate the error of a given step, relative to the peaks, by a pilot with half of it; NaN where that fails."""
+    window = _windows(system, motion, start, duration, sample_rate)[:1]
+    pilots = partial(_pilots, system, motion, lambda: [start], window, sample_rate, engine, [])
+    difference = _difference(pilots(timestep), pilots(timestep / 2.0))
+    return RICHARDSON * difference if np.isfinite(difference) else np.nan
+
+
 def choose_timestep(
     system: System,
     motion: BaseMotion,
