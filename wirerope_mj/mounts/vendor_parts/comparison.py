@@ -28,9 +28,10 @@ def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
             break
         depth = law_values.compression_sag(isolator.axial, sheet.static_load, sheet.compression.travel, relaxed=relaxed)
         rows.append(ComparedValue(axis="compression", name=name, unit="mm", vendor=None, fitted=1e3 * depth))
-    if sheet.shear is not None and isolator.shear is not None:
-        name = "shear" if sheet.roll_of_loop else "shear, roll"
-        rows += _axis_values(name, sheet.shear, isolator.shear, sheet.damping_amplitude)
+    for name, values in sheet.across.items():
+        law = isolator.roll if name == "roll" else isolator.shear
+        if law is not None:
+            rows += _axis_values(name.replace(" and", ","), values, law, sheet.damping_amplitude)
     return rows + diagonal_values(sheet, isolator)
 
 

@@ -1,8 +1,8 @@
 """Data sheets of vendors as TOML files, in the vendor's own units, and their values in SI units.
 
 Every value carries its unit in its key, `travel_mm` or `travel_in`, `shock_stiffness_N_per_mm` or `..._lb_per_in`.
-A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues), and [diagonal] if
-the vendor states values at 45 degrees: they are compared, never fitted. An axis is fitted to the values that it has:
+A sheet has the tables [compression] and [shear] (which also stands for roll, as in the catalogues, unless there is [roll]), and
+[diagonal] if the vendor states values at 45 degrees: they are compared, never fitted. An axis is fitted to the values it has:
 
     vibration_stiffness    secant of the steady loop of `vibration_amplitude` (default: `VIBRATION_AMPLITUDE` of the travel)
     shock_stiffness        secant of the virgin path at the rated travel
@@ -98,13 +98,16 @@ class DataSheet:
     rope: float  # diameter [m]
     bar: float  # thickness of one bar [m]
     compression: AxisValues  # values of the axial axis
-    shear: AxisValues | None  # values of the shear and roll axes; None where there are none
+    shear: (
+        AxisValues | None
+    )  # values of the shear axis, and of roll where it has none of its own; None where there are none
     static_load: float | None  # rated load in compression [N]; None where it is not stated
     damping_amplitude: float  # amplitude of the damping ratios [m]
     bar_assumed: bool = False  # whether nobody states it: good for the shape of the loop, not for where the bars meet
     loops: int | None = None  # their number; None where it is not stated
     # over which the loops are spread [m]; None where it is not stated: then nothing resists turning
     bar_length: float | None = None
+    roll: AxisValues | None = None  # values of the roll axis; None where they are those of shear, or of the rope loop
     diagonal: AxisValues | None = None  # values at 45 degrees between compression and roll, None where there are none
     roll_of_loop: bool = False  # whether roll follows from the rope loop; else it is the same as shear
     yielding: float | None = None  # yield deflection of friction [m]; None where a damping ratio gives it
@@ -112,6 +115,12 @@ class DataSheet:
     # lowest and highest damping ratio that the vendor states [-]; None where it states none
     damping_range: tuple[float, float] | None = None
     assumed: tuple[str, ...] = ()  # what no source gives, one text each
+
+    @property
+    def across(self) -> dict[str, AxisValues]:
+        """Values across the axis, by the axes that they stand for."""
+        one = {"shear" if self.roll_of_loop or self.roll else "shear and roll": self.shear, "roll": self.roll}
+        return {name: values for name, values in one.items() if values is not None}
 
 
 def two_stiffnesses(
@@ -136,7 +145,9 @@ def two_stiffnesses(
 def read_datasheet(path: str | Path) -> DataSheet:
     """Return the data sheet in a TOML file; ModelError names file, table, key and rule."""
     table = TomlTable(read_toml(path, "data sheet"), f"{path}:")
-    tables = {key: table.entries.pop(key) for key in ("compression", "shear", "diagonal") if key in table.entries}
+    own_roll = isinstance(table.entries.get("roll"), dict)
+    named = ("compression", "shear", "diagonal", *(["roll"] if own_roll else []))
+    tables = {key: table.entries.pop(key) for key in named if key in table.entries}
     for key in ("compression", "shear"):
         if key not in tables:
             raise ModelError(f"{path}: the table [{key}] is missing.")
@@ -186,7 +197,9 @@ def _roll_of_loop(table: TomlTable) -> bool:
     if "roll" not in table.entries:
         return False
     if (value := table.entries.pop("roll")) != "rope loop":
-        raise ModelError(f'{table.location} `roll` must be "rope loop" or absent (as shear), got {value!r}.')
+        raise ModelError(
+            f'{table.location} `roll` must be a table [roll], "rope loop", or absent (as shear), got {value!r}.'
+        )
     return True
 
 

@@ -71,7 +71,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     compression, shear = sheet.compression, sheet.shear
     curves = axis_curves(
         height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
-        compression=compression.travel, roll=None if shear is None else shear.travel,
+        compression=compression.travel, roll=None if shear is None else (sheet.roll or shear).travel,
     )  # fmt: skip
     rule = RULES[sheet.scales]
     along = ElasticShape(
@@ -79,12 +79,16 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     )
     axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
-    travel = None if shear is None else shear.travel
     isolator = Isolator(
         name=sheet.name,
         axial=axial,
         limits=Limits(
-            static_load=sheet.static_load, travel=Travel(compression=compression.travel, shear=travel, roll=travel)
+            static_load=sheet.static_load,
+            travel=Travel(
+                compression=compression.travel,
+                shear=None if shear is None else shear.travel,
+                roll=None if shear is None else (sheet.roll or shear).travel,
+            ),
         ),
         geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
         spread=_spread(axial, curves, rule),
@@ -111,12 +115,20 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
     curve, rule = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening), RULES[sheet.scales]
     yielding = rule.shear_yield * first_state(axial).normalised.x_y
     law = _fit(shear, curve, yielding, sheet.damping_amplitude, rule)
-    roll: NiLaw | Parallel = law
+    roll, reach_of_roll = law, (sheet.roll or shear).travel
+    if sheet.roll is not None:
+        curve = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * sheet.roll.hardening)
+        roll = _fit(sheet.roll, curve, yielding, sheet.damping_amplitude, rule)
     if sheet.roll_of_loop:  # what it has beside the axial law, with friction in the proportion of shear's
         spring, beside = first_state(axial).k1 * curves.roll_stiffness / curves.axial_stiffness, first_state(law)
         friction, reach = beside.normalised.z_max * spring / beside.k1, beside.normalised.x_y
         roll = rule.law(friction, reach, spring, ElasticShape(asymmetry=None, cubic=curves.roll_cubic))
-    return {"shear": law, "roll": roll, "coupling": "loop", "loop": _coupling(sheet, shear.travel, axial, roll, curves)}
+    return {
+        "shear": law,
+        "roll": roll,
+        "coupling": "loop",
+        "loop": _coupling(sheet, reach_of_roll, axial, roll, curves),
+    }
 
 
 def _fit(
@@ -168,12 +180,7 @@ def _coupling(
 def _fitted_to(sheet: DataSheet) -> str:
     """Return the text on what the parameters reproduce."""
     axes = []
-    for name, axis in (
-        ("axial", sheet.compression),
-        ("shear" if sheet.roll_of_loop else "shear and roll", sheet.shear),
-    ):
-        if axis is None:
-            continue
+    for name, axis in {"axial": sheet.compression, **sheet.across}.items():
         fitted = [_stated(value) for value in axis.stated if value.fitted]
         if axis.damping is not None:
             fitted.append(
@@ -209,9 +216,9 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
             "n = 2, gamma = 0 and k2 = 0 on every axis, b = e: the shape of the loop",
         ]
     texts = [*shape, "tension travel is not stated and not judged"]
+    for axes, values in sheet.across.items():
+        texts.append(f"{axes}: k3 / k1 is {values.hardening:g} times that of the rope loop in roll")
     if sheet.shear is not None:
-        axes = "shear" if sheet.roll_of_loop else "shear and roll"
-        texts.append(f"{axes}: k3 / k1 is {sheet.shear.hardening:g} times that of the rope loop in roll")
         texts.append("roll and axial are coupled as in the rope loop, to 2 % of its coupling forces")
     if sheet.bar_length is not None:
         texts.append("turning: the elastic part of loops that are spread evenly over the bars")
