@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.credibility import study_credibility_blocks
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.content.study_charts import study_charts
 from wirerope_mj.content.study_statements import (
@@ -52,6 +53,9 @@ def study_content(summary: StudySummary) -> Content:
             ),
             Section(id="inputs", title="Inputs that matter", build=lambda: _of_inputs(summary), depth="summary"),
             Section(id="worst", title="Worst variants", build=lambda: (worst_table(summary),), depth="summary"),
+            Section(
+                id="credibility", title="How far this can be relied on", build=lambda: study_credibility_blocks(result)
+            ),
             Section(id="numerics", title="Numerics and versions", build=lambda: (numerics_table(result),)),
         ),
     )  # fmt: skip

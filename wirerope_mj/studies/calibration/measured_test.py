@@ -41,6 +41,9 @@ ACCURACY = 1e-3
 SAMPLED = 3.0
 """Samples of a simulation in one width of the smoothing of the samples that are compared."""
 
+_LOOKS, _STILL, _MOVES = 4000, 1e-3, 0.2
+"""Instants at which a base is looked at, and parts of the largest motion at which it and a channel count as moving."""
+
 _XYZ = ("x", "y", "z")
 
 
@@ -174,6 +177,8 @@ class TransientRuns:
             check_channel(system, test.name, channel)
         self.test, self._time = test, np.zeros(0)
         self.channels = [Comparable.of(test.name, one) for one in test.channels]
+        for channel in test.channels:
+            _check_clock(test, channel)
         self._spectra = [] if domain == "time" else [Spectral.of(one.series, domain) for one in self.channels]
         self.series = [one.series for one in self._spectra or self.channels]
         rate = SAMPLED / min(one.width for one in self.channels)
@@ -209,6 +214,22 @@ def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
         raise RecordError(
             f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It "
             f"has: {names}."
+        )
+
+
+def _check_clock(test: MeasuredTest, channel: MeasuredChannel) -> None:
+    """Raise RecordError if a channel moves before its base does: it is on another clock."""
+    end = channel.time[-1]
+    base = np.linalg.norm(test.motion.acceleration(np.linspace(0.0, end, _LOOKS)), axis=1)
+    if test.initial == "unloaded" or not base.any():
+        return  # it moves by itself
+    began = float(np.argmax(base > _STILL * base.max())) / (_LOOKS - 1) * end
+    moved = np.abs(channel.values - np.median(channel.values))
+    first = float(channel.time[np.argmax(moved > _MOVES * moved.max())])
+    if first < began - end / _LOOKS:
+        raise RecordError(
+            f'{test.name}: column "{channel.column}" moves at {first:.4g} s and the base only at {began:.4g} s: they are on '
+            "two clocks. Say when its first sample was taken, start (--start), or map the base that was measured with it."
         )
 
 
