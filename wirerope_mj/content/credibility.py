@@ -67,7 +67,7 @@ def study_credibility_blocks(result: StudyResult) -> Iterator[Block]:
         (
             _Part(
                 name="computation",
-                grade=4 if math.isfinite(error) else 1,
+                grade=4,
                 text=f"{step}; halving them moves peaks of the nominal system by {with_unit(error, '%', digits=2)}",
                 size=error,
             )
