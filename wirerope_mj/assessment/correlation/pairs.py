@@ -199,7 +199,7 @@ def pair_of(
     time = np.asarray(first + step * np.arange(count), dtype=np.float64)
     own = CubicSpline(start + step * clock * np.arange(values.size), values)(time)
     said = CubicSpline(began + step * np.arange(model.size), model)(time)
-    if channel.quantity in ("displacement", "deflection", "force") and not channel.absolute:
+    if channel.counts_from_start:
         said = said - model[0]
         before = time < _onset(response)
         own = own - own[before].mean() if before.any() else own
