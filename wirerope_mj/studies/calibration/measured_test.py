@@ -225,7 +225,7 @@ def _from_start(test: MeasuredTest, channel: MeasuredChannel) -> MeasuredChannel
     """
     instants = np.linspace(0.0, channel.time[-1], _LOOKS)
     base = np.linalg.norm(test.motion.acceleration(instants), axis=1)
-    moved = np.abs(channel.values - np.median(channel.values))
+    moved = np.abs(channel.values - channel.values[0])
     if test.initial == "unloaded" or not base.any() or not moved.any():
         return channel  # it moves by itself, or not at all
     began = float(instants[np.argmax(base > _STILL * base.max())])
