@@ -5,7 +5,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from house import sdof
 from made_up_floor import floor_response
+from scipy.interpolate import CubicSpline
 
 import wirerope_mj as wr
 
@@ -71,6 +73,34 @@ def test_the_delay_of_the_clock_is_found_by_the_base(tmp_path, floor, late):
     assert still.aligned_by == ""
 
 
+@pytest.mark.parametrize("rate", [0.0, 1e-4, -4e-4])
+def test_the_rate_of_the_clock_is_found_by_the_base(tmp_path, rate):
+    law = wr.BoucWen.from_normalised(z_max=60.0, x_y=2e-3, sigma=0.6, n=1.0, k=1e4)
+    psd = [(5.0, 0.5), (60.0, 0.5)]
+    motion = wr.RandomVibration(psd=psd, duration=20.0, seed=4, direction="z")
+    run = wr.simulate(sdof(law), motion, duration=20.0, sample_rate=1000.0, accuracy=1e-3)
+    rng, stamps = np.random.default_rng(2), np.arange(20_000) / 1000.0
+    columns = {"B": run.base.acceleration[:, 2], "T": run.bodies["mass"].acceleration[:, 2]}
+    of_run = stamps * (1.0 + rate) - 0.02  # its clock is 0.02 s ahead, and a second of it lasts 1 + rate
+    told = [
+        CubicSpline(run.time, y)(of_run) * (of_run > 0.0) + 0.05 * rng.standard_normal(20_000) for y in columns.values()
+    ]
+    path = tmp_path / "long.csv"
+    np.savetxt(path, np.column_stack([stamps, *told]), delimiter=",", header="time [s],B,T", comments="", fmt="%.8g")
+    phrases = {"B": "base z m/s^2", "T": "body/mass z m/s^2"}
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", wr.RecordWarning)
+        test = wr.load_measured(path, channels=phrases)
+        found = wr.correlate(run, test)
+        again = wr.correlate(run, wr.load_measured(path, channels=phrases, start=-found.delay, clock=found.clock))
+    # noise of 2 % moves the lag of a twelfth of the record by a fiftieth of a sample: 2e-5 s in 20 s
+    assert found.clock - 1.0 == pytest.approx(rate, abs=2e-6)
+    assert found.delay == pytest.approx(0.02, abs=1e-4)
+    assert min(one.rating.overall for one in found.channels) > 0.94
+    assert again.clock == pytest.approx(1.0, abs=2e-6)
+    assert again.delay == pytest.approx(0.0, abs=1e-4)
+
+
 def test_without_the_base_the_channel_that_fits_best_aligns(tmp_path, floor):
     only = {"T": CHANNELS["T"], "D": CHANNELS["D"]}
     found = wr.correlate(floor, measured_of(tmp_path, floor, late=0.004, channels=only))
@@ -103,7 +133,7 @@ def test_another_test_is_not_aligned(tmp_path, floor):
     rng = np.random.default_rng(3)
     found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda n, y: rng.standard_normal(y.size)))
     assert found.delay == 0.0
-    assert any("no delay makes column" in text and "(--start)" in text for text in found.warnings)
+    assert any("no delay makes column" in text and "(--start, --clock)" in text for text in found.warnings)
     assert any("base of the run does not move as the measured one" in text for text in found.warnings)
 
 

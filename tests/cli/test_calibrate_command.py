@@ -72,6 +72,11 @@ def test_a_file_becomes_a_calibrated_model(drop, capsys):
         (["--test", "drop.csv", *MAP, "--vary", "mount/*/stiffness"], "must be written like"),
         (["--test", "drop.csv", *MAP, "--vary", "mount/*/colour = Uniform(0, 1)"], "there is no quantity"),
         (["--test", "drop.csv", "--map", "A0=base z g", "A1=body/rack z g", *VARY], "another model's"),
+        (["--test", "drop.csv", "--map", "A0=base z g", "A1=body/block z", *VARY], 'column "A1" has no unit'),
+        (
+            ["--test", "drop.csv", "--map", "A0=base z g", "A1=body/block axial g", *VARY],
+            "the axis of a body is x, y or z",
+        ),
         (["--test", "drop.csv", *MAP, *VARY, "--limit", "acceleration/block = 9 g"], "is on a prediction"),
         (["--test", "drop.csv", *MAP, *VARY, "--predict", "bang 9 g"], "names no kind of motion: half-sine"),
         (["--test", "short.csv", *MAP, *VARY], "at least 16 samples"),

@@ -2,11 +2,17 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.content.credibility import _KINDS, credibility_blocks
+from wirerope_mj.content.credibility import (
+    _KINDS,
+    compared_credibility_blocks,
+    credibility_blocks,
+    study_credibility_blocks,
+)
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.mounts.isolator import MeasuredRange, Validity
 from wirerope_mj.mounts.isolator.parts import KINDS
@@ -16,12 +22,18 @@ TESTED = MeasuredRange(amplitude=(1e-4, 20e-3), deflection=(-20e-3, 20e-3), freq
 SPREAD = wr.Spread(parameters=("axial.alpha", "axial.k"), covariance=((4e8, 0.0), (0.0, 1e8)))
 
 
+SHOCK = wr.HalfSine(peak=100.0, duration=0.011, direction="z")
+
+
+def judged(isolator, **options):
+    """Return a judged shock on one mount."""
+    system = wr.load_system(sdof_text(mass=20.0), isolators={"a": isolator})
+    return judged_run(system, SHOCK, wr.simulate(system, SHOCK, duration=0.3, **options))
+
+
 def told(isolator, **options):
     """Return statement and rows by part of a shock on one mount."""
-    system = wr.load_system(sdof_text(mass=20.0), isolators={"a": isolator})
-    motion = wr.HalfSine(peak=100.0, duration=0.011, direction="z")
-    response = wr.simulate(system, motion, duration=0.3, **options)
-    statement, table = credibility_blocks(judged_run(system, motion, response))
+    statement, table = credibility_blocks(judged(isolator, **options))
     return statement, {row[0]: row for row in table.rows}
 
 
@@ -68,6 +80,35 @@ def test_what_nothing_is_known_of_is_the_weakest_part(identified):
 def test_a_given_step_is_an_assumption(identified):
     _, rows = told(identified, timestep=1e-4)
     assert grade(rows["computation"]) == 1
+
+
+def test_a_study_is_graded_as_its_runs_are_by_the_largest_of_its_deflections(identified, tmp_path):
+    small = replace(TESTED, amplitude=(1e-4, 4e-3), deflection=(-4e-3, 4e-3))
+    known = replace(identified, validity=Validity(axial=small))
+    study = wr.Study(
+        model=sdof_text(mass=20.0), isolators={"a": known}, motion=SHOCK, duration=0.3, variants=4, timestep=2e-4,
+        vary={"motion/level": wr.Uniform(0.5, 2.0)},
+    )  # fmt: skip
+    result = study.run(tmp_path / "study")
+    statement, table = study_credibility_blocks(result)
+    rows = {row[0]: row for row in table.rows}
+    deepest = [np.max(result.table[f"deflection/m1/{side}"]) for side in ("compression", "tension")]
+    assert f"amplitude {0.5 * sum(deepest) / 4e-3:.2g} times" in rows["form of the model"][2]
+    system = wr.load_system(sdof_text(mass=20.0), isolators={"a": known})
+    coarse, fine = (
+        wr.simulate(system, SHOCK, duration=0.3, timestep=step).peaks.mounts["m1"].force.value for step in (2e-4, 1e-4)
+    )
+    assert rows["computation"][3] >= abs(coarse / fine - 1.0) * 0.999  # of all peaks the largest change
+    assert 0.0 < rows["computation"][3] < 1e-3
+    assert statement.text.startswith("The answer is as good as its weakest part, ")
+
+
+def test_a_comparison_is_as_good_as_the_weakest_part_of_all_runs(identified):
+    guessed = replace(identified, validity=Validity(), provenance=wr.Provenance())
+    statement, table = compared_credibility_blocks({"known": judged(identified), "guessed": judged(guessed)})
+    assert "weakest part, form of the model of guessed (assumed)" in statement.text
+    assert [column.title() for column in table.columns] == ["part", "known", "guessed"]
+    assert [int(cell.content[0]) for cell in table.rows[2][1:]] == [3, 1]
 
 
 def test_every_kind_of_provenance_has_a_grade():

@@ -65,7 +65,7 @@ def compare(
     from wirerope_mj.motions.records.record import is_measurement, record_channels
     from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.job import is_job
-    from wirerope_mj.runs.sources import run_inputs, run_verdicts
+    from wirerope_mj.runs.sources import is_run, judged_folder, run_inputs, run_verdicts
     from wirerope_mj.views.terminal import console, print_headline, show
 
     for path in runs:
@@ -82,17 +82,22 @@ def compare(
     target = _target(out, force=force)
     for folder in runs:
         warn_of_alterations(folder)
-    responses = {name: load_response(folder) for name, folder in zip(called, runs, strict=True)}
-    inputs = {name: run_inputs(folder) for name, folder in zip(called, runs, strict=True)}
-    verdicts = {name: run_verdicts(folder, responses[name]) for name, folder in zip(called, runs, strict=True)}
     from wirerope_mj.views.recording.drawn_runs import several_runs  # late: rerun takes long to import
     from wirerope_mj.views.recording.record import record_runs
 
+    pairs = list(zip(called, runs, strict=True))
+    responses = {name: load_response(folder) for name, folder in pairs}
+    inputs = {name: run_inputs(folder) for name, folder in pairs}
+    judged = {name: judged_folder(folder, responses[name]) for name, folder in pairs if is_run(folder)}
+    verdicts = {
+        name: judged[name].verdicts if name in judged else run_verdicts(folder, responses[name])
+        for name, folder in pairs
+    }
     drawn = several_runs(responses, align, verdicts)
-    record_runs(drawn, target, inputs=inputs)
-    content, screen = comparison_content(drawn.comparison, inputs), console()
+    record_runs(drawn, target, inputs=inputs, judged=judged)
+    content, screen = comparison_content(drawn.comparison, inputs, judged), console()
     screen.print(f"\n[bold]{escape(content.title)}[/]")
-    show(content, "headlines", "differences", "accelerations", "travel")
+    show(content, "headlines", "differences", "accelerations", "travel", "credibility")
     print_headline(content.verdict)
     show(content, "findings")
     written = escape(str(target))

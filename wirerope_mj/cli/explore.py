@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import App, Parameter
@@ -29,7 +30,8 @@ explore_app = App(
 def explore(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
     """Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.
 
-    SCENARIO-OR-MODEL is a scenario as `wirerope run` takes it, or a model, whose base is then struck by a half-sine. The page
+    SCENARIO-OR-MODEL is a scenario as `wirerope run` takes it, a model, whose base is then struck by a half-sine, or the folder
+    of a run: the channels of tests that it was compared with are drawn below the curves of every new run. The page
     has sliders for the level and the direction of the base motion, the payload's mass, the stiffness of each kind of isolator
     and the damping. It is served on this machine alone, and nothing is sent anywhere. Ctrl-C ends it.
     """
@@ -57,12 +59,13 @@ def _explore(name: str, tokens: Sequence[str]) -> None:
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))
         from wirerope_mj.runs.explore import Exploration
+        from wirerope_mj.runs.measured import tests_of
         from wirerope_mj.views.explore.server import serve
 
         if not 0 <= own["port"] < 65536:
             raise ValueError(f"`--port` must be from 0 to 65535, got {own['port']}.")
         print(f"Simulating {made.name} once ...", flush=True)
-        explored = Exploration(made)
+        explored = Exploration(made, tests_of(Path(name)))
         try:
             serve(explored, browser=own["browser"], viewer=own["viewer"], port=own["port"])
         finally:

@@ -1,6 +1,6 @@
 """What a comparison of runs says: which is better and why, what differs, and peaks side by side, by both rulers of travel."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -27,6 +27,8 @@ from wirerope_mj.content.comparison_findings import (
     size_text,
     subject_label,
 )
+from wirerope_mj.content.credibility import compared_credibility_blocks
+from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.verdicts import acceleration_limits, headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.mounts.isolator import AXES
@@ -37,8 +39,13 @@ _WIDEST = 24  # Characters of an input that still fit into a column beside other
 SINGLE, TOGETHER = "Travel along single axes", "Combined travel"
 
 
-def comparison_content(comparison: Comparison, inputs: Inputs) -> Content:
-    """Compose what a comparison says: which run is better, what differs, and peaks side by side."""
+def comparison_content(
+    comparison: Comparison, inputs: Inputs, judged: Mapping[str, JudgedRun] | None = None
+) -> Content:
+    """Compose what a comparison says: which run is better, what differs, and peaks side by side.
+
+    Of runs whose systems are known, `judged`, also how far they can be relied on.
+    """
     return Content(
         title=" and ".join(run.name for run in comparison.runs),
         verdict=better_run(comparison),
@@ -51,6 +58,11 @@ def comparison_content(comparison: Comparison, inputs: Inputs) -> Content:
             Section("components", "Along the axes", lambda: _components(comparison)),
             Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
             Section("apart", "Farthest apart", lambda: _apart(comparison)),
+            Section(
+                "credibility",
+                "How far this can be relied on",
+                lambda: compared_credibility_blocks(judged) if judged else (),
+            ),
         ),
     )
 

@@ -57,7 +57,7 @@ def agreement(test: Correlation) -> Statement:
     values = {} if band is None else {"first_Hz": band.first, "last_Hz": band.last, "deviation": band.deviation}
     return Statement(
         id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.", tone=_TONES[worst.rating.grade],
-        values={**values, "rating": worst.rating.overall, "delay_s": test.delay},
+        values={**values, "rating": worst.rating.overall, "delay_s": test.delay, "clock": test.clock},
     )  # fmt: skip
 
 
@@ -68,7 +68,8 @@ def _clock(test: Correlation) -> str:
     if not test.aligned_by:
         return f"as given; {compared}"
     moved = "agrees" if abs(test.delay) * one.channel.rate < 0.5 else f"moved by {with_unit(-test.delay, 'ms')}"
-    return f"{moved}, by {test.aligned_by}; {compared}"
+    rate = "" if test.clock == 1.0 else f", and its seconds made {test.clock:.7g} of the run's"
+    return f"{moved}{rate}, by {test.aligned_by}; {compared}"
 
 
 def _measures(test: Correlation) -> Iterator[Block]:
@@ -87,7 +88,7 @@ def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
             kind, _, subject = one.channel.subject.partition("/")
             axis = "xyz".index(one.channel.axis)
             key = (one.channel.quantity, AXES[axis] if kind == "mount" else "xyz"[axis])
-            panel = _panel(one)
+            panel = channel_panel(one)
             if key in laid and kind != "base":
                 ghost = replace(panel.curves[1], name=short(f"{subject} measured"), kind=GHOST)
                 laid[key] = replace(laid[key], curves=[*laid[key].curves, ghost])
@@ -97,10 +98,11 @@ def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
     return laid
 
 
-def _panel(one: ChannelCorrelation) -> Panel:
+def channel_panel(one: ChannelCorrelation, model: str = "model") -> Panel:
+    """Draw what the model says of a channel, and what was measured."""
     unit, pair = _UNITS[one.channel.quantity], one.pair
     curves = [
-        _curve(pair.time, in_unit(y, unit), name) for name, y in (("model", pair.model), ("measured", pair.measured))
+        _curve(pair.time, in_unit(y, unit), name) for name, y in ((model, pair.model), ("measured", pair.measured))
     ]
     return Panel(curves=curves, ylabel=f"[{unit}]", title=one.label, unit=unit, xlim=(pair.time[0], pair.time[-1]))
 
@@ -113,7 +115,7 @@ def _curve(x: Array, y: Array, name: str) -> Curve:
 def _histories(test: Correlation) -> Iterator[Block]:
     spans = [one.pair.time[one.event][[0, -1]] for one in test.responses]
     window = min(float(span[0]) for span in spans), max(float(span[1]) for span in spans)
-    panels = [replace(_panel(one), xlim=window) for one in test.channels]
+    panels = [replace(channel_panel(one), xlim=window) for one in test.channels]
     rows = [
         [replace(panel, title=f"{panel.title} {panel.ylabel}", xlabel="time [s]" if panel is panels[-1] else "")]
         for panel in panels

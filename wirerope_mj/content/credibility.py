@@ -1,7 +1,7 @@
-"""How far a run can be relied on: numbers, input, form of the model and data of its isolators, each graded in plain words."""
+"""How far an answer can be relied on: numbers, input, form of the model and data of its isolators, graded in plain words."""
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,15 +9,22 @@ import numpy as np
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, number, several, with_unit
+from wirerope_mj.engine.simulation.stability import slowest_period
+from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Column, Mark, Table
-from wirerope_mj.motions.records.record import records_in
+from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.mounts.isolator import Isolator
+from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.isolator.validity import MOVING
+from wirerope_mj.studies.result import StudyResult
 
 # What a part of an answer rests on, from 0 to 4, in the spirit of NASA-STD-7009's credibility levels
 GRADES = ("not known", "assumed", "stated", "measured", "measured, error known")
 NORMAL = 1.645  # standard deviations of a normal distribution on both sides of its mean between which nine of ten lie
 
+_STATED, _TITLE = 2, "What the answer rests on"
 _KINDS = {"illustrative": 1, "estimated": 1, "catalogue": 2, "published": 2, "identified": 3}
 _STEP = 1e-3  # of a parameter, by which it is moved for its effect on the stiffness
 _DAMPED = 0.5  # power of the stiffness in a frequency, and so in the peaks of a given change of velocity
@@ -34,8 +41,82 @@ class _Part:
 
 
 def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
-    """Yield what the answer rests on: one paragraph on its weakest part, and a table of all."""
-    parts = (_numbers(run), _input(run), _form(run), _isolators(run))
+    """Yield what the answer of a run rests on: one paragraph on its weakest part, and a table of all."""
+    yield from _blocks(_parts(run))
+
+
+def study_credibility_blocks(result: StudyResult) -> Iterator[Block]:
+    """Yield what the answer of a study rests on, as of a run; deflections are the largest of all its variants."""
+    study, error = result.study, result.step_error
+    reached = {
+        name: np.array([_largest(result, f"deflection/{name}/{rating}") for rating in RATINGS])
+        for name, mount in study.base.mounts.items()
+        if not mount.isolator.is_stop
+    }
+    halves = {name: np.array([roll, shear, 0.5 * (down + up)]) for name, (down, up, shear, roll) in reached.items()}
+    step = f"steps of at most {with_unit(study.work.timestep, 'ms', digits=4)} in all variants"
+    isolators = _isolators(study.base)
+    if any(name.startswith("mount/") for name in study.vary):
+        isolators = replace(
+            isolators, text=f"{isolators.text}; what varies of them is in the study's bands", size=math.nan
+        )
+    warnings = [text for motion in study.motions for text in record_warnings(motion)]
+    yield from _blocks(
+        (
+            _Part(
+                name="computation",
+                grade=4,
+                text=f"{step}; halving them moves peaks of the nominal system by {with_unit(error, '%', digits=2)}",
+                size=error,
+            )
+            if math.isfinite(error)
+            else _Part(name="computation", grade=1, text=f"{step}; their error is not known"),
+            _input(study.motions, len(warnings)),
+            _form(study.base, halves, slowest_period(study.base)),
+            isolators,
+        )
+    )
+
+
+def compared_credibility_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
+    """Yield what the answers of several runs rest on: the weakest part of all, and a table with a column for each run."""
+    parts = {name: _parts(run) for name, run in runs.items()}
+    weakest, name = min(((part, name) for name, own in parts.items() for part in own), key=lambda pair: pair[0].grade)
+    yield Statement(
+        id="credibility",
+        text=f"The comparison is as good as its weakest part, {weakest.name} of {name} ({GRADES[weakest.grade]}): "
+        f"{weakest.text}. What is wrong in all runs alike differs less between them.",
+        tone="unjudged" if weakest.grade < _STATED else "",
+        values={"grade": float(weakest.grade)},
+    )
+    rows = [
+        (of_all[0].name, *(Mark(f"{one.grade} of 4, {GRADES[one.grade]}: {one.text}", "") for one in of_all))
+        for of_all in zip(*parts.values(), strict=True)
+    ]
+    columns = (Column("part", align="left"), *(Column(name, align="text") for name in parts))
+    yield Table(id="credibility-parts", title=_TITLE, columns=columns, rows=rows)
+
+
+def _parts(run: JudgedRun) -> tuple[_Part, ...]:
+    peaks, slowest = run.response.peaks, run.response.numerics.slowest_period
+    halves = {
+        name: 0.5 * (np.asarray(one.deflection.maximum) - np.asarray(one.deflection.minimum))
+        for name, one in peaks.mounts.items()
+    }
+    return (
+        _numbers(run),
+        _input([run.motion], len(run.record_warnings)),
+        _form(run.system, halves, slowest),
+        _isolators(run.system),
+    )
+
+
+def _largest(result: StudyResult, measure: str) -> float:
+    values = np.asarray(result.table[measure], dtype=np.float64)
+    return float(np.max(values, initial=0.0, where=np.isfinite(values)))
+
+
+def _blocks(parts: Sequence[_Part]) -> Iterator[Block]:
     weakest = min(parts, key=lambda part: part.grade)
     known = [part for part in parts if math.isfinite(part.size)]
     total = sum(part.size**2 for part in known)
@@ -47,12 +128,12 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
             f"{listed(unknown)}: no number, so that the true band is wider."
         )
     yield Statement(
-        id="credibility", text=" ".join(texts), tone="unjudged" if weakest.grade < 2 else "",
+        id="credibility", text=" ".join(texts), tone="unjudged" if weakest.grade < _STATED else "",
         values={"grade": float(weakest.grade), "band": math.sqrt(total)},
     )  # fmt: skip
     rows = [
         (
-            part.name, Mark(f"{part.grade} of 4, {GRADES[part.grade]}", "unjudged" if part.grade < 2 else ""), part.text,
+            part.name, Mark(f"{part.grade} of 4, {GRADES[part.grade]}", "unjudged" if part.grade < _STATED else ""), part.text,
             part.size, part.size**2 / total if total > 0.0 else None,
         )
         for part in parts
@@ -61,7 +142,7 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
         Column("part", align="left"), Column("rests on", align="left"), Column("what is known", align="text"),
         Column("moves peaks by ±", "%", 2), Column("share of these", "%", 2),
     )  # fmt: skip
-    yield Table(id="credibility-parts", title="What the answer rests on", columns=columns, rows=rows)
+    yield Table(id="credibility-parts", title=_TITLE, columns=columns, rows=rows)
 
 
 def _numbers(run: JudgedRun) -> _Part:
@@ -73,23 +154,21 @@ def _numbers(run: JudgedRun) -> _Part:
     return _Part(name="computation", grade=grade, text=numerics.error_text, size=error)
 
 
-def _input(run: JudgedRun) -> _Part:
-    told, records = run.motion.description, list(records_in(run.motion))
-    if not records:
+def _input(motions: Sequence[BaseMotion], doubts: int) -> _Part:
+    told = "; ".join(one.description for one in motions)
+    if not all(list(records_in(one)) for one in motions):
         return _Part(name="input", grade=2, text=f"{told}: as it was stated; the event itself may differ")
-    doubts = len(run.record_warnings)
     text = f"{told}: as it was measured, {several(doubts, 'warning') if doubts else 'without warnings'}"
     return _Part(name="input", grade=2 if doubts else 3, text=text)
 
 
-def _form(run: JudgedRun) -> _Part:
-    """Say how far the run goes from the tests that the laws come from: amplitude, direction, frequency."""
+def _form(system: System, halves: Mapping[str, Array], slowest: float) -> _Part:
+    """Say how far deflections go, half of their range (3,) [m], from the tests that the laws come from."""
     farthest, untested, frequencies = (0.0, ""), set[str](), []
-    for name, mount in run.system.mounts.items():
-        peak = run.response.peaks.mounts[name].deflection
-        halves = 0.5 * (np.asarray(peak.maximum) - np.asarray(peak.minimum))
-        for half, (axis, law) in zip(halves.tolist(), mount.isolator.axes.items(), strict=True):
-            if law is None or half <= MOVING * halves.max():
+    for name, own in halves.items():
+        mount = system.mounts[name]
+        for half, (axis, law) in zip(own.tolist(), mount.isolator.axes.items(), strict=True):
+            if law is None or half <= MOVING * own.max():
                 continue
             tested = mount.isolator.validity.stated.get(axis)
             if tested is None:
@@ -108,7 +187,6 @@ def _form(run: JudgedRun) -> _Part:
         f"amplitude {number(ratio, digits=2)} times the largest tested, at {where}",
         f"direction: no test along {listed(sorted(untested))}" if untested else "direction: every axis tested",
     ]
-    slowest = run.response.numerics.slowest_period
     if frequencies and math.isfinite(slowest):
         span = f"{number(min(frequencies), digits=2)} to {number(max(frequencies), digits=2)} Hz"
         texts.append(f"frequency: tested at {span}, the slowest mode is at {number(1.0 / slowest, digits=2)} Hz")
@@ -116,8 +194,8 @@ def _form(run: JudgedRun) -> _Part:
     return _Part(name="form of the model", grade=3 if ratio <= 1.0 and not untested else 2, text="; ".join(texts))
 
 
-def _isolators(run: JudgedRun) -> _Part:
-    devices = {mount.isolator.name: mount.isolator for mount in run.system.mounts.values()}
+def _isolators(system: System) -> _Part:
+    devices = {mount.isolator.name: mount.isolator for mount in system.mounts.values()}
     if not devices:
         return _Part(name="isolator data", grade=4, text="there are no isolators")
     kinds = sorted({one.provenance.kind for one in devices.values()}, key=_KINDS.__getitem__)

@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
+from wirerope_mj.content.credibility import study_credibility_blocks
 from wirerope_mj.content.numbers import paragraphs, several, with_unit
 from wirerope_mj.content.study_charts import study_charts
 from wirerope_mj.content.study_statements import (
@@ -52,6 +53,7 @@ def study_content(summary: StudySummary) -> Content:
                 "inputs", "Inputs that matter", lambda: indices_tables(summary) or [effects_table(summary)], "summary"
             ),
             Section("worst", "Worst variants", lambda: (worst_table(summary),), "summary"),
+            Section("credibility", "How far this can be relied on", lambda: study_credibility_blocks(result)),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),
         ),
     )

@@ -1,7 +1,7 @@
 """A what-if of a scenario: runs with the sliders at other values, of which the last two are kept."""
 
 import warnings
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import count
 from pathlib import Path
@@ -19,10 +19,11 @@ from wirerope_mj.foundation.directions import directions_in
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
-from wirerope_mj.motions import HalfSine
+from wirerope_mj.motions import HalfSine, Measured
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by
 from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
+from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer
 from wirerope_mj.views.explore.recorder import Recorder, ShownRun
@@ -32,12 +33,14 @@ _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest
 
 
 def scenario_or_model(name_or_path: str | Path) -> ScenarioFile:
-    """Return the scenario of that name or path; of a model, the half-sine that strikes its base.
+    """Return the scenario of that name or path, or of a run; of a model, the half-sine that strikes its base.
 
     Raises:
         ModelError: there is neither.
     """
     path = Path(name_or_path)
+    if is_run(path):
+        return stored_scenario(path)
     if str(name_or_path) in shipped_scenarios() or path.suffix == ".py":
         return load_scenario(name_or_path)
     file = model_file(name_or_path)
@@ -95,9 +98,14 @@ class Exploration:
         sliders: what can be changed.
     """
 
-    def __init__(self, scenario: Scenario) -> None:
-        """Simulate the scenario; raises what `wirerope_mj.simulate` raises, and ModelError for arguments that are none."""
-        self._scenario = scenario
+    def __init__(self, scenario: Scenario, tests: Sequence[Measured] = ()) -> None:
+        """Simulate the scenario, whose channels stand beside those of `tests`; raises what `wirerope_mj.simulate` raises.
+
+        Raises:
+            ModelError: an argument is none of it.
+            RecordError: a test was measured at what the model does not have.
+        """
+        self._scenario, self._tests = scenario, tests
         self._arguments = checked_arguments(scenario)
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
         self._system = judged_by(
@@ -168,7 +176,7 @@ class Exploration:
 
     def _answer(self) -> dict[str, Any]:
         shown = self._shown  # another thread may put others in their place
-        return answer(shown[-1], shown[0] if len(shown) > 1 else None)
+        return answer(shown[-1], shown[0] if len(shown) > 1 else None, self._tests)
 
     def _simulated(self, values: Mapping[str, float], *, passing: bool, exact: bool) -> ShownRun:
         began = perf_counter()

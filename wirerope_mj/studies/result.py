@@ -1,8 +1,9 @@
 """The result of a study: its table, and the folder it stands in."""
 
+import math
 from collections.abc import Sequence
 from copy import copy
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
@@ -81,6 +82,22 @@ class StudyResult(Exportable, Summarised):
             return {}
         accelerations = [value for name, value in measures.items() if name.startswith(ALL[:-1])]
         return measures | ({ALL: max(accelerations)} if accelerations else {})
+
+    @cached_property
+    def step_error(self) -> float:
+        """Largest change of the nominal system's peaks by half the step, over the largest of their kind; NaN if it fails."""
+        work = self.study.work
+        finer = nominal(replace(work, timestep=0.5 * work.timestep))
+        if isinstance(finer, str) or not self.nominal:
+            return math.nan
+        found = [0.0]
+        for kind in ("acceleration/", "deflection/", "force/"):
+            pairs = [
+                (value, finer[name]) for name, value in self.nominal.items() if name.startswith(kind) and name in finer
+            ]
+            largest = max((abs(fine) for _, fine in pairs), default=0.0)
+            found += [abs(value - fine) / largest for value, fine in pairs if largest > 0.0]
+        return max(found)
 
     @property
     def exported(self) -> Exported:

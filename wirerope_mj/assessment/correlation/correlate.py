@@ -19,7 +19,7 @@ from wirerope_mj.assessment.correlation.over_frequency import (
     spectral_assurance,
     transmissibility,
 )
-from wirerope_mj.assessment.correlation.pairs import Delay, Pair, coarser, delay_of, model_history, pair_of
+from wirerope_mj.assessment.correlation.pairs import Delay, Pair, clock_of, coarser, delay_of, model_history, pair_of
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
@@ -146,6 +146,7 @@ class Correlation(Summarised):
         channels: what was compared, in the order of the map.
         delay: by which the test's clock comes late; taken off before anything is compared [s].
         aligned_by: label of the channel that the delay is of; "" where the clock was not moved.
+        clock: seconds of the run in a second of the test's clock, found where the base was measured.
         warnings: of the record and of the comparison.
     """
 
@@ -153,6 +154,7 @@ class Correlation(Summarised):
     channels: tuple[ChannelCorrelation, ...]
     delay: float
     aligned_by: str
+    clock: float = 1.0
     warnings: tuple[str, ...] = ()
 
     @property
@@ -250,7 +252,8 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
         response: of the run, whose base moved as in the test.
         measured: the test.
         align: whether the test's clock is moved by the delay that is found: of the base's acceleration where that was
-            measured, since model and test share it, else of the channel that fits best.
+            measured, since model and test share it, else of the channel that fits best. Of the base the clock's rate is found,
+            too: a model whose frequency is off looks like a clock that is.
 
     Raises:
         RecordError: the run does not have what was measured, or both last together for less than 16 samples.
@@ -265,8 +268,10 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
     driven = [one for one in alive if one.subject == "base"] or alive
     best = max(driven, key=lambda one: delays[one.key].correlation)
     moved = align and delays[best.key].correlation >= _ALIKE
-    delay = delays[best.key].value if moved else 0.0
-    pairs = {one.key: pair_of(response, measured, one, delay=delay) for one in alive}
+    delay, clock = delays[best.key].value if moved else 0.0, 1.0
+    if moved and best.subject == "base":
+        delay, clock = clock_of(response, measured, best, delay=delay)
+    pairs = {one.key: pair_of(response, measured, one, delay=delay, clock=clock) for one in alive}
     bases = {p.channel.axis: p for p in pairs.values() if p.channel.key.startswith("base acceleration")}
     channels = tuple(
         ChannelCorrelation(
@@ -279,7 +284,7 @@ def correlate(response: Response, measured: Measured, *, align: bool = True) -> 
     said = _warnings(measured, channels, delay, unaligned=best if align and not moved else None)
     return Correlation(
         name=measured.name, channels=channels, delay=delay, aligned_by=channel_label(best) if moved else "",
-        warnings=(*measured.warnings, *said),
+        clock=clock, warnings=(*measured.warnings, *said),
     )  # fmt: skip
 
 
@@ -292,7 +297,8 @@ def _warnings(
         largest = max(one.delay.correlation for one in channels if one.channel == unaligned)
         yield (
             f'{name}: no delay makes column "{unaligned.column}" like the run (largest correlation {largest:.2f}): its clock '
-            "was not moved. Say when its first sample was taken, start (--start); or is it another test than this run's?"
+            "was not moved. Say when its first sample was taken and how fast its clock runs (--start, --clock); or is it "
+            "another test than this run's?"
         )
     compared = {one.channel.key for one in channels}
     for dead in (one for one in measured.channels if one.key not in compared):

@@ -17,6 +17,10 @@ _FINEST = 100  # largest denominator of a ratio of two rates; the instants in be
 _ONSET = 0.02  # of the base's largest acceleration, from which the event has begun
 _FEWEST = 16  # instants that both must have
 
+_WINDOWS, _SAME_COURSE = 12, 0.8  # parts of a channel whose lags are compared, and correlation from which they count
+_LEAST_DRIFT = 0.05  # samples by which clocks must drift apart in all
+_CLOCKS_APART, _SURE = 1e-3, 3.0  # most that two clocks' rates differ by; standard errors from which on they do at all
+
 _UPSIDE_DOWN = (0.6, 1.2)  # correlation of the negative channel, and by how much it is above that of the channel itself
 
 
@@ -100,9 +104,7 @@ def delay_of(response: Response, measured: Measured, channel: MeasuredChannel) -
     best = int(course.argmax())
     shift = float(lags[best])
     if 0 < best < course.size - 1:
-        before, there, after = course[best - 1 : best + 2]
-        bend = before - 2.0 * there + after
-        shift += 0.5 * float((before - after) / bend) if bend else 0.0
+        shift += _summit(course[best - 1 : best + 2])
     lowest, factor = _UPSIDE_DOWN
     near = np.abs(lags) <= 0.1 * other.size  # a vibration looks like its negative half a period later
     down = float(-course[near].min())
@@ -113,7 +115,56 @@ def delay_of(response: Response, measured: Measured, channel: MeasuredChannel) -
     )
 
 
-def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float) -> Pair:
+def clock_of(response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float) -> tuple[float, float]:
+    """Find delay [s] and clock, the seconds of the run in a second of the measured clock, of a channel that is `delay` late.
+
+    Of each part of the channel the cross-correlation with the model's is largest at a lag that grows with time if one clock
+    gains on the other: a straight line through the lags, weighted with what the parts hold. Where its slope is not significant,
+    or less than a twentieth of a sample in all, the clock stays 1.
+    """
+    start, clock = float(channel.time[0]) - delay, 1.0
+    for _ in range(2):  # what is left of a drift after the first pass does not blur the second's lags
+        pair = pair_of(response, measured, channel, delay=float(channel.time[0]) - start, clock=clock)
+        slope, lag = _drift(pair)
+        gained = 1.0 / (1.0 + slope)
+        first = float(pair.time[0])
+        start, clock = first + (start - first - lag / pair.rate) * gained, clock * gained
+    return (float(channel.time[0]) - start, clock) if clock != 1.0 else (delay, 1.0)
+
+
+def _drift(pair: Pair) -> tuple[float, float]:
+    """Return by how much lags grow with every sample, and the lag of the first [samples]; zeros where it is not significant."""
+    from scipy.signal import correlate
+
+    count, reach = pair.time.size, int(0.5 * _CLOCKS_APART * pair.time.size) + 2
+    found = []
+    for part in np.array_split(np.arange(reach, count - reach), _WINDOWS):
+        model, wide = pair.model[part], pair.measured[part[0] - reach : part[-1] + reach + 1]
+        squares = np.cumsum(np.concatenate([[0.0], wide**2]))
+        size = np.sqrt((squares[part.size :] - squares[: -part.size]) * (model @ model))
+        course = correlate(wide, model, mode="valid", method="fft") / np.maximum(size, np.finfo(np.float64).tiny)
+        best = int(course.argmax())
+        if 0 < best < course.size - 1 and course[best] > _SAME_COURSE:
+            lag = best - reach + _summit(course[best - 1 : best + 2])
+            found.append((float(part.mean()), lag, float(np.linalg.norm(model))))
+    if len(found) < _WINDOWS // 2:
+        return 0.0, 0.0
+    middles, lags, weights = np.array(found).T
+    (slope, lag), covariance = np.polyfit(middles, lags, 1, w=weights, cov=True)
+    significant = abs(slope) > max(_SURE * float(np.sqrt(covariance[0, 0])), _LEAST_DRIFT / count)
+    return (float(slope), float(lag)) if significant else (0.0, 0.0)
+
+
+def _summit(three: Array) -> float:
+    """Return where the parabola through three values of a maximum is largest, from the middle one [samples]."""
+    before, there, after = three
+    bend = before - 2.0 * there + after
+    return 0.5 * float((before - after) / bend) if bend else 0.0
+
+
+def pair_of(
+    response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float, clock: float = 1.0
+) -> Pair:
     """Bring a channel and the model's history to the instants that both have, at the coarser of their rates.
 
     What is finer is filtered (0.8 of the coarser's Nyquist frequency passes), then evaluated on a cubic spline. Displacements,
@@ -125,6 +176,7 @@ def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *,
         measured: the test.
         channel: one of its channels.
         delay: by which the measured channel comes late [s].
+        clock: seconds of the run in a second of the measured clock.
 
     Raises:
         RecordError: there are fewer than 16 instants that both have.
@@ -135,18 +187,19 @@ def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *,
     start -= delay
     step, began = 1.0 / rate, float(response.time[0])
     first = max(began, start)
-    last = min(began + (model.size - 1) * step, start + (values.size - 1) * step)
+    ended = start + (values.size - 1) * step * clock
+    last = min(began + (model.size - 1) * step, ended)
     count = int((last - first) * rate * (1.0 + 1e-12)) + 1 if last > first else 0
     if count < _FEWEST:
         raise RecordError(
-            f'{measured.path}: column "{channel.column}" lasts from {start:.6g} to {start + (values.size - 1) * step:.6g} s of '
+            f'{measured.path}: column "{channel.column}" lasts from {start:.6g} to {ended:.6g} s of '
             f"the run's clock, the run from {began:.6g} to {response.time[-1]:.6g} s: too short to compare. Say when its first "
             "sample was taken, start (--start)."
         )
     time = np.asarray(first + step * np.arange(count), dtype=np.float64)
-    own = CubicSpline(start + step * np.arange(values.size), values)(time)
+    own = CubicSpline(start + step * clock * np.arange(values.size), values)(time)
     said = CubicSpline(began + step * np.arange(model.size), model)(time)
-    if channel.quantity in ("displacement", "deflection", "force") and not channel.absolute:
+    if channel.counts_from_start:
         said = said - model[0]
         before = time < _onset(response)
         own = own - own[before].mean() if before.any() else own

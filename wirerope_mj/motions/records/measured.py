@@ -51,6 +51,11 @@ class MeasuredChannel:
         return f"{self.subject} {reference}{self.quantity} {self.axis}"
 
     @property
+    def counts_from_start(self) -> bool:
+        """Whether values are changes from the start: those of displacements, deflections and forces, unless said otherwise."""
+        return self.quantity in ("displacement", "deflection", "force") and not self.absolute
+
+    @property
     def rate(self) -> float:
         """Samples per second [Hz]."""
         return (self.time.size - 1) / float(self.time[-1] - self.time[0])

@@ -39,6 +39,7 @@ class Fit:
         covariance: of u about it, prior included, (d, d).
         noises: of each series.
         model: the model's series there, (n_samples,).
+        jacobian: their derivative by u, (n_samples, d).
         residual: whitened, (n_samples,).
         converged: whether the last search ended by itself.
         runs: of the model so far.
@@ -48,6 +49,7 @@ class Fit:
     covariance: Array
     noises: tuple[Noise, ...]
     model: Array
+    jacobian: Array
     residual: Array
     converged: bool
     runs: int
@@ -125,10 +127,12 @@ def fit(problem: Problem, *, seed: int = 1) -> Fit:
         if np.abs(found.x - before).max() < 1e-3:
             break
     model, roots = problem.model(found.x[np.newaxis])[0], problem.roots(noises)
-    white = problem.whitened(problem.jacobian(found.x), roots)
+    jacobian = problem.jacobian(found.x)
+    white = problem.whitened(jacobian, roots)
     return Fit(
         normals=found.x,
         covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(found.x.size)), dtype=np.float64),
+        jacobian=jacobian,
         noises=tuple(noises),
         model=model,
         residual=problem.whitened(model - problem.measured, roots),

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -40,6 +40,9 @@ ACCURACY = 1e-3
 
 SAMPLED = 3.0
 """Samples of a simulation in one width of the smoothing of the samples that are compared."""
+
+_LOOKS, _STILL, _MOVES = 4000, 0.02, 0.2
+"""Instants at which a base is looked at, and parts of the largest motion at which it and a channel count as moving."""
 
 _XYZ = ("x", "y", "z")
 
@@ -148,10 +151,12 @@ class Comparable:
 
     def of_column(self, values: Array, base: Array) -> Array:
         """Return what the channel measures of its column (n_t,); `base`: displacement of the base [m], (n_t, 3)."""
-        if self.channel.quantity != "displacement":
-            return values
-        moved = values - values[0]
-        return moved if self.channel.absolute else moved - base[:, _XYZ.index(self.channel.axis)]
+        moved = (
+            values - values[0] if self.channel.counts_from_start or self.channel.quantity == "displacement" else values
+        )
+        if self.channel.quantity != "displacement" or self.channel.absolute:
+            return moved
+        return moved - base[:, _XYZ.index(self.channel.axis)]
 
 
 def work_of(
@@ -173,7 +178,7 @@ class TransientRuns:
         for channel in test.channels:
             check_channel(system, test.name, channel)
         self.test, self._time = test, np.zeros(0)
-        self.channels = [Comparable.of(test.name, one) for one in test.channels]
+        self.channels = [Comparable.of(test.name, _from_start(test, one)) for one in test.channels]
         self._spectra = [] if domain == "time" else [Spectral.of(one.series, domain) for one in self.channels]
         self.series = [one.series for one in self._spectra or self.channels]
         rate = SAMPLED / min(one.width for one in self.channels)
@@ -210,6 +215,30 @@ def check_channel(system: System, name: str, channel: MeasuredChannel) -> None:
             f"{name}: this model has no {channel.subject!r}, so that the channel is another model's or misnamed. It "
             f"has: {names}."
         )
+
+
+def _from_start(test: MeasuredTest, channel: MeasuredChannel) -> MeasuredChannel:
+    """Return a channel whose displacements, deflections or forces count from what they are before the base moves.
+
+    Raises:
+        RecordError: it moves before the base does: it is on another clock.
+    """
+    instants = np.linspace(0.0, channel.time[-1], _LOOKS)
+    base = np.linalg.norm(test.motion.acceleration(instants), axis=1)
+    moved = np.abs(channel.values - channel.values[0])
+    if test.initial == "unloaded" or not base.any() or not moved.any():
+        return channel  # it moves by itself, or not at all
+    began = float(instants[np.argmax(base > _STILL * base.max())])
+    first = float(channel.time[np.argmax(moved > _MOVES * moved.max())])
+    if first < began - instants[1]:
+        raise RecordError(
+            f'{test.name}: column "{channel.column}" moves at {first:.4g} s and the base only at {began:.4g} s: they are on '
+            "two clocks. Say when its first sample was taken, start (--start), or map the base that was measured with it."
+        )
+    before = channel.time < began
+    if not channel.counts_from_start or not before.any():
+        return channel
+    return replace(channel, values=channel.values - channel.values[before].mean())
 
 
 def _smoothing(time: Array, at: Array, width: float) -> Array:

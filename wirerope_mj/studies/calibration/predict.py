@@ -85,7 +85,7 @@ def predict(
     """Return the measures of draws of the posterior under a motion of the base.
 
     Every draw is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom
-    as the tests have peaks, of the size of the errors of these peaks. Where the mounts deflect farther than in the tests, it
+    as errors of peaks in the tests are known, and of their size. Where the mounts deflect farther than in the tests, it
     grows in proportion. The model's own error stands in these draws once: their values are those of the posterior, without the
     part that `Calibration.samples` add for it.
 

@@ -9,8 +9,10 @@ import numpy as np
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.motions.spectra.srs import shock_response_spectrum
 from wirerope_mj.studies.calibration.fit import Fit, Problem
 from wirerope_mj.studies.calibration.forward import SystemForward
+from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.posterior import GOOD, Posterior
 
 LEVEL = 0.9
@@ -22,18 +24,21 @@ LITTLE = 0.7
 TOGETHER = 0.95
 """Correlation from which on two unknowns are known together only."""
 
-EMBEDDED = 0.3
-"""Largest model error that is put into the values of mounts: beyond it they mean little."""
-
 OPEN = 0.2
 """Standard deviation after the tests over that before from which on such a pair is named: less is known well enough apart."""
 
 DISCREPANT = 0.1
 """Discrepancy over the response from which on the model does not follow a channel."""
 
+LOGARITHMS = "logarithm of frequency"
+"""What series of logarithms are across: their differences are errors as they stand."""
 
-MINOR = 0.5
-"""Extreme over the largest of its series from which on it counts as a peak: a smaller one says little of the largest."""
+STEP, UNMOVED = 0.02, 0.01
+"""Step of u for the slopes of peaks, and slope below which an unknown does not move them: a percent in what was not known."""
+
+OCTAVES, ISOLATED = 2, 3.0
+"""Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
+on wire rope, whose damping is a sixth of critical."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -69,10 +74,44 @@ class Calibrated(Summarised):
         """Units of the unknowns; "" for factors."""
         return self.problem.prior.units
 
-    @property
+    @cached_property
+    def normals(self) -> Array:
+        """Draws of the unknowns as standard normals before, (n, d), with the model's own error in them.
+
+        That error does not average out over a test as noise does. It is embedded (Sargsyan, Najm and Ghanem 2015): each unknown
+        is off by `embedded`, and the fit follows as far as the tests, and not the prior, say what it finds.
+        """
+        draws, told = self.posterior.normals, np.eye(len(self.names)) - self.fit.covariance
+        return draws + (self.embedded * np.random.default_rng(1).standard_normal(draws.shape)) @ told.T
+
+    @cached_property
+    def embedded(self) -> Array:
+        """Standard deviations of u that together would make the model's own error, of histories and of peaks, (d,); at most 1.
+
+        A model that is off by a part x of the response looks x / (2 pi f) late; one whose peaks are off has as well a wrong
+        stiffness whose cycles fit. Unknowns that move peaks by less than `UNMOVED` have no part in the second.
+        """
+        series, fit = self.problem.series, self.fit
+        own, moved, slopes = 0.0, np.zeros(len(self.names)), []
+        for one, noise, model, slope in zip(
+            series,
+            fit.noises,
+            self.problem.split(fit.model),
+            np.split(fit.jacobian, self.problem.ends[:-1]),
+            strict=True,
+        ):
+            own += float(np.mean((noise.deviation(one) / one.rms) ** 2))
+            moved += np.mean((slope / one.rms) ** 2, axis=0)
+            slopes.append([(_peaks(one, model + STEP * column) - _peaks(one, model)) / STEP for column in slope.T])
+        of_peaks = np.sqrt(np.mean(np.concatenate(slopes, axis=1) ** 2, axis=1))
+        counts = of_peaks > UNMOVED
+        peaks = np.where(counts, self.peak_error[0] / np.maximum(of_peaks, UNMOVED), 0.0) ** 2 / max(counts.sum(), 1)
+        return np.minimum(np.sqrt(own / np.maximum(moved, 1e-12) / moved.size + peaks), 1.0)
+
+    @cached_property
     def samples(self) -> Array:
-        """Draws of the posterior, (n, d)."""
-        return self.posterior.values
+        """Draws of the unknowns, (n, d)."""
+        return self.problem.prior.values(self.normals)
 
     @cached_property
     def values(self) -> Array:
@@ -97,7 +136,7 @@ class Calibrated(Summarised):
     @property
     def learned(self) -> Array:
         """Standard deviation after the tests over that before, in the prior's own scale, (d,): 1 where nothing was learned."""
-        return np.asarray(np.std(self.posterior.normals, axis=0))
+        return np.asarray(np.std(self.normals, axis=0))
 
     @property
     def insignificant(self) -> tuple[str, ...]:
@@ -132,17 +171,18 @@ class Calibrated(Summarised):
 
     @cached_property
     def peak_error(self) -> tuple[float, int]:
-        """Root mean square error of the model's extremes over the largest of their series, noise taken off, and their number.
+        """Root mean square error of the model's peaks over them, noise taken off, and the number of errors that it is made of.
 
-        Extremes below `MINOR` of the largest are left out. Of logarithms it is the difference at the largest value.
+        A history has an extreme or two, one of them perhaps saturated. What it does to oscillators of all octaves about its
+        own frequency says more: errors are ratios of shock response spectra. Of loops they are those of the extremes, of
+        logarithms the difference at the largest value.
         """
         squares: list[float] = []
-        models = self.problem.split(self.fit.model)
-        for one, own, noise in zip(self.problem.series, models, self.fit.noises, strict=True):
-            ends = [(float(own.max()), float(one.values.max())), (float(own.min()), float(one.values.min()))]
-            largest = max(abs(measured) for _, measured in ends) if one.unit else 1.0
-            kept = [end for end in ends if abs(end[1]) > MINOR * largest] if one.unit else ends[:1]
-            squares += [((calculated - measured) ** 2 - noise.white**2) / largest**2 for calculated, measured in kept]
+        for one, own, noise in zip(
+            self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True
+        ):
+            noisy = noise.white / (1.0 if one.across == LOGARITHMS else one.largest)
+            squares += ((_peaks(one, own) - _peaks(one, one.values)) ** 2 - noisy**2).tolist()
         return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
 
     @property
@@ -155,6 +195,22 @@ class Calibrated(Summarised):
         return text if emulator < GOOD else f"{text}; the sampler's quadratic misses log likelihoods by {emulator:.2g}"
 
 
+def _peaks(series: Series, values: Array) -> Array:
+    """Return what the peaks of a series are, as numbers whose differences are errors over them, (n,)."""
+    if series.across == LOGARITHMS:
+        return values.max(keepdims=True)
+    if series.across != "time":
+        return np.array([values.max(), values.min()]) / np.abs(series.values).max()
+    step = float(np.diff(series.at).min())
+    time = np.arange(
+        series.at[0], series.at[-1] + 0.5 * step, step
+    )  # saturated samples are bridged straight, in all values
+    frequencies = series.frequency * 2.0 ** np.arange(-OCTAVES, OCTAVES + 1)
+    frequencies = frequencies[frequencies <= max(0.1 / step, frequencies[0])]
+    even = np.interp(time, series.at, values)
+    return np.log(shock_response_spectrum(time - time[0], even, frequencies, q=ISOLATED).maximax)
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Calibration(Calibrated):
     """A system brought to its tests.
@@ -164,22 +220,6 @@ class Calibration(Calibrated):
     """
 
     forward: SystemForward
-
-    @cached_property
-    def samples(self) -> Array:
-        """Draws of the posterior, (n, d), those of mounts with the model's own error in them.
-
-        That error does not average out over a test as noise does: a law that misses the response by some percent is not known
-        better than that (embedded model error, Sargsyan, Najm and Ghanem 2015).
-        """
-        draws = self.posterior.values.copy()
-        laws = [
-            name.startswith("mount/") and unit in ("", "SI") for name, unit in zip(self.names, self.units, strict=True)
-        ]
-        error = min(float(np.sqrt(np.mean(self.discrepancies**2))), EMBEDDED)
-        normals = np.random.default_rng(1).standard_normal((len(draws), sum(laws)))
-        draws[:, laws] *= np.exp(error * normals)
-        return draws
 
     @cached_property
     def system(self) -> System:

@@ -1,5 +1,6 @@
 """What the page is told of a run and the one before it: content as JSON, in the units that are displayed."""
 
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
 from typing import Any
@@ -7,9 +8,11 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Comparison, compare_runs
+from wirerope_mj.assessment.correlation import Correlation, correlate
 from wirerope_mj.assessment.criteria import MountPeak, Verdict, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION
 from wirerope_mj.content.comparison import accelerations_table, figures_table, travel_tables
+from wirerope_mj.content.correlation import channel_panel
 from wirerope_mj.content.histories import TOTAL, Line, history_panel, subject_called
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Panel
@@ -18,28 +21,42 @@ from wirerope_mj.content.verdicts import answer_blocks, headline
 from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
+from wirerope_mj.motions import Measured
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.views.explore.recorder import ShownRun
 from wirerope_mj.views.thin import rows_of_extremes
 
 _ROWS = 8  # Rows of a table: those that a reader compares; the report of a run has them all
+_CHANNELS = 4  # that were measured, of which the page draws curves
 _POINTS = 1500  # Points of a curve on the page: two for every pixel of its width, so that no peak is lost
 
 
-def answer(now: ShownRun, before: ShownRun | None) -> dict[str, Any]:
-    """Return verdict, tables and curves of a run beside those of the one before it, as JSON takes them."""
+def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = ()) -> dict[str, Any]:
+    """Return verdict, tables and curves of a run beside those of the one before it and of tests, as JSON takes them."""
     runs = [now] if before is None else [before, now]
     comparison = compare_runs(
         {run.name: run.response for run in runs}, verdicts={run.name: run.verdicts for run in runs}
     )
     tables = chain([figures_table(comparison), accelerations_table(comparison)], travel_tables(comparison))
+    told, agreeing = _told(now), [[correlate(run.response, test) for test in tests] for run in runs]
+    told["lines"] += [f"{one.name}: {one.statement}" for one in agreeing[-1]]
+    panels = [*_measured_panels(agreeing, runs), *_panels(comparison, runs)]
     return {
-        "now": _told(now),
+        "now": told,
         "before": None if before is None else _told(before),
         "tables": [_table(table) for table in tables],
-        "curves": json_values([_curve(panel, runs) for panel in _panels(comparison, runs)]),
+        "curves": json_values([_curve(panel, runs) for panel in panels]),
     }
+
+
+def _measured_panels(agreeing: Sequence[Sequence[Correlation]], runs: Sequence[ShownRun]) -> Iterator[Panel]:
+    """Yield the first channels that were measured on the payload, with what the runs say there."""
+    channels = [[one for test in tests for one in test.responses][:_CHANNELS] for tests in agreeing]
+    for of_runs in zip(*channels, strict=True):
+        own = [channel_panel(one, run.name) for one, run in zip(of_runs, runs, strict=True)]
+        curves = [own[-1].curves[1], *(panel.curves[0] for panel in own)]
+        yield replace(own[-1], curves=curves, title=f"{own[-1].title} {own[-1].ylabel}")
 
 
 def _told(run: ShownRun) -> dict[str, Any]:
@@ -112,7 +129,7 @@ def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:
     lines = []
     for curve in panel.curves:
         rows = rows_of_extremes(curve.y[:, np.newaxis], _POINTS)
-        role = "now" if curve.name == runs[-1].name else "before"
+        role = "measured" if curve.name == "measured" else "now" if curve.name == runs[-1].name else "before"
         x, y = in_unit(curve.x[rows], "ms"), curve.y[rows]
         lines.append({"role": role, "name": curve.name, "x": _short(x), "y": _short(y)})
     return {

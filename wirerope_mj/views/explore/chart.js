@@ -1,5 +1,5 @@
 "use strict";
-// Curves over time as one SVG: the run before dashed below, this run solid over it.
+// Curves over time as one SVG: what was measured wide and pale, over it the run before dashed and this run solid.
 
 const HEIGHT = 240, LEFT = 46, RIGHT = 20, TOP = 24, BOTTOM = 34;
 
@@ -73,7 +73,7 @@ function chart(curve, width) {
     picture.append(svg("polyline", { class: `line ${line.role}`, points: points.join(" ") }));
   }
   [...curve.lines].reverse().forEach((line, n) => {
-    const text = (line.role === "now" ? "\u2501 " : "\u2505 ") + line.name;
+    const text = (line.role === "before" ? "\u2505 " : "\u2501 ") + line.name;
     picture.append(svg("text", { class: line.role, x: LEFT + 4 + 90 * n, y: 15 }, text));
   });
   figure.append(caption, picture);

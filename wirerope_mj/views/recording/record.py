@@ -16,7 +16,7 @@ from wirerope_mj.content.comparison_findings import Inputs
 from wirerope_mj.content.correlation import with_ghosts
 from wirerope_mj.content.events import events_of, main_instants
 from wirerope_mj.content.histories import TOTAL
-from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.panels import Panel
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
@@ -144,12 +144,13 @@ def record_runs(
     *,
     inputs: Inputs,
     tables: Sequence[Table] = (),
+    judged: Mapping[str, JudgedRun] | None = None,
     tab: str = "Overview",
     scene: str = "",
     state: bool = False,
 ) -> Path:
     """Write what `several_runs` made of the runs, and return the path; the rest is as for `record_overlay`."""
-    drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables))
+    drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables, judged))
     target = target_of(path, file=OVERLAY_FILE)
     with atomic_recording(target) as rec:
         rec.send_recording_name(" and ".join(run.name for run in drawn.runs))

@@ -2,7 +2,7 @@
 
 import re
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from wirerope_mj.assessment.comparison import Comparison
 from wirerope_mj.assessment.correlation import Correlation
@@ -11,7 +11,7 @@ from wirerope_mj.content.comparison import comparison_content
 from wirerope_mj.content.comparison_findings import Inputs
 from wirerope_mj.content.contacts import contact_blocks
 from wirerope_mj.content.correlation import agreement
-from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.mounts import mount_blocks
 from wirerope_mj.content.payload import acceleration_blocks
 from wirerope_mj.content.run import numerics_statement
@@ -53,9 +53,11 @@ def test_texts(tests: Sequence[Correlation]) -> tuple[Text, ...]:
     )  # fmt: skip
 
 
-def overlay_texts(comparison: Comparison, inputs: Inputs, tables: Sequence[Table]) -> tuple[Text, ...]:
+def overlay_texts(
+    comparison: Comparison, inputs: Inputs, tables: Sequence[Table], judged: Mapping[str, JudgedRun] | None = None
+) -> tuple[Text, ...]:
     """Return which run is better, what differs, the peaks side by side, and the tables of the study that they belong to."""
-    content = comparison_content(comparison, inputs)
+    content = comparison_content(comparison, inputs, judged)
     sections = {section.id: markdown_blocks(section.blocks) for section in content.sections}
 
     def of(*names: str) -> str:
@@ -64,7 +66,12 @@ def overlay_texts(comparison: Comparison, inputs: Inputs, tables: Sequence[Table
     study = [Text(path=("study",), name="Study", place="Study", text=markdown_blocks(tables))] if tables else []
     return (
         Text(path=("verdict",), name="Which is better", place=BANNER, text=f"**{markdown(content.verdict.text)}**"),
-        Text(path=("differences",), name="What differs", place=BELOW, text=of("differences", "headlines", "findings")),
+        Text(
+            path=("differences",),
+            name="What differs",
+            place=BELOW,
+            text=of("differences", "headlines", "findings", "credibility"),
+        ),
         Text(
             path=("peaks", "accelerations"), name="Accelerations", place="Peaks", text=of("accelerations", "components")
         ),
