@@ -249,6 +249,7 @@ def test_a_step_at_which_stiff_stops_fail_is_never_the_one_that_is_taken():
     assert r.timestep < 2e-4
 
 
+@pytest.mark.slow
 def test_struck_geoms_that_finer_steps_do_not_agree_on_are_sensitive_with_their_spread():
     system = nearly_undamped(2e7, 0.0)
     sine = wr.Sine(frequency=12.0, acceleration=15.0 * G, direction="z")
