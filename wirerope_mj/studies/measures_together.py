@@ -70,7 +70,6 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
     """
     n = len(extremes.value)
     channels = _channels(system)
-    accelerations = {name: extremes.value[:, channel] for name, channel in channels["acceleration"].items()}
     bodies = [extremes.value[:, channel] for channel in channels["body"].values()]
     isolators = [mount.isolator for mount in system.mounts.values()]
     judged = [number for number, isolator in enumerate(isolators) if not isolator.is_stop]
@@ -95,7 +94,8 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
         "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))),
         "struck": extremes.struck,
     }
-    result |= {f"acceleration/{name}": values for name, values in accelerations.items()}
+    for name, channel in (*channels["body"].items(), *channels["point"].items()):  # of two of one name the larger
+        result[f"acceleration/{name}"] = np.maximum(extremes.value[:, channel], result.get(f"acceleration/{name}", 0.0))
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
     by_side = {c: sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
@@ -116,7 +116,6 @@ def _channels(system: System) -> dict[str, dict[str, int]]:
     of_points = {name: n + 2 * i for i, name in enumerate(subjects.point_names) if name in points}
     of_bodies = {name: i for i, name in enumerate(subjects.body_names) if name in bodies}
     return {
-        "acceleration": of_bodies | of_points,
         "body": of_bodies,
         "point": of_points,
         "displacement": {name: channel + 1 for name, channel in of_points.items()},

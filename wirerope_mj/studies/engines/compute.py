@@ -14,7 +14,7 @@ from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
 from wirerope_mj.studies.ended import Lengths
 from wirerope_mj.studies.engines.together import NONE, Together, together
 from wirerope_mj.studies.inputs.variants import Maker, Work
-from wirerope_mj.studies.measures import NAN, measure_names, measures
+from wirerope_mj.studies.measures import NAN, measure_names, measures, needs_samples
 from wirerope_mj.studies.responses import packed
 
 UNLOADED = "unloaded"  # The start of a variant that does not begin at rest
@@ -82,7 +82,7 @@ def compute(work: Work, chunk: Chunk) -> Part:
 
 def _together(work: Work, chunk: Chunk) -> Together:
     """Return what could be computed side by side; responses are those of single systems."""
-    if chunk.responses:
+    if chunk.responses or needs_samples(work.system):
         return NONE
     try:
         return together(work, chunk.rows)
@@ -123,7 +123,7 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
             results = simulate_batch(
                 systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
                 sample_rate=work.sample_rate, corners=work.corners, threads=1,
-                responses=responses is not None,
+                responses=responses is not None or needs_samples(work.system),
             )  # fmt: skip
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
@@ -141,7 +141,7 @@ def nominal(work: Work) -> Outcome:
     try:
         (result,) = simulate_batch(
             [work.system], [work.motions[0]], duration=work.duration, timestep=work.timestep, initial=work.initial,
-            sample_rate=work.sample_rate, corners=work.corners, threads=1,
+            sample_rate=work.sample_rate, corners=work.corners, threads=1, responses=needs_samples(work.system),
         )  # fmt: skip
     except _RESULTS as error:
         return why_not(error)
@@ -167,7 +167,8 @@ def why_not(error: Exception) -> str:
 def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> Outcome:
     if isinstance(result, BatchFailure):
         return result.message
-    return measures(system, result.peaks, None if work.initial == UNLOADED else result.initial_state)
+    rest = None if work.initial == UNLOADED else result.initial_state
+    return measures(system, result.peaks, rest, result.response if needs_samples(system) else None)
 
 
 def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Together = NONE) -> pa.Table:
