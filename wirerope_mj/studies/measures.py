@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.ended import GROWTH
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import combined_utilisation
@@ -80,6 +81,30 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
     used_room = [float(used) for used in clearances_used(system, sides)] if response is None else _sampled(response)
     result["clearance"] = _largest(used_room)
     return result
+
+
+def late(system: System, peaks: Peaks) -> float:
+    """Return when something of a variant last reached an extreme that counts beside its norm [s]."""
+    of_bodies = [peaks.bodies[name].acceleration for name in payload_bodies(system)]
+    points = [peaks.points[name] for name in payload_points(system)]
+    of_points = [peak for one in points for peak in (one.acceleration, one.relative_displacement)]
+    of_mounts = [peak for one in peaks.mounts.values() for peak in (one.deflection, one.force)]
+    numbers = np.array([peak.numbers for peak in (*of_bodies, *of_points, *of_mounts)])
+    sides = [(Peak.MINIMUM, Peak.MINIMUM_TIME), (Peak.MAXIMUM, Peak.MAXIMUM_TIME)]
+    extremes = [(numbers[:, value], numbers[:, time]) for value, time in sides]
+    return float(latest(numbers[:, 0], extremes))
+
+
+def latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
+    """Return the latest instant [s] of channels' extremes that count beside their norms, (...).
+
+    Args:
+        norms: the largest, (..., n).
+        extremes: of the components, and their instants, (..., n, 3) each.
+    """
+    counts = GROWTH * norms[..., np.newaxis]
+    instants = [np.where(np.abs(values) > counts, times, 0.0) for values, times in extremes]
+    return np.asarray(np.max(instants, axis=(0, -1, -2), initial=0.0))
 
 
 def sides_of(lowest: Array, highest: Array) -> dict[str, Array]:

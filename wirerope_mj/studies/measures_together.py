@@ -14,7 +14,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
-from wirerope_mj.studies.measures import clearances_used, payload_bodies, payload_points, sides_of
+from wirerope_mj.studies.measures import clearances_used, latest, payload_bodies, payload_points, sides_of
 
 Flags = npt.NDArray[np.bool_]
 
@@ -30,6 +30,7 @@ class Extremes:
         struck: number of stops that closed, (n,).
         travels: largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
             any, (n, n_mounts, 2).
+        late: when something last reached an extreme that counts [s], (n,).
     """
 
     failed: Flags
@@ -38,6 +39,7 @@ class Extremes:
     highest: Array
     struck: Array
     travels: Array
+    late: Array
 
     @classmethod
     def of(cls, system: System, done: InLanes) -> "Extremes":
@@ -57,7 +59,9 @@ class Extremes:
                 struck[index] = np.sum(stops[:, at.TOUCHES] > stops[:, at.FROM_START])
         low, high = (channels[:, :, part : part + 3] for part in (at.LOW, at.HIGH))
         value = channels[:, :, at.PEAK]
-        return cls(failed=failed, value=value, lowest=low, highest=high, struck=struck, travels=travels)
+        times = [channels[:, :, part : part + 3] for part in (at.LOW_TIME, at.HIGH_TIME)]
+        late = latest(value, list(zip((low, high), times, strict=True)))
+        return cls(failed=failed, value=value, lowest=low, highest=high, struck=struck, travels=travels, late=late)
 
 
 def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:

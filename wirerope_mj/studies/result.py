@@ -80,7 +80,7 @@ class StudyResult(Exportable, Summarised):
         if isinstance(measures, str):
             return {}
         accelerations = [value for name, value in measures.items() if name.startswith(ALL[:-1])]
-        return measures | ({ALL: max(accelerations)} if accelerations else {})
+        return dict(measures) | ({ALL: max(accelerations)} if accelerations else {})
 
     @property
     def exported(self) -> Exported:

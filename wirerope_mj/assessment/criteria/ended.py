@@ -174,28 +174,37 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
 
 def _growing(response: Response, row: Verdict) -> str:
     """Return that something reaches more at the end of a run than before, "" if it does not."""
-    begin = _quiet_from(response)
+    numerics, end = response.numerics, response.final_state.time
+    run = (response.initial_state.time, end)
+    begin = quiet_from(response.motion, run, numerics.motion_end, numerics.slowest_period)
     if row.time is None or row.time <= begin or math.isinf(begin):
         return ""
     course = utilisation_over_time(response, row)
     before = 0.0 if course is None else float(np.max(course[response.time <= begin], initial=0.0))
     if (row.utilisation or 0.0) - before <= GROWTH:
         return ""
-    return f"{GROWS} at {_seconds(response.final_state.time)}: run longer"
+    return growth_note(end)
 
 
-def _quiet_from(response: Response) -> float:
-    """Return the instant [s] from which on nothing may grow; infinite where that may be until the end."""
-    numerics, end = response.numerics, response.final_state.time
-    kinds = {str(part.get("kind")) for part in elements(response.motion)}
-    if math.isnan(numerics.slowest_period) or not kinds:
+def growth_note(end: float) -> str:
+    """Return the note on what grows until the end of a run [s]."""
+    return f"{GROWS} at {_seconds(end)}: run longer"
+
+
+def quiet_from(motion: Mapping[str, Any], run: tuple[float, float], over: float, slowest: float) -> float:
+    """Return the instant [s] from which on nothing may grow; infinite where that may be until the end.
+
+    The arguments are those of `ends_early`.
+    """
+    start, end = run
+    kinds = {str(part.get("kind")) for part in elements(motion)}
+    if math.isnan(slowest) or not kinds:
         return math.inf
-    if math.isnan(numerics.motion_end):
-        start = response.initial_state.time
+    if math.isnan(over):
         return end - (end - start) / 3.0 if kinds <= STEADY else math.inf
-    if steady_interval(response.motion)[0] or "sweep" in kinds:
+    if steady_interval(motion)[0] or "sweep" in kinds:
         return math.inf
-    return end - QUIET * numerics.slowest_period
+    return end - QUIET * slowest
 
 
 def _seconds(time: float) -> str:
