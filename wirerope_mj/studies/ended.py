@@ -31,20 +31,14 @@ class Lengths:
         all_act = not any(column.name.endswith(_TAKEN_AWAY) for column in work.columns)
         self._enough = {number for number, holds in enumerate(far) if holds and all_act}
 
-        self._slowest = slowest if all_act else math.inf
-
     def early(self, row: Mapping[str, Any]) -> str:
         """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not."""
         number = self._number(row)
         return "" if number in self._enough else self._early(number, slowest_period(self._make.system(row)))
 
-    def quiet_from(self, row: Mapping[str, Any], late: float) -> float:
-        """Return the instant [s] after which nothing of a variant may grow that peaks `late`; infinite if it is not so late."""
-        asked = self._asked(self._number(row))
-        if late <= quiet_from(*asked, self._slowest):
-            return math.inf
-        begin = quiet_from(*asked, slowest_period(self._make.system(row)))
-        return begin if late > begin else math.inf
+    def quiet_from(self, row: Mapping[str, Any]) -> float:
+        """Return the instant [s] from which on nothing of a variant may grow; infinite where that may be until the end."""
+        return quiet_from(*self._asked(self._number(row)))
 
     def _number(self, row: Mapping[str, Any]) -> int:
         return MotionSettings.of([column for column in self._work.columns if not column.targets], row).record

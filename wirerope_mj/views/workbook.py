@@ -1,14 +1,16 @@
 """A result as a workbook (XLSX): what it says in one sheet, every table in its own, and samples in the last."""
 
+import errno
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.content.blocks import Content, Statement
-from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, full_disk_named
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -32,7 +34,23 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
     check_writable(path)
     if path.exists() and not force:
         raise RecordError(f"{path}: the file exists. Replace it with --force (`force=True`), or choose another name.")
-    book = Workbook(write_only=True)
+    with full_disk_named(path), _full_disk_told():
+        _write(Workbook(write_only=True), content, samples, path)
+    return path
+
+
+@contextmanager
+def _full_disk_told() -> Iterator[None]:
+    """Raise what lxml, by which openpyxl writes, says of a full disk as the operating system does."""
+    try:
+        yield
+    except Exception as error:
+        if str(error) not in ("IO_ENOSPC", "IO_EDQUOT", "IO_EFBIG"):
+            raise
+        raise OSError(getattr(errno, str(error)[3:]), "") from error
+
+
+def _write(book: Any, content: Content, samples: Exported | None, path: Path) -> None:
     page = _sheet(book, "summary", 2)
     for row in _said(content):
         page.append(row)
@@ -55,7 +73,6 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
             page.append(row)
     with atomic_file(path) as temporary:
         book.save(temporary)
-    return path
 
 
 def _sheet(book: Any, name: str, columns: int) -> Any:

@@ -1,6 +1,5 @@
 """The computation of every engine: the rows of some variants, from what all variants share and their own inputs."""
 
-import math
 import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
@@ -232,7 +231,7 @@ def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Toge
             messages[index], status[index] = failed, FAILED
             continue
         messages[index] = lengths.early(row)
-        if not messages[index] and math.isfinite(begin := lengths.quiet_from(row, ends[index])):
+        if not messages[index] and ends[index] > (begin := lengths.quiet_from(row)):
             begins.setdefault(begin, []).append(index)
     for begin, which in begins.items():
         for index, kinds in zip(which, _grown(work, begin, [chunk.rows[i] for i in which], values, which), strict=True):
