@@ -120,10 +120,10 @@ def test_a_full_disk_is_one_message_and_leaves_whole_files(name, place, tmp_path
     folder, words = tmp_path / "work", WRITING[name]
     shutil.copytree(place, folder, symlinks=True)
     monkeypatch.chdir(folder)
-    first = files(folder)
+    first = {path.stat().st_ino for path in files(folder)}
     assert main(words) in (0, 1)
     whole = files(folder)
-    sizes = sorted({len(content) for path, content in whole.items() if content != first.get(path)})
+    sizes = sorted({path.stat().st_size for path in whole if path.stat().st_ino not in first})
     capsys.readouterr()
     for size in (0, sizes[0] // 2, sizes[-1] // 2):
         before = files(folder)

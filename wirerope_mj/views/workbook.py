@@ -1,9 +1,13 @@
 """A result as a workbook (XLSX): what it says in one sheet, every table in its own, and samples in the last."""
 
 import errno
+import gc
 import re
+import sys
+import traceback
 from collections.abc import Iterator
 from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -41,13 +45,22 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
 
 @contextmanager
 def _full_disk_told() -> Iterator[None]:
-    """Raise what lxml, by which openpyxl writes, says of a full disk as the operating system does."""
+    """Raise what lxml, by which openpyxl writes its temporary files, says of a full disk as the operating system does.
+
+    The writers of unfinished sheets would print tracebacks when they are cleared away.
+    """
+    hook, number = sys.unraisablehook, 0
     try:
         yield
     except Exception as error:
         if str(error) not in ("IO_ENOSPC", "IO_EDQUOT", "IO_EFBIG"):
             raise
-        raise OSError(getattr(errno, str(error)[3:]), "") from error
+        number, sys.unraisablehook = getattr(errno, str(error)[3:]), lambda _: None
+        traceback.clear_frames(error.__traceback__)
+    if number:
+        gc.collect()
+        sys.unraisablehook = hook
+        raise OSError(number, "")
 
 
 def _write(book: Any, content: Content, samples: Exported | None, path: Path) -> None:
@@ -71,8 +84,10 @@ def _write(book: Any, content: Content, samples: Exported | None, path: Path) ->
                     f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
                 )
             page.append(row)
+    written = BytesIO()
+    book.save(written)
     with atomic_file(path) as temporary:
-        book.save(temporary)
+        temporary.write_bytes(written.getvalue())
 
 
 def _sheet(book: Any, name: str, columns: int) -> Any:
