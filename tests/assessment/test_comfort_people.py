@@ -94,3 +94,5 @@ def test_what_is_left_out_must_leave_something():
     time = np.linspace(0.0, 1.0, 101)
     with pytest.raises(ValueError, match="must leave something of the 1 s, got 2 s"):
         exposure(time, np.zeros((101, 3)), discard=2.0)
+    with pytest.raises(ValueError, match="must leave something"):
+        exposure(time, np.zeros((101, 3)), discard=1e308)

@@ -14,6 +14,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, contact_verdicts
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import STATE
+from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.simulation.run import OTHERS
 from wirerope_mj.foundation.resources import models_folder, scenarios_folder
 
@@ -230,3 +231,38 @@ def test_the_command_says_struck_stops_in_every_output(tmp_path):
     page = (tmp_path / "here" / "report.html").read_text(encoding="utf-8")
     assert "Stops and contacts" in page
     assert page.count("stop_1 on pad_1") >= 2  # in its section and among all verdicts
+
+
+def nearly_undamped(stiffness, damping):
+    """Return the shock table whose stops, pairs of geoms, have a stiffness and a damping per kilogram of payload."""
+    text = (models_folder() / "shock_table_contacts.xml").read_text(encoding="utf-8")
+    isolator = wr.load_isolator("enidine_wr12_400")
+    stops = text.replace("-20000 -35", f"-{stiffness:g} -{damping:g}")
+    return wr.load_system(stops, isolators={"wr12_400": isolator})
+
+
+def test_a_step_at_which_stiff_stops_fail_is_never_the_one_that_is_taken():
+    # steps down to 0.25 ms fail and the next agree badly: the search took 0.25 ms, and the run failed
+    sine = wr.Sine(frequency=8.0, acceleration=29.0 * G, direction="z")
+    with pytest.warns(wr.AccuracyWarning):
+        r = wr.simulate(nearly_undamped(2e5, 0.5), sine, duration=0.3, accuracy=1e-2)
+    assert r.timestep < 2e-4
+
+
+@pytest.mark.slow
+def test_struck_geoms_that_finer_steps_do_not_agree_on_are_sensitive_with_their_spread():
+    system = nearly_undamped(2e7, 0.0)
+    sine = wr.Sine(frequency=12.0, acceleration=15.0 * G, direction="z")
+    with pytest.warns(wr.AccuracyWarning) as caught:
+        r = wr.simulate(system, sine, duration=1.0, accuracy=1e-2)
+    assert r.numerics.limited_by == SENSITIVE
+    assert any("the answer is sensitive to what the system hits" in str(one.message) for one in caught)
+    peaks = [r.peaks.bodies["block"].acceleration.value]
+    with pytest.warns(wr.AccuracyWarning, match="were struck"):
+        peaks += [
+            wr.simulate(system, sine, duration=1.0, timestep=r.timestep / parts)
+            .peaks.bodies["block"]
+            .acceleration.value
+            for parts in (2, 3)
+        ]
+    assert np.ptp(peaks) / peaks[-1] <= r.estimated_error

@@ -286,3 +286,10 @@ def test_the_command_says_how_much_of_the_mass_the_modes_bring_along(folder, tmp
     kilograms = [*command[:-1], "mm,g,s", "--out", str(tmp_path / "light")]
     assert main(kilograms) == 0
     assert "are the units those that --units says?" in " ".join(capsys.readouterr().out.split())
+
+
+def test_a_mass_that_nothing_has_is_refused(folder, tmp_path, capsys):
+    command = ["flexible", str(folder / "cb.op4"), "--points", str(folder / "boundary.csv"), "--units", "mm,t,s"]
+    assert main([*command, "--mass-kg", "5e-324", "--out", str(tmp_path / "part")]) == 2
+    assert "`--mass-kg` must lie between" in capsys.readouterr().err
+    assert not (tmp_path / "part").exists()

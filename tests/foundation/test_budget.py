@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.dynamics.sweep import frequency_sweep
+from wirerope_mj.dynamics.sweep import frequency_sweep, stepped_sine
 from wirerope_mj.foundation import budget
 from wirerope_mj.foundation.errors import BudgetError
 from wirerope_mj.motions import HalfSine, Sweep
@@ -121,6 +121,49 @@ def test_a_study_is_refused_by_the_time_of_its_variants():
 def test_matching_a_spectrum_is_refused_by_lines_and_samples():
     with pytest.raises(BudgetError, match="matching a spectrum of 60 lines over 1e.07 s"):
         match_spectrum([(1.0, 3.0), (30.0, 3.0)], duration=1e7, seed=1, direction="z")
+
+
+def test_a_search_is_refused_by_the_time_of_all_its_generations():
+    vary = {"motion/level": Uniform(0.5, 1.0)}
+    study = wr.Study(model="sdof_shaker", motion=PULSE, duration=0.1, vary=vary, variants=10)
+    with pytest.raises(
+        BudgetError, match=r"a search of 1\d* generations of 10 designs of 0.1 s .* fewer `generations`"
+    ):
+        wr.Search(study, minimise=["acceleration"], generations=10**12)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ({"periods": 10**12}, "following 149.8 periodic motions of .* steps would take .* days of computing"),
+        ({"periods": 10**7}, "one of these periodic motions, .* would take .* of memory.*Take fewer `periods`"),
+        ({"accuracy": 1e-24, "largest_step": 2e-5}, "following 3000 periodic motions"),
+        ({"start": 1e-300}, "a period of 1e-300 Hz would take .* days of computing"),
+    ],
+)
+def test_continuation_is_refused_by_points_and_steps(arguments, message):
+    given = {"start": 1.0, "stop": 20.0, "acceleration": 1.0, "direction": "z", "payload": "mass"}
+    with pytest.raises(BudgetError, match=message):
+        wr.follow_branch(SYSTEM, **given | arguments)
+    if "periods" in arguments:
+        with pytest.raises(BudgetError, match="of memory|days of computing"):
+            wr.periodic_orbit(SYSTEM, frequency=10.0, acceleration=1.0, direction="z", **arguments)
+
+
+def test_steady_sines_are_refused_by_the_steps_of_their_cycles():
+    with pytest.raises(BudgetError, match="a cycle at each of 3 frequencies would take .* larger `timestep`"):
+        stepped_sine(
+            SYSTEM, frequencies=[1.0, 2.0, 3.0], direction="z", payload="mass", acceleration=1.0, timestep=1e-13
+        )
+
+
+def test_a_shock_spectrum_is_refused_by_its_lines(monkeypatch):
+    time = np.arange(1000) / 1e3
+    with pytest.raises(BudgetError, match="spectrum of 20000000 lines would take .* of memory.*fewer `frequencies`"):
+        wr.shock_response_spectrum(time, time, np.broadcast_to(10.0, 20_000_000))
+    monkeypatch.setattr(budget, "LONGEST", 1e-6)
+    with pytest.raises(BudgetError, match="spectrum of 100 lines over 1000 samples would take 1e.05 steps"):
+        wr.shock_response_spectrum(time, time, np.full(100, 10.0))
 
 
 @pytest.mark.parametrize("arguments", [{"cycles": 10**12}, {"points_per_cycle": 4 * 10**12}])

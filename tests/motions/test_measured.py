@@ -107,6 +107,9 @@ def test_universal_files_hold_every_quantity(tmp_path):
 def test_the_clock_has_a_start_and_a_rate_of_its_own(tmp_path):
     measured = wr.load_measured(write(tmp_path / "t.csv"), channels={"A1": "point/p z g"}, start=-0.1, clock=1.0001)
     np.testing.assert_allclose(measured["A1"].time, -0.1 + 1.0001 * TIME, rtol=0, atol=1e-12)
+    for clock in ({"start": 9e15}, {"clock": 1e-323}):
+        with pytest.raises(ValueError, match="`start` and `clock` must leave the samples apart"):
+            wr.load_measured(write(tmp_path / "t.csv"), channels={"A1": "point/p z g"}, **clock)
 
 
 def test_what_looks_wrong_is_said_of_the_column(tmp_path):

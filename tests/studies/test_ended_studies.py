@@ -8,10 +8,11 @@ import pytest
 from house import sdof, sdof_text
 from small_search import beam_search
 from table_study import G, table_study
+from wirerope_mj.assessment.criteria.criterion import TRAVEL
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
-from wirerope_mj.assessment.criteria.ended import too_short
+from wirerope_mj.assessment.criteria.ended import GROWS, too_short
 from wirerope_mj.assessment.criteria.summary import contact_lines
 from wirerope_mj.cli import main
 from wirerope_mj.content.study_statements import limit_statement, statements
@@ -133,3 +134,23 @@ def test_batches_and_scenario_files_warn_of_histories_that_alias(tmp_path):
     assert content["warning"].startswith("the base moves at up to 700 Hz")
     with pytest.warns(wr.AccuracyWarning, match="up to 700 Hz"):
         assert wr.replay(tmp_path / "run").agrees
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize("keep", ["peaks", "responses"])
+def test_what_still_grows_is_not_judged_in_studies_as_in_runs(keep, tmp_path):
+    """A sine at the resonance of the second of three masses goes on pumping it up; the others beat and are over."""
+    sine = wr.Sine(frequency=10.0, acceleration=4.0, direction="z")
+    vary = {"body/mass/mass": wr.Choice([2.0, 3.5, 14.0], relative=False)}
+    study = rated(motion=sine, duration=1.25, vary=vary)
+    result = study.run(tmp_path / "study", workers=1, keep=keep)
+    growing = []
+    for variant in range(3):
+        rows = judge(study.response(variant))
+        growing.append(any(row.note.startswith(GROWS) for row in rows if row.criterion.kind == TRAVEL))
+    assert growing == [False, True, False]
+    assert ended_early(result.table, "travel").tolist() == ended_early(result.table, "travel/m1").tolist() == growing
+    assert not ended_early(result.table, "static_load").any()
+    beyond = result.exceedance("travel")
+    assert (beyond.count, beyond.early) == (0, 1)
+    assert statements(result)[0].startswith("1 of 3 variants: what still grows when the run ends is not judged")

@@ -71,19 +71,40 @@ def test_the_clearances_of_a_run_are_judged_in_its_study(tmp_path, capsys):
     beyond = int((np.asarray(table["displacement/lid/-z"]) > 0.02).sum())
     assert 0 < beyond < 8
     assert f"Beyond displacement/lid/-z = 0.02 m: {beyond} of 8 variants" in printed.out
-    assert "a study does not judge clearance/box = 0.001 0.001 0.001 m" in printed.err
+    assert "a study does not judge clearance/box = 0.001 0.001 0.001 m, as the run was given it" in printed.err
 
 
-def test_clearances_of_a_model_that_a_study_does_not_judge_are_said(tmp_path, capsys):
-    custom = '<numeric name="limit/clearance/box" data=".01 .01 .01"/>'
-    scenario = wr.Scenario(
-        question="Does it fit?", model=box_text(custom), isolators=SPRING, motion=shock(),
-        simulate={"duration": 0.05, "timestep": 5e-4},
-    )  # fmt: skip
-    wr.run_scenario(scenario, tmp_path / "run")
-    vary = ["--vary", "motion/level = Choice(0.5, 1.0)", "--variants", "2", "--workers", "1"]
-    assert main(["study", str(tmp_path / "run"), *vary, "--out", str(tmp_path / "study")]) == 0
-    assert "a study does not judge clearance/box" in capsys.readouterr().out
+ROCKS = '<joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0" stiffness="300"/>'
+OFF_CENTRE = '<geom size=".1" mass="9" pos=".04 0 0"/><site name="point/rim" pos=".1 0 0"/>'
+
+
+@pytest.mark.parametrize("limited", ["box", "lid to rim", "both"])
+def test_corners_and_pairs_are_judged_in_a_study_as_in_the_run_of_each_variant(limited, tmp_path):
+    """`both` names a body and a point of it: whichever goes farther counts."""
+    custom = f'<numeric name="limit/clearance/{limited}" data=".02 .02 .03"/>'
+    text = box_text(custom, guide=ROCKS, geom=OFF_CENTRE).replace('"box"', '"both"' if limited == "both" else '"box"')
+    text = text.replace("point/lid", "point/both") if limited == "both" else text
+    table = study(text).run(tmp_path / "study", workers=1).table
+    system = wr.load_system(text, isolators=SPRING)
+    for row, level in enumerate((0.5, 1.0, 1.5)):
+        response = wr.simulate(system, shock(12.0 * level), duration=0.2, timestep=5e-4)
+        used = [one.utilisation for one in rattle_verdicts(response) if one.utilisation is not None]
+        assert len(used) == 6
+        assert table["clearance"][row].as_py() == pytest.approx(max(used), rel=1e-9)
+        places = [one.value for one in acceleration_verdicts(response) if one.subject == limited]
+        if places:
+            assert table[f"acceleration/{limited}"][row].as_py() == pytest.approx(max(places), rel=1e-9)
+
+
+def test_what_samples_are_too_few_for_is_not_judged_and_what_is_exceeded_is():
+    custom = '<numeric name="limit/clearance/box" data="0 0 {room}"/>'
+    judged = {}
+    for room in (0.05, 0.001):
+        text = box_text(custom.format(room=room))
+        coarse = study(text, sample_rate=20.0).response(1)
+        judged[room] = measures(wr.load_system(text, isolators=SPRING), coarse.peaks, None, coarse)["clearance"]
+    assert np.isnan(judged[0.05])
+    assert judged[0.001] > 1.0
 
 
 def test_one_limit_on_a_body_and_a_point_of_its_name_is_exceeded_once():
@@ -102,3 +123,15 @@ def test_one_limit_on_a_body_and_a_point_of_its_name_is_exceeded_once():
     named = [(row.criterion, row.subject) for row in judge(response)]
     assert len(set(named)) == len(named)
     assert measures(system, response.peaks, None)["fragility"] == pytest.approx(max(places) / 15.0, rel=1e-12)
+
+
+def test_of_a_body_and_a_point_of_one_name_a_study_takes_what_bears_more(tmp_path):
+    text = box_text(point="box", guide=ROCKS, geom='<geom size=".1" mass="9" pos=".04 0 0"/>')
+    table = study(text).run(tmp_path / "study", workers=1).table  # side by side
+    alone = study(text).run(tmp_path / "alone", workers=1, keep="responses")
+    for row in range(3):
+        peaks = alone.response(row).peaks
+        places = peaks.bodies["box"].acceleration.value, peaks.points["box"].acceleration.value
+        assert places[0] != places[1]
+        for column in (table["acceleration/box"], alone.table["acceleration/box"]):
+            assert column[row].as_py() == pytest.approx(max(places), rel=1e-9)

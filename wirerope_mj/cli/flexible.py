@@ -42,11 +42,11 @@ def flexible(
     from wirerope_mj.content.flexible import flexible_content
     from wirerope_mj.engine.flexible import import_part, save_flexible
     from wirerope_mj.engine.flexible.files import units_in
-    from wirerope_mj.foundation.arguments import positive
+    from wirerope_mj.foundation.arguments import between, positive
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.views.terminal import print_headline, show
 
-    mass = None if mass_kg is None else positive("--mass-kg", mass_kg, unit="kg")
+    mass = None if mass_kg is None else between("--mass-kg", mass_kg, 1e-3, 1e9)
     part, own_mass = import_part(files, points, units_in(units), damping=0.01 * damping)
     if highest_hz is not None:
         part = part.below(positive("--highest-hz", highest_hz, unit="Hz"))

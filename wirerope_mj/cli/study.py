@@ -31,7 +31,7 @@ from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.sampling import SAMPLINGS
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
-from wirerope_mj.studies.measures import measure_names, unjudged_limits
+from wirerope_mj.studies.measures import measure_names
 from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
 from wirerope_mj.studies.results.measure import unknown_measure
 from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
@@ -242,8 +242,8 @@ def _limits(scenario: Scenario, given: Sequence[str]) -> list[str]:
 def _warn_of_unjudged(limits: Sequence[str]) -> None:
     if limits:
         text = (
-            f"a study does not judge {'; '.join(limits)}: it keeps peaks, and of clearances those of points alone, and no "
-            "accelerations along an axis."
+            f"a study does not judge {'; '.join(limits)}, as the run was given it: write it into the model, as "
+            "limit/KIND/NAME."
         )
         warnings.warn(text, StudyWarning, stacklevel=3)
 
@@ -306,9 +306,6 @@ def compute_and_print(
         raise ValueError(f"`--by`: {unknown_measure(by, names)}")
     limits = [limit_of_text(text, names) for text in limit or ()]
     print_warnings(model_warnings(study.base))
-    if unjudged := unjudged_limits(study.base):
-        text = f"a study does not judge {', '.join(unjudged)}: it keeps peaks, and of clearances those of points"
-        print_warnings([f"{text}. Name points at the corners."])
     print_block(varied_table(study.study if isinstance(study, Search) else study))
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     result = _computed(study, folder, resume=resume, **how)

@@ -11,7 +11,7 @@ import pyarrow as pa
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS
-from wirerope_mj.studies.ended import ended_early, why_early
+from wirerope_mj.studies.ended import ended_early, still_growing, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
@@ -144,12 +144,19 @@ def not_counted(beyond: Exceedance) -> str:
 
 
 def early_statements(table: pa.Table) -> list[str]:
-    """Return how many variants' runs end before their peaks are over, and how long they must be; nothing of none."""
-    count = int(np.count_nonzero(ended_early(table)))
-    if not count:
-        return []
-    which = "Every variant" if count == table.num_rows else f"{count} of {table.num_rows} variants"
-    return [f"{which}: not judged but for what is exceeded already, since {why_early(table)}."]
+    """Return how many variants' runs end before their peaks are over or while they grow; nothing of none."""
+
+    def which(count: int) -> str:
+        return "Every variant" if count == table.num_rows else f"{count} of {table.num_rows} variants"
+
+    early, growing, texts = int(np.count_nonzero(ended_early(table))), still_growing(table), list[str]()
+    if early:
+        texts.append(f"{which(early)}: not judged but for what is exceeded already, since {why_early(table)}.")
+    if growing:
+        texts.append(
+            f"{which(growing)}: what still grows when the run ends is not judged unless it is exceeded; run longer."
+        )
+    return texts
 
 
 def of_indices(indices: SobolIndices) -> str:

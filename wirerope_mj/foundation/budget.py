@@ -53,9 +53,12 @@ def require_disk(what: str, size: float, folder: Path, remedy: str) -> None:
         )
 
 
-def require_time(what: str, steps: float, remedy: str) -> None:
-    """Raise BudgetError if so many steps of one system take longer than `LONGEST`; as `require_memory`."""
-    seconds = STEP * steps
+def require_time(what: str, steps: float, remedy: str, *, step: float = STEP) -> None:
+    """Raise BudgetError if so many steps, of one system unless `step` [s] says otherwise, take longer than `LONGEST`.
+
+    `what` and `remedy` are those of `require_memory`.
+    """
+    seconds = step * steps
     if seconds > LONGEST:
         raise BudgetError(
             f"{what} would take {steps:.2g} steps, {seconds / 86_400.0:.3g} days of computing at the very least; the limit is "

@@ -27,7 +27,7 @@ import tomli_w
 from wirerope_mj.content.job import JudgedCase, JudgedJob, job_content, job_headline
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import write_model
-from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, worked_on_alone
+from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, full_disk_named, worked_on_alone
 from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
@@ -111,7 +111,7 @@ def run_job(
     else:
         check_folder(folder, force=False, kind="job", marks=(JOB,))
     folder.mkdir(parents=True, exist_ok=True)
-    with worked_on_alone(folder, kind="job"):
+    with worked_on_alone(folder, kind="job"), full_disk_named(folder):
         _write_job(job, folder)
         made = {case.name: _with_digests(case.scenario, files) for files in [_model_digest(job)] for case in job.cases}
         computed = {
@@ -192,7 +192,8 @@ def _write_job(job: Job, folder: Path) -> None:
     logo = ""
     if job.document is not None and job.document.logo is not None:
         logo = f"logo{logo_ending(job.document.logo, str(job.path))}"
-        shutil.copyfile(job.document.logo, folder / logo)
+        with atomic_file(folder / logo) as beside:
+            shutil.copyfile(job.document.logo, beside)
     content = {
         "format": FORMAT,
         "name": job.name,

@@ -103,12 +103,16 @@ class StudyDefinition:
             raise ValueError('`motions` holds several base motions, and `vary` has no "motion/record" that chooses.')
         self._inputs = inputs(self.quantities, variants=variants, sampling=sampling, seed=seed)
         self.size = self._inputs.num_rows
-        require_time(
-            f"a study of {self.size} variants of {self.duration:.4g} s",
-            self.size * self.duration * max(self.sample_rate, 1.0 / self.timestep if self.timestep else 0.0),
-            "Compute fewer `variants`, a shorter `duration`, or use a lower `sample_rate`, at whose samples steps end.",
-        )
+        self.require_time(f"a study of {self.size} variants", self.size, "`variants`")
         self._maker = Maker(self.base, self.motions, self._columns)
+
+    def require_time(self, what: str, runs: float, fewer: str) -> None:
+        """Raise BudgetError if so many runs, which messages call `what`, take too long; the remedy names what to lower."""
+        require_time(
+            f"{what} of {self.duration:.4g} s",
+            runs * self.duration * max(self.sample_rate, 1.0 / self.timestep if self.timestep else 0.0),
+            f"Compute fewer {fewer}, a shorter `duration`, or use a lower `sample_rate`, at whose samples steps end.",
+        )
 
     @classmethod
     def restored(cls, folder: Path, content: Mapping[str, Any]) -> Self:

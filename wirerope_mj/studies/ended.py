@@ -1,7 +1,7 @@
 """Variants whose runs end before their peaks are over: nothing of them is judged but what is exceeded already."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -9,7 +9,7 @@ import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 
-from wirerope_mj.assessment.criteria.ended import TOO_EARLY, ends_early
+from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, ends_early, quiet_from
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker, Work
@@ -33,23 +33,54 @@ class Lengths:
 
     def early(self, row: Mapping[str, Any]) -> str:
         """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not."""
-        number = MotionSettings.of([column for column in self._work.columns if not column.targets], row).record
+        number = self._number(row)
         return "" if number in self._enough else self._early(number, slowest_period(self._make.system(row)))
 
+    def quiet_from(self, row: Mapping[str, Any]) -> float:
+        """Return the instant [s] from which on nothing of a variant may grow; infinite where that may be until the end."""
+        return quiet_from(*self._asked(self._number(row)))
+
+    def _number(self, row: Mapping[str, Any]) -> int:
+        return MotionSettings.of([column for column in self._work.columns if not column.targets], row).record
+
     def _early(self, number: int, slowest: float) -> str:
+        return ends_early(*self._asked(number), slowest)
+
+    def _asked(self, number: int) -> tuple[Mapping[str, Any], tuple[float, float], float]:
+        """Return what the rules of runs want to know of a motion."""
         motion = self._work.motions[number]
         over = motion.end if math.isfinite(motion.end) else math.nan
-        return ends_early(motion.to_dict(), (0.0, self._work.duration), over, slowest)
+        return motion.to_dict(), (0.0, self._work.duration), over
 
 
 _AT_REST = ("static_load", "mounts")  # Measures that no run has to go on for
+_LISTED = ": "  # Before the kinds of measures that grow, at the end of a note
+
+
+def growth_text(note: str, kinds: Sequence[str]) -> str:
+    """Return the note on a variant of which some kinds of measures still grow, such as "travel"."""
+    return f"{note}{_LISTED}{', '.join(kinds)}"
 
 
 def ended_early(table: pa.Table, measure: str = "") -> npt.NDArray[np.bool_]:
-    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure of the rest."""
-    if "message" not in table.column_names or measure.partition("/")[0] in _AT_REST:
+    """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure of the rest.
+
+    With a measure, those are among them of which such a one still grows.
+    """
+    kind = measure.partition("/")[0]
+    if "message" not in table.column_names or kind in _AT_REST:
         return np.zeros(table.num_rows, dtype=bool)
-    return np.asarray(pc.starts_with(table["message"], TOO_EARLY))
+    early = np.asarray(pc.starts_with(table["message"], TOO_EARLY))
+    grown = {text for text in pc.unique(table["message"]).to_pylist() if text.startswith(GROWS)} if kind else set()
+    own = [text for text in grown if kind in text.rpartition(_LISTED)[2].split(", ")]
+    return early | np.asarray(pc.is_in(table["message"], pa.array(own, pa.string())))
+
+
+def still_growing(table: pa.Table) -> int:
+    """Return of how many variants something still grows when their runs end."""
+    if "message" not in table.column_names:
+        return 0
+    return int(np.count_nonzero(pc.starts_with(table["message"], GROWS)))
 
 
 def why_early(table: pa.Table) -> str:

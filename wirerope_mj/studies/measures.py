@@ -6,7 +6,11 @@ from functools import cache
 
 import numpy as np
 
+from wirerope_mj.assessment.criteria.ended import GROWTH
+from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
+from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import combined_utilisation
+from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.peaks import Peak, Peaks
 from wirerope_mj.engine.statics.loading import forces_at_rest
 from wirerope_mj.engine.system import System
@@ -24,7 +28,7 @@ def measure_names(system: System) -> list[str]:
     """Return the names of all measures, the columns of the table between inputs and status."""
     bodies, points = payload_bodies(system), payload_points(system)
     names = ["acceleration", "travel", "combined_travel", "static_load", "fragility", "clearance", "mounts", "struck"]
-    names += [f"acceleration/{name}" for name in (*bodies, *points)]
+    names += [f"acceleration/{name}" for name in dict.fromkeys((*bodies, *points))]
     names += [f"displacement/{name}" for name in points]
     names += [f"displacement/{name}/{side}" for name in points for side in SIDES]
     for name, mount in system.mounts.items():
@@ -35,8 +39,10 @@ def measure_names(system: System) -> list[str]:
     return names
 
 
-def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, float]:
+def measures(system: System, peaks: Peaks, rest: State | None, response: Response | None = None) -> dict[str, float]:
     """Return the measures of one variant; `rest` is the equilibrium that it starts from, None if it starts from none.
+
+    The `response` is wanted of a system of which `needs_samples` says so.
 
     acceleration: largest norm of any payload body [m/s^2]; acceleration/NAME: of one body or point. travel: largest
     utilisation of a rated travel [-] of any mount along one axis; travel/MOUNT: of one; combined_travel: of all axes at
@@ -45,21 +51,21 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     mount at rest; static_load/MOUNT: of one, not judged where it hangs or carries more across its axis than along it.
     displacement/POINT: largest norm relative to the base [m]; displacement/POINT/-x, +x and so on: how far that way.
     fragility: largest utilisation [-] of an acceleration that the model states as a limit. clearance: of a clearance that it
-    states of a point; those of bodies and between two points need every sample, and are not judged. mounts: number of mounts
-    that are fitted and have not failed, stops left out, of which force/MOUNT alone is kept. struck: number of pairs of geoms,
-    such as a stop and its pad, that came together, and of stops of mounts that closed. NaN where nothing is rated or stated.
+    states, of a point, of a body's corners or between two points. mounts: number of mounts that are fitted and have not failed,
+    stops left out, of which force/MOUNT alone is kept. struck: number of pairs of geoms, such as a stop and its pad, that came
+    together, and of stops of mounts that closed. NaN where nothing is rated or stated, or samples are too few to judge it.
     """
     bodies, points = payload_bodies(system), payload_points(system)
     of_bodies = {name: peaks.bodies[name].acceleration for name in bodies}
     of_points = {name: peaks.points[name].acceleration for name in points}
-    at = of_bodies | of_points
     result = {"acceleration": _largest(peak.value for peak in of_bodies.values())}
     result |= dict.fromkeys(("travel", "combined_travel", "static_load", "fragility", "clearance"), NAN)
     isolators = {id(mount.isolator): mount.isolator for mount in system.mounts.values()}  # few, and asked once each
     fitted = {key: acts(isolator) and not isolator.is_stop for key, isolator in isolators.items()}
     result["mounts"] = float(sum(fitted[id(mount.isolator)] for mount in system.mounts.values()))
     result["struck"] = float(len(peaks.struck))
-    result |= {f"acceleration/{name}": peak.value for name, peak in at.items()}
+    for name, peak in (*of_bodies.items(), *of_points.items()):  # of a body and a point of one name the larger
+        result[f"acceleration/{name}"] = max(peak.value, result.get(f"acceleration/{name}", 0.0))
     result |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
     moved = {name: peaks.points[name].relative_displacement for name in points}
     sides = {name: sides_of(peak.minimum, peak.maximum) for name, peak in moved.items()}
@@ -72,8 +78,33 @@ def measures(system: System, peaks: Peaks, rest: State | None) -> dict[str, floa
     for measure, values in (("travel", used), ("combined_travel", combined), ("static_load", loads)):
         result[measure] = _largest([value for value in values if not math.isnan(value)])
     result["fragility"] = _fragility(system, (of_bodies, of_points))
-    result["clearance"] = _largest(float(used) for used in clearances_used(system, sides))
+    used_room = [float(used) for used in clearances_used(system, sides)] if response is None else _sampled(response)
+    result["clearance"] = _largest(used_room)
     return result
+
+
+def late(system: System, peaks: Peaks) -> float:
+    """Return when something of a variant last reached an extreme that counts beside its norm [s]."""
+    of_bodies = [peaks.bodies[name].acceleration for name in payload_bodies(system)]
+    points = [peaks.points[name] for name in payload_points(system)]
+    of_points = [peak for one in points for peak in (one.acceleration, one.relative_displacement)]
+    of_mounts = [peak for one in peaks.mounts.values() for peak in (one.deflection, one.force)]
+    numbers = np.array([peak.numbers for peak in (*of_bodies, *of_points, *of_mounts)])
+    sides = [(Peak.MINIMUM, Peak.MINIMUM_TIME), (Peak.MAXIMUM, Peak.MAXIMUM_TIME)]
+    extremes = [(numbers[:, value], numbers[:, time]) for value, time in sides]
+    return float(latest(numbers[:, 0], extremes))
+
+
+def latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
+    """Return the latest instant [s] of channels' extremes that count beside their norms, (...).
+
+    Args:
+        norms: the largest, (..., n).
+        extremes: of the components, and their instants, (..., n, 3) each.
+    """
+    counts = GROWTH * norms[..., np.newaxis]
+    instants = [np.where(np.abs(values) > counts, times, 0.0) for values, times in extremes]
+    return np.asarray(np.max(instants, axis=(0, -1, -2), initial=0.0))
 
 
 def sides_of(lowest: Array, highest: Array) -> dict[str, Array]:
@@ -92,10 +123,18 @@ def clearances_used(system: System, sides: Mapping[str, Mapping[str, Array]]) ->
     ]
 
 
-def unjudged_limits(system: System) -> list[str]:
-    """Return the limits of a model that no measure judges: clearances of bodies' corners and between two points."""
-    points = payload_points(system)
-    return [f"{one.kind}/{one.name}" for one in system.limits if one.kind == "clearance" and one.name not in points]
+def needs_samples(system: System) -> bool:
+    """Return whether peaks do not judge every limit of a model: it states clearances of corners or between two points."""
+    alone = set(payload_points(system)) - set(payload_bodies(system))
+    return any(one.kind == "clearance" and one.name not in alone for one in system.limits)
+
+
+def _sampled(response: Response) -> list[float]:
+    """Return the utilisations of all clearances of a run; NaN alone if one is not known and none exceeded."""
+    rows = rattle_verdicts(response)
+    used = [row.utilisation for row in rows if row.utilisation is not None]
+    unknown = any(row.limit is None and SAMPLED in row.note for row in rows)
+    return [NAN] if unknown and max(used, default=0.0) <= 1.0 else used
 
 
 def payload_bodies(system: System) -> list[str]:

@@ -14,7 +14,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
-from wirerope_mj.studies.measures import clearances_used, payload_bodies, payload_points, sides_of
+from wirerope_mj.studies.measures import clearances_used, latest, payload_bodies, payload_points, sides_of
 
 Flags = npt.NDArray[np.bool_]
 
@@ -32,6 +32,7 @@ class Extremes:
     # largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
     # any, (n, n_mounts, 2)
     travels: Array
+    late: Array  # when something last reached an extreme that counts [s], (n,)
 
     @classmethod
     def of(cls, system: System, done: InLanes) -> "Extremes":
@@ -51,7 +52,9 @@ class Extremes:
                 struck[index] = np.sum(stops[:, at.TOUCHES] > stops[:, at.FROM_START])
         low, high = (channels[:, :, part : part + 3] for part in (at.LOW, at.HIGH))
         value = channels[:, :, at.PEAK]
-        return cls(failed=failed, value=value, lowest=low, highest=high, struck=struck, travels=travels)
+        times = [channels[:, :, part : part + 3] for part in (at.LOW_TIME, at.HIGH_TIME)]
+        late = latest(value, list(zip((low, high), times, strict=True)))
+        return cls(failed=failed, value=value, lowest=low, highest=high, struck=struck, travels=travels, late=late)
 
 
 def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:
@@ -61,7 +64,6 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
     """
     n = len(extremes.value)
     channels = _channels(system)
-    accelerations = {name: extremes.value[:, channel] for name, channel in channels["acceleration"].items()}
     bodies = [extremes.value[:, channel] for channel in channels["body"].values()]
     isolators = [mount.isolator for mount in system.mounts.values()]
     judged = [number for number, isolator in enumerate(isolators) if not isolator.is_stop]
@@ -83,7 +85,8 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
         "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
         "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))), "struck": extremes.struck,
     }  # fmt: skip
-    result |= {f"acceleration/{name}": values for name, values in accelerations.items()}
+    for name, channel in (*channels["body"].items(), *channels["point"].items()):  # of two of one name the larger
+        result[f"acceleration/{name}"] = np.maximum(extremes.value[:, channel], result.get(f"acceleration/{name}", 0.0))
     result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
     result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
     by_side = {c: sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
@@ -104,7 +107,7 @@ def _channels(system: System) -> dict[str, dict[str, int]]:
     of_points = {name: n + 2 * i for i, name in enumerate(subjects.point_names) if name in points}
     of_bodies = {name: i for i, name in enumerate(subjects.body_names) if name in bodies}
     return {
-        "acceleration": of_bodies | of_points, "body": of_bodies, "point": of_points,
+        "body": of_bodies, "point": of_points,
         "displacement": {name: channel + 1 for name, channel in of_points.items()},
         "deflection": {name: first + 2 * i for i, name in enumerate(mounts)},
         "force": {name: first + 2 * i + 1 for i, name in enumerate(mounts)},

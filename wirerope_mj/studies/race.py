@@ -16,7 +16,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.studies.measures import measures, payload_bodies, payload_points
+from wirerope_mj.studies.measures import measures, needs_samples, payload_bodies, payload_points
 
 _LONGEST = 5e-4  # Step from which the halving begins [s]: a mode of 100 Hz has twenty of them in a period
 LEVELS = 8  # steps that are tried, the last of them 4 microseconds
@@ -26,6 +26,7 @@ _FINER = 2.0
 _CERTAIN = 5.0  # differences of two runs beyond a limit from which on it is exceeded for certain
 _SWINGS = 6.0  # slowest periods after the motion: the largest peaks lie within them
 _SAMPLES = 10.0  # ends of steps asked for [1/s]: peaks are those of every step, and fewer samples are faster
+_RATE = 1000.0  # where samples judge what peaks do not [Hz]
 _GREW = "a mount goes beyond where its law holds, or the motion grows without bound"
 # Measures that are utilisations of limits, and the criteria that they stand for.
 CRITERIA = {
@@ -109,7 +110,7 @@ class Race:
                 if self.reasons.get(name, "").startswith(own):
                     del self.reasons[name]
                 system = self._systems[name]
-                self.found[name][case] = now = measures(system, result.peaks, result.initial_state)
+                self.found[name][case] = now = measures(system, result.peaks, result.initial_state, result.response)
                 error = math.inf if before is None else _error(system, before, now)
                 if now["static_load"] > 1.0 or (before is not None and _beyond(before, now)):
                     beyond.add(name)
@@ -129,10 +130,12 @@ class Race:
 
     def _batch(self, case: str, names: Sequence[str], step: float) -> Sequence[BatchResult | BatchFailure]:
         systems, motion = [self._systems[name] for name in names], self._cases[case]
+        samples = needs_samples(systems[0])
         kernel = not unsupported_system(systems[0]) and not unsupported_motion(systems[0], motion)
         return simulate_batch(
             systems, motion, duration=motion.end + _SWINGS * max(self._periods[name] for name in names), timestep=step,
-            initial=self._initial, sample_rate=_SAMPLES, threads=1, engine="kernel" if kernel else "auto",
+            initial=self._initial, sample_rate=_RATE if samples else _SAMPLES, threads=1,
+            engine="kernel" if kernel else "auto", responses=samples,
         )  # fmt: skip
 
 

@@ -81,7 +81,7 @@ class StudyResult(Exportable, Summarised):
         if isinstance(measures, str):
             return {}
         accelerations = [value for name, value in measures.items() if name.startswith(ALL[:-1])]
-        return measures | ({ALL: max(accelerations)} if accelerations else {})
+        return dict(measures) | ({ALL: max(accelerations)} if accelerations else {})
 
     @cached_property
     def step_error(self) -> float:

@@ -12,6 +12,7 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine
 from wirerope_mj.studies.engines.local import run_local
 from wirerope_mj.studies.folder import done, write_part
+from wirerope_mj.studies.measures import needs_samples
 from wirerope_mj.studies.responses import PEAKS, RESPONSES, most_together
 
 # Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little.
@@ -39,7 +40,7 @@ def compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine
 def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
     """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
     size = min(CHUNK, math.ceil(study.size / FEWEST_CHUNKS))
-    return min(size, most_together(study.work)) if keep == RESPONSES else size
+    return min(size, most_together(study.work)) if keep == RESPONSES or needs_samples(study.base) else size
 
 
 def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:

@@ -1,14 +1,20 @@
 """A result as a workbook (XLSX): what it says in one sheet, every table in its own, and samples in the last."""
 
+import errno
+import gc
 import re
+import sys
+import traceback
 from collections.abc import Iterator
+from contextlib import contextmanager
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.content.blocks import Content, Statement
-from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
+from wirerope_mj.foundation.atomic_files import atomic_file, check_writable, full_disk_named
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
@@ -32,7 +38,32 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
     check_writable(path)
     if path.exists() and not force:
         raise RecordError(f"{path}: the file exists. Replace it with --force (`force=True`), or choose another name.")
-    book = Workbook(write_only=True)
+    with full_disk_named(path), _full_disk_told():
+        _write(Workbook(write_only=True), content, samples, path)
+    return path
+
+
+@contextmanager
+def _full_disk_told() -> Iterator[None]:
+    """Raise what lxml, by which openpyxl writes its temporary files, says of a full disk as the operating system does.
+
+    The writers of unfinished sheets would print tracebacks when they are cleared away.
+    """
+    hook, number = sys.unraisablehook, 0
+    try:
+        yield
+    except Exception as error:
+        if str(error) not in ("IO_ENOSPC", "IO_EDQUOT", "IO_EFBIG"):
+            raise
+        number, sys.unraisablehook = getattr(errno, str(error)[3:]), lambda _: None
+        traceback.clear_frames(error.__traceback__)
+    if number:
+        gc.collect()
+        sys.unraisablehook = hook
+        raise OSError(number, "")
+
+
+def _write(book: Any, content: Content, samples: Exported | None, path: Path) -> None:
     page = _sheet(book, "summary", 2)
     for row in _said(content):
         page.append(row)
@@ -53,9 +84,10 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
                     f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
                 )
             page.append(row)
+    written = BytesIO()
+    book.save(written)
     with atomic_file(path) as temporary:
-        book.save(temporary)
-    return path
+        temporary.write_bytes(written.getvalue())
 
 
 def _sheet(book: Any, name: str, columns: int) -> Any:

@@ -92,7 +92,7 @@ def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float
     """
     instants, values = np.asarray(time, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
     rate = 1.0 / check_samples(instants, values)[1]
-    kept = instants.size - round(not_negative("discard", discard) * rate)
+    kept = instants.size - round(min(not_negative("discard", discard) * rate, instants.size))
     if kept < 2:
         raise ValueError(
             f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s."

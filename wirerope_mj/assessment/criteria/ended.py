@@ -1,8 +1,9 @@
 """Verdicts over time, and those on runs that ended early.
 
-A shock, or a record, is over when its motion is, and the slowest mode has had the time for its largest swings to both sides
-after it. A sweep, and random vibration, are whole when they have been run through: they go on after it or fade by themselves.
-A sine without end is steady when the last third of the run reaches nothing new.
+A shock, or a record, is over when its motion is, the slowest mode has had the time for its largest swings to both sides
+after it, and the later half of that time brings nothing new. A sweep, and random vibration, are whole when they have been run
+through: they go on after it or fade by themselves. A sine without end is steady when the last third of the run reaches
+nothing new.
 """
 
 import math
@@ -111,12 +112,11 @@ def _along(values: Array, criterion: Criterion) -> Array:
 
 
 TOO_EARLY = "the run ends at"  # Beginning of the notes on values that are not judged because the run ends too early
-GROWS = "it still grows when the run ends"  # Beginning of the notes on values that grow until the end of the run
+GROWS = "the motion still grows when the run ends"  # Beginning of the notes on values that are not judged for that
 # Slowest periods, of small amplitudes, for which a run goes on after its motion: that of large ones is up to twice as long.
 PERIODS = 2.0
 SWINGS = 3.0  # Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least
-QUIET = 0.5  # Slowest periods at the end of a run in which nothing may reach more than before
-GROWTH = 0.01  # Utilisation by which something may grow in that time and still be over
+GROWTH = 0.01  # Utilisation by which something may grow at the end of a run and still be over
 _NEAR = 1e-9  # [s]
 
 
@@ -160,43 +160,61 @@ def ends_early(motion: Mapping[str, Any], run: tuple[float, float], over: float,
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
     """Return verdicts, of which those within their limits are not judged where the peak is not over when the run ends.
 
-    Neither is a stop, or a pair of geoms, that has not been touched until then.
+    Neither is a stop, or a pair of geoms, that has not been touched until then. Where something still grows, what else peaked
+    late is not judged either: a slow mode takes up the motion, and what it drives peaks with it.
     """
-    early = too_short(response)
+    early, rows, begin = too_short(response), tuple(verdicts), _quiet_from(response)
+    growing = set() if early else {row for row in rows if _grows(response, row, begin)}
+    if growing and math.isfinite(over := response.numerics.motion_end):
+        growing = {row for row in rows if _grows(response, row, 0.5 * (over + begin))}
+    growth = growth_note(response.final_state.time)
     return tuple(
         replace(row, contact=NOT_JUDGED, note=early)
         if early and row.contact == CLEAR
         else replace(row, limit=None, note="; ".join(part for part in (early or growth, row.note) if part))
-        if row.verdict == WITHIN and (early or (growth := _growing(response, row)))
+        if row in growing or (early and row.verdict == WITHIN)
         else row
-        for row in verdicts
+        for row in rows
     )
 
 
-def _growing(response: Response, row: Verdict) -> str:
-    """Return that something reaches more at the end of a run than before, "" if it does not."""
-    begin = _quiet_from(response)
-    if row.time is None or row.time <= begin or math.isinf(begin):
-        return ""
+def _grows(response: Response, row: Verdict, begin: float) -> bool:
+    """Return whether something within its limit reaches more than until `begin` [s]."""
+    if row.verdict != WITHIN or row.time is None or row.time <= begin:
+        return False
     course = utilisation_over_time(response, row)
     before = 0.0 if course is None else float(np.max(course[response.time <= begin], initial=0.0))
-    if (row.utilisation or 0.0) - before <= GROWTH:
-        return ""
-    return f"{GROWS} at {_seconds(response.final_state.time)}: run longer"
+    return (row.utilisation or 0.0) - before > GROWTH
 
 
 def _quiet_from(response: Response) -> float:
-    """Return the instant [s] from which on nothing may grow; infinite where that may be until the end."""
-    numerics, end = response.numerics, response.final_state.time
-    kinds = {str(part.get("kind")) for part in elements(response.motion)}
-    if math.isnan(numerics.slowest_period) or not kinds:
+    """Return the instant [s] from which on nothing may grow, of older responses infinite, since they do not say enough."""
+    numerics = response.numerics
+    run = response.initial_state.time, response.final_state.time
+    old = math.isnan(numerics.slowest_period)
+    return math.inf if old else quiet_from(response.motion, run, numerics.motion_end)
+
+
+def growth_note(end: float) -> str:
+    """Return the note on what is not judged since something grows until the end of a run [s]."""
+    return f"{GROWS} at {_seconds(end)}: run longer"
+
+
+def quiet_from(motion: Mapping[str, Any], run: tuple[float, float], over: float) -> float:
+    """Return the instant [s] from which on nothing may grow; infinite where that may be until the end.
+
+    After a shock that is half of the free vibration: what a strong one passes on slowly, as to rocking, peaks late.
+    The arguments are those of `ends_early`.
+    """
+    start, end = run
+    kinds = {str(part.get("kind")) for part in elements(motion)}
+    if not kinds:
         return math.inf
-    if math.isnan(numerics.motion_end):
-        start = response.initial_state.time
+    if math.isnan(over):
         return end - (end - start) / 3.0 if kinds <= STEADY else math.inf
-    if steady_interval(response.motion)[0] or "sweep" in kinds:
+    if steady_interval(motion)[0] or "sweep" in kinds:
         return math.inf
-    return end - QUIET * numerics.slowest_period
+    return 0.5 * (over + end)
 
 
 def _seconds(time: float) -> str:

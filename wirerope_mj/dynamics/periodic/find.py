@@ -24,6 +24,7 @@ from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import ConvergenceError, SimulationError
 from wirerope_mj.foundation.state import State
@@ -64,14 +65,15 @@ class Steps:
         self.decay = 0.0  # largest rate at which a hysteretic state of the motion goes back to its bound [1/s]
 
     def per_period(self, frequency: float) -> int:
-        """Return the number for a frequency [Hz].
+        """Return the number for a frequency [Hz]; BudgetError if a period of so many takes too long.
 
         It is even: with a law without an elastic part only the symmetry of the two half periods keeps the mass from drifting,
         and an odd number would break it.
         """
         wanted = self._finer * max(STEPS, NATURAL * self._highest / frequency)
-        stable = max(1.0 / self._longest, self.decay / SETTLED) / frequency
-        return 2 * math.ceil(max(wanted, stable) / 2.0)
+        steps = max(wanted, max(1.0 / self._longest, self.decay / SETTLED) / frequency)
+        require_time(f"a period of {frequency:.4g} Hz", steps, "Take a higher frequency or a larger `accuracy`.")
+        return 2 * math.ceil(steps / 2.0)
 
 
 class OrbitSearch:
@@ -116,6 +118,17 @@ class OrbitSearch:
         """Return the scaled monodromy matrix that Newton's method takes, (n_x, n_x)."""
         phi = self.variational.matrix(at) if self.scaled and self.variational is not None else None
         return monodromy(flow, at) if phi is None else phi
+
+    def require_budget(self, frequency: float, periods: int, points: float) -> None:
+        """Raise BudgetError if so many motions at a frequency [Hz] take too long, or one of them too much memory."""
+        steps = float(periods) * self._steps.per_period(frequency)
+        what, remedy = (
+            "periodic motions",
+            "Take fewer `periods`, a larger `largest_step` or `accuracy`, or a narrower range.",
+        )
+        require_time(f"following {points:.4g} {what} of {steps:.4g} steps", points * steps, remedy)
+        values = self.system.model.nsensordata + self.coordinates.size
+        require_memory(f"one of these {what}, {steps:.4g} steps,", 8.0 * values * steps, remedy)
 
     def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
         """Return a sine with the steps that the accuracy asks for."""

@@ -1,5 +1,6 @@
 """Following a branch of periodic motions in the frequency or the level of the base's sine."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
@@ -74,6 +75,7 @@ def periodic_orbit(
     search = OrbitSearch(
         system, direction=sine.direction, history=history, accuracy=positive("accuracy", accuracy), smoothing=smoothing
     )
+    search.require_budget(sine.frequency, periods, 1.0)
     with search.flow.ready():
         return search.find(
             sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
@@ -147,6 +149,10 @@ def follow_branch(
     )  # fmt: skip
     search = OrbitSearch(
         system, direction=options.direction, history=history, accuracy=options.accuracy, smoothing=smoothing
+    )
+    apart = abs(math.log(options.stop / options.start)) / options.largest_step
+    search.require_budget(
+        frequency or max(options.start, options.stop), options.periods, min(max(apart, 1.0), options.most_points)
     )
     with (
         search.flow.ready(),

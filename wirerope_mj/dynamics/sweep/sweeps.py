@@ -293,6 +293,9 @@ def stepped_sine(
         share_bar("stepping", "Hz", enabled=progress) as update,
     ):
         step = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy)
+        steps = sum(max(STEPS_PER_CYCLE, 1.0 / (sine.frequency * step.timestep)) for sine in sines)
+        remedy = "Take fewer `frequencies`, or a larger `timestep`."
+        require_time(f"a cycle at each of {len(sines)} frequencies", steps, remedy)
         state = start = at_start(system, sines[0], start)
         unsettled: list[str] = []
         for number, sine in enumerate(sines):

@@ -153,9 +153,10 @@ def choose_timestep(
             longer = _longer(pilots, fine, step, error, wanted, 0.5) if halving and not whole else None
             found = ChosenStep(timestep=step, error=error, limited_by=ACCURACY if halving else limit)
             return longer or _done(found, coarse, whole)
-        if touches:
+        if touches and np.isfinite(difference):
             in_contact.append(_done(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
-            if halving >= LUCK and not _pays(error, halving, wanted):
+            halvings = len(in_contact) - 1  # of steps at which the run does not fail
+            if halvings >= LUCK and not _pays(error, halvings, wanted):
                 return _best(in_contact)
         elif difference <= FINER * wanted:
             found = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
@@ -218,10 +219,15 @@ def _pays(error: float, halving: int, wanted: float) -> bool:
 
 
 def _best(tried: list[ChosenStep]) -> ChosenStep:
-    """Return the step of the least error; what finer ones differ by, if it is more, counts as its error."""
+    """Return the step of the least error; what finer ones differ by, if it is more, counts as its error.
+
+    Where that is more than half of the coarsest one's, though order 1 leaves a quarter, it is the spread of the answer.
+    """
     errors = [step.error for step in tried]
     least = errors.index(min(errors))
-    return replace(tried[least], error=max(errors[least:]))
+    error = max(errors[least:])
+    sensitive = error > max(ENOUGH_IN_CONTACT, 0.5 * errors[0])
+    return replace(tried[least], error=error, limited_by=SENSITIVE if sensitive else CONTACTS)
 
 
 def _coarsest(tried: list[ChosenStep]) -> ChosenStep:

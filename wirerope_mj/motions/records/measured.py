@@ -176,6 +176,8 @@ def load_measured(
         )
     reading = even(file, reading, gaps=gaps)
     time = (reading.time - reading.time[0]) * clock + start
+    if not (np.isfinite(time).all() and (np.diff(time) > 0.0).all()):
+        raise ValueError(f"`start` and `clock` must leave the samples apart, got {start:.6g} s and {clock:.6g}.")
     time.flags.writeable = False
     found, messages = [], list(reading.warnings)
     for (column, phrase), unit, samples in zip(phrases.items(), units, reading.samples.T, strict=True):

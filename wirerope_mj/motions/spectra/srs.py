@@ -10,6 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.summary import Brief, Summarised, quantity, span
@@ -26,6 +27,8 @@ from wirerope_mj.motions.spectra.ramp import (
 # ISO 18431-4's least number of samples per period of the highest oscillator: straight lines between the samples then lack at
 # most 3 % (sinc^2 of a tenth) of a sine of that frequency
 SAMPLES_PER_PERIOD = 10.0
+OSCILLATOR = 1e-8  # time of a step of an oscillator at the least [s]
+OF_A_LINE = 3 * 128.0  # bytes of a line: exponentials, (4, 4), and what they are made of
 HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
 LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
 
@@ -166,6 +169,9 @@ def shock_response_spectrum(
     damping = 0.5 / q
     channels = values.reshape(values.shape[0], -1).T
     primary, residual = np.zeros((2, channels.shape[0], wanted.size, EXTREMES))
+    what, remedy = f"a shock response spectrum of {wanted.size} lines", "Ask for fewer `frequencies`."
+    require_time(f"{what} over {values.shape[0]} samples", float(values.size) * wanted.size, remedy, step=OSCILLATOR)
+    require_memory(what, OF_A_LINE * wanted.size, remedy)
     angles = 2.0 * math.pi * wanted * step
     steps = ramp_steps(angles, damping)
     for i, channel in enumerate(channels):

@@ -2,23 +2,26 @@
 
 import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
+from wirerope_mj.assessment.criteria.ended import GROWTH, growth_note
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
-from wirerope_mj.studies.ended import Lengths
+from wirerope_mj.studies.ended import Lengths, growth_text
 from wirerope_mj.studies.engines.together import NONE, Together, together
 from wirerope_mj.studies.inputs.variants import Maker, Work
-from wirerope_mj.studies.measures import NAN, measure_names, measures
+from wirerope_mj.studies.measures import NAN, late, measure_names, measures, needs_samples
 from wirerope_mj.studies.responses import packed
 
 UNLOADED = "unloaded"  # The start of a variant that does not begin at rest
 DONE, FAILED = "done", "failed"  # Values of `status`
+_OF_LIMITS = ("travel", "combined_travel", "fragility", "clearance")  # measures over their limits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -72,7 +75,7 @@ def compute(work: Work, chunk: Chunk) -> Part:
 
 def _together(work: Work, chunk: Chunk) -> Together:
     """Return what could be computed side by side; responses are those of single systems."""
-    if chunk.responses:
+    if chunk.responses or needs_samples(work.system):
         return NONE
     try:
         return together(work, chunk.rows)
@@ -91,7 +94,15 @@ class Accident(str):
     """Message of an error that says nothing about its variant, as of a machine without memory, threads or files."""
 
 
-Outcome = dict[str, float] | str  # Measures of a variant, or why it failed
+@dataclass(frozen=True)
+class Measured:
+    """Measures of a variant, and when something of it last reached an extreme that counts [s]."""
+
+    values: Mapping[str, float]
+    late: float
+
+
+Outcome = Measured | str  # What came of a variant, or why it failed
 
 
 def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, bytes] | None) -> list[Outcome]:
@@ -113,7 +124,7 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
             results = simulate_batch(
                 systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
                 sample_rate=work.sample_rate, corners=work.corners, threads=1,
-                responses=responses is not None,
+                responses=responses is not None or needs_samples(work.system),
             )  # fmt: skip
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
@@ -126,16 +137,17 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
     return [outcomes[index] for index in range(len(rows))]
 
 
-def nominal(work: Work) -> Outcome:
+def nominal(work: Work) -> Mapping[str, float] | str:
     """Return the measures of the system as it stands, under the first of the motions, or why there are none."""
     try:
         (result,) = simulate_batch(
             [work.system], [work.motions[0]], duration=work.duration, timestep=work.timestep, initial=work.initial,
-            sample_rate=work.sample_rate, corners=work.corners, threads=1,
+            sample_rate=work.sample_rate, corners=work.corners, threads=1, responses=needs_samples(work.system),
         )  # fmt: skip
     except _RESULTS as error:
         return why_not(error)
-    return _outcome(work, work.system, result)
+    outcome = _outcome(work, work.system, result)
+    return outcome if isinstance(outcome, str) else outcome.values
 
 
 def why_not(error: Exception) -> str:
@@ -157,27 +169,63 @@ def why_not(error: Exception) -> str:
 def _outcome(work: Work, system: System, result: BatchResult | BatchFailure) -> Outcome:
     if isinstance(result, BatchFailure):
         return result.message
-    return measures(system, result.peaks, None if work.initial == UNLOADED else result.initial_state)
+    rest = None if work.initial == UNLOADED else result.initial_state
+    values = measures(system, result.peaks, rest, result.response if needs_samples(system) else None)
+    return Measured(values, late(system, result.peaks))
+
+
+def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together) -> tuple[dict[str, Array], Array]:
+    """Return the measures of n variants by name, (n,) each, NaN of those that failed, and their late instants [s]."""
+    values, ends = {name: np.full(n, NAN) for name in measure_names(work.system)}, np.zeros(n)
+    for name, column in done.columns.items():
+        values[name][done.indices] = column
+    ends[done.indices] = done.late
+    for index, outcome in outcomes.items():
+        if isinstance(outcome, Measured):
+            ends[index] = outcome.late
+            for name, value in outcome.values.items():
+                values[name][index] = value
+    return values, ends
+
+
+def _grown(
+    work: Work, begin: float, rows: Sequence[dict[str, Any]], values: Mapping[str, Array], which: Sequence[int]
+) -> list[list[str]]:
+    """Return the kinds of measures of variants that reach more than until `begin` [s], for which they are computed again.
+
+    What has a limit may grow by `GROWTH` of it, as in a run, and what has none by as much of itself.
+    """
+    shorter, chunk = replace(work, duration=begin), Chunk(number=0, rows=rows)
+    done = _together(shorter, chunk)
+    rest = np.setdiff1d(np.arange(len(rows)), done.indices).tolist()
+    outcomes = dict(zip(rest, _outcomes(shorter, [rows[i] for i in rest], None), strict=True)) if rest else {}
+    before, _ = _values(shorter, len(rows), outcomes, done)
+    kinds: list[dict[str, None]] = [{} for _ in rows]
+    for name, until in before.items():
+        reached, kind = values[name][which], name.partition("/")[0]
+        allowed = GROWTH * (1.0 if kind in _OF_LIMITS else reached)
+        for number in np.flatnonzero(reached - until > allowed):
+            kinds[number][kind] = None
+    return [list(own) for own in kinds]
 
 
 def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Together = NONE) -> pa.Table:
     """Return the rows of a chunk: of some outcomes by their index, and of those that were computed side by side."""
-    names, n = measure_names(work.system), len(chunk.rows)
-    values = {name: np.full(n, NAN) for name in names}
-    for name, column in done.columns.items():
-        values[name][done.indices] = column
-    lengths = Lengths(work)
+    n, lengths = len(chunk.rows), Lengths(work)
+    values, ends = _values(work, n, outcomes, done)
     status = [DONE] * n
     messages = [""] * n
-    for index, outcome in outcomes.items():
-        if isinstance(outcome, str):
-            messages[index], status[index] = outcome, FAILED
-            continue
-        for name, value in outcome.items():
-            values[name][index] = value
+    begins: dict[float, list[int]] = {}
     for index, row in enumerate(chunk.rows):
-        if status[index] == DONE:
-            messages[index] = lengths.early(row)
+        if isinstance(failed := outcomes.get(index), str):
+            messages[index], status[index] = failed, FAILED
+            continue
+        messages[index] = lengths.early(row)
+        if not messages[index] and ends[index] > (begin := lengths.quiet_from(row)):
+            begins.setdefault(begin, []).append(index)
+    for begin, which in begins.items():
+        for index, kinds in zip(which, _grown(work, begin, [chunk.rows[i] for i in which], values, which), strict=True):
+            messages[index] = growth_text(growth_note(work.duration), kinds) if kinds else ""
     inputs = ["variant", *(column.name for column in work.columns)]
     columns = {name: [row[name] for row in chunk.rows] for name in inputs} | values
     return pa.table(columns | {"status": status, "message": messages}, schema=schema(work))

@@ -44,9 +44,10 @@ class Together:
 
     indices: npt.NDArray[np.int64]  # which of the rows they are of, (n,)
     columns: Mapping[str, Array]  # by the measure's name, (n,) each
+    late: Array  # when something of them last reached an extreme that counts [s], (n,)
 
 
-NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={})
+NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0))
 
 
 def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
@@ -61,7 +62,8 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
         return NONE
     columns = measures_together(system, done.extremes, None if done.forces is None else done.forces[done.chosen])
     return Together(
-        indices=done.indices[done.good], columns={name: one[done.good] for name, one in columns.items()}
+        indices=done.indices[done.good], columns={name: one[done.good] for name, one in columns.items()},
+        late=done.extremes.late[done.good],
     )  # fmt: skip
 
 

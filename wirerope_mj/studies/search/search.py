@@ -76,6 +76,8 @@ class SearchDefinition:
                 f"the first generation has {len(self.first)} designs; it must have at least {FEWEST}, `variants` of the study "
                 "and `start` together."
             )
+        what = f"a search of {self.generations} generations of {self.size} designs"
+        study.require_time(what, float(self.generations) * self.size, "`generations`")
 
     @property
     def base(self) -> System:

@@ -10,7 +10,6 @@ from matplotlib.colors import to_rgba
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
-from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -47,8 +46,7 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
             box = (left / _WIDTH, (top - tall + under) / height, width / _WIDTH, (tall - under - 0.05) / height)
             draw_panel(figure.add_axes(box), panel)
         top -= tall
-    with atomic_file(Path(path)) as beside:
-        figure.savefig(beside)
+    figure.savefig(path)
 
 
 def draw_panel(axes: Any, panel: Panel) -> None:

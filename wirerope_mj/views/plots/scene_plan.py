@@ -12,7 +12,6 @@ from matplotlib.collections import PolyCollection
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import short
 from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
-from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -43,8 +42,7 @@ def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = ""
         label: mark for panel in panels.ravel() for mark, label in zip(*panel.get_legend_handles_labels(), strict=True)
     }
     figure.legend(labels.values(), labels.keys(), loc="outside lower center", ncols=4, frameon=False)
-    with atomic_file(Path(path)) as beside:
-        figure.savefig(beside, format="png")
+    figure.savefig(path, format="png")
 
 
 def save_still(view: SceneView, path: str | Path, *, title: str = "") -> None:
@@ -69,8 +67,7 @@ def save_still(view: SceneView, path: str | Path, *, title: str = "") -> None:
             panel.plot(*np.transpose(ends), color="0.15", lw=1.5)
         _frame(panel, side, whole)
     figure.supxlabel("\n".join(wrap(view.caption, 150)), fontsize=8)
-    with atomic_file(Path(path)) as beside:
-        figure.savefig(beside, format="png")
+    figure.savefig(path, format="png")
 
 
 def _draw_view(panel: Any, block: SceneView, number: int) -> None:
