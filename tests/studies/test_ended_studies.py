@@ -8,12 +8,12 @@ import pytest
 from house import sdof, sdof_text
 from small_search import beam_search
 from table_study import G, table_study
-from wirerope_mj.assessment.criteria.criterion import TRAVEL
 
 import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge
 from wirerope_mj.assessment.criteria.ended import GROWS, too_short
 from wirerope_mj.assessment.criteria.summary import contact_lines
+from wirerope_mj.assessment.criteria.verdict import TRAVEL
 from wirerope_mj.cli import main
 from wirerope_mj.content.study_statements import limit_statement, statements
 from wirerope_mj.mounts.isolator import Limits, Travel
