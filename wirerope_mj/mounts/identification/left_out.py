@@ -13,6 +13,11 @@ from wirerope_mj.mounts.laws import Law, Loop
 SAME = 0.05  # Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer
 
 
+def error_of(law: Law, loop: MeasuredLoop) -> float:
+    """Return the root mean square of a law's force minus the measured one, without means, over half of the force range."""
+    return float(np.std(loop.model_force(law) - loop.force) / (0.5 * np.ptp(loop.force)))
+
+
 def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
     """Return the indices of the loops of each amplitude; the loops are in the order of their amplitudes."""
     groups: list[list[int]] = []
@@ -25,12 +30,8 @@ def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
 
 
 def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Return the root mean square of a law's force minus the measured one, without means, over half of each loop's force range.
-
-    It is that of the loops of one amplitude.
-    """
-    differences = [(loop.model_force(law) - loop.force, loop.force) for loop in (loops[index] for index in group)]
-    return float(np.sqrt(np.mean([float(np.std(one) / (0.5 * np.ptp(force))) ** 2 for one, force in differences])))
+    """Return the error of the loops of one amplitude."""
+    return float(np.sqrt(np.mean([error_of(law, loops[index]) ** 2 for index in group])))
 
 
 def criterion(fit: Identification, free: int) -> float:

@@ -132,14 +132,10 @@ def two_stiffnesses(
     virgin path at the travel.
     """
     small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
-    return (
-        StatedValue(
-            name="vibration stiffness", unit="N/mm", secant=Secant(deflection=small, stiffness=vibration, steady=True)
-        ),
-        StatedValue(
-            name="shock stiffness", unit="N/mm", secant=Secant(deflection=travel, stiffness=shock, steady=False)
-        ),
-    )
+    of_loop = Secant(deflection=small, stiffness=vibration, steady=True)
+    of_travel = Secant(deflection=travel, stiffness=shock, steady=False)
+    stated = (("vibration stiffness", of_loop), ("shock stiffness", of_travel))
+    return tuple(StatedValue(name=name, unit="N/mm", secant=secant) for name, secant in stated)
 
 
 def read_datasheet(path: str | Path) -> DataSheet:
