@@ -1,12 +1,14 @@
 """Branches of periodic motions: closed forms, folds against harmonic balance, stability, files and words."""
 
 import dataclasses
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from house import sdof, sdof_text
 
 import wirerope_mj as wr
+from wirerope_mj.dynamics.arclength import corrected
 from wirerope_mj.dynamics.periodic import backbone, harmonic_content, resonances
 from wirerope_mj.dynamics.periodic.continuation import Continuation
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
@@ -351,3 +353,16 @@ def test_axes_that_hardly_move_do_not_stop_a_branch():
     branch = wr.follow_branch(system, start=150.0, stop=170.0, acceleration=0.5, direction="z", payload="block")
     assert branch.complete
     assert branch.gaps == ()
+
+
+def test_a_correction_that_leads_beyond_all_parameters_is_given_up():
+    """Of a floor along x one led to a frequency of 4e12 Hz, and an error message about it."""
+    asked = []
+
+    def at(move):
+        asked.append(move)
+        return SimpleNamespace(gap=np.array([1.0]))
+
+    flat, row = np.array([[0.0, 1e-5]]), np.array([1.0, 0.0])
+    assert corrected(at, lambda *_: flat, flat, np.zeros(2), row, 0.0, 1e-6) is None
+    assert len(asked) == 1  # the next would be 100 000 steps away

@@ -22,6 +22,8 @@ NEUTRAL = 1e-6
 SLOWEST = 1e-5
 # Gap, over the tolerance, that may stay in directions that say nothing: along them a motion drifts for a million periods.
 ALONG_NEUTRAL = 10.0
+# Change of the parameter, in its unit of arclength, beyond which a correction leads nowhere; a step is 1 at the most.
+FARTHEST = 10.0
 # Corrections of one point.
 CORRECTIONS = 10
 # Ratio of two gaps above which the matrix is computed anew.
@@ -112,6 +114,8 @@ def corrected(
             return None
         change = least_solution(system, np.append(-now.gap, wanted - row @ move))
         move = move + change
+        if not abs(move[-1]) < FARTHEST:
+            return None
         (before, last), now = (now, size), at(move)
         size = float(np.abs(now.gap).max())
         if not np.isfinite(size):
