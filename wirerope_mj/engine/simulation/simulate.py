@@ -122,14 +122,8 @@ def simulate(
         error = step.error or math.nan  # no difference at all tells nothing
         if timestep is not None and decay_over_step(system, done.peaks, done.largest_step) > STIFF:
             error = error_of_given(
-                system,
-                motion,
-                start,
-                timestep=done.largest_step,
-                duration=duration,
-                sample_rate=sample_rate,
-                engine=engine,
-            )
+                system, motion, start, timestep=done.largest_step, duration=duration, sample_rate=sample_rate, engine=engine,
+            )  # fmt: skip
         asked = accuracy if timestep is None else math.nan
         numerics = numerics_of(system, motion, done, accuracy=asked, error=error, limited_by=step.limited_by)
         response = recorder.finish(start, done.final_state, done.peaks, numerics)

@@ -85,15 +85,8 @@ def limit_of_given(timestep: float, sample_rate: float) -> str:
 
 
 def error_of_given(
-    system: System,
-    motion: BaseMotion,
-    start: State,
-    *,
-    timestep: float,
-    duration: float,
-    sample_rate: float,
-    engine: Engine,
-) -> float:
+    system: System, motion: BaseMotion, start: State, *, timestep: float, duration: float, sample_rate: float, engine: Engine,
+) -> float:  # fmt: skip
     """Estimate the error of a given step, relative to the peaks, by a pilot with half of it; NaN where that fails."""
     window = _windows(system, motion, start, duration, sample_rate)[:1]
     pilots = partial(_pilots, system, motion, lambda: [start], window, sample_rate, engine, [])
