@@ -5,6 +5,7 @@ import random
 import signal
 import time
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -36,7 +37,9 @@ def bits(response):
         "names": list(names),
         "samples": response.samples.columns(0, len(names)).tobytes(),
         "peaks": repr(response.peaks.to_dict()),
-        "numerics": repr(response.numerics),
+        "numerics": repr(
+            replace(response.numerics, error_estimate=np.nan)
+        ),  # a run alone tries half of a given step, too
         "motion": response.motion,
         "events": response.events,
         "states": states,

@@ -136,7 +136,7 @@ def study_command(name: str, tokens: Sequence[str]) -> None:
     if is_run(path):
         _of_scenario(stored_scenario(path), tokens)
         return
-    if path.suffix.lower() == ".toml":
+    if path.suffix.lower() == ".toml" and path.name != SCENARIO:
         _of_job(path, tokens)
         return
     if path.is_file():

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -18,7 +19,9 @@ from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.mounts.isolator.validity import MOVING
-from wirerope_mj.studies.result import StudyResult
+
+if TYPE_CHECKING:
+    from wirerope_mj.studies.result import StudyResult  # of tables: a run says its verdict without them
 
 # What a part of an answer rests on, from 0 to 4, in the spirit of NASA-STD-7009's credibility levels
 GRADES = ("not known", "assumed", "stated", "measured", "measured, error known")
@@ -45,7 +48,7 @@ def credibility_blocks(run: JudgedRun) -> Iterator[Block]:
     yield from _blocks(_parts(run))
 
 
-def study_credibility_blocks(result: StudyResult) -> Iterator[Block]:
+def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
     """Yield what the answer of a study rests on, as of a run; deflections are the largest of all its variants."""
     study, error = result.study, result.step_error
     reached = {
@@ -111,7 +114,7 @@ def _parts(run: JudgedRun) -> tuple[_Part, ...]:
     )
 
 
-def _largest(result: StudyResult, measure: str) -> float:
+def _largest(result: "StudyResult", measure: str) -> float:
     values = np.asarray(result.table[measure], dtype=np.float64)
     return float(np.max(values, initial=0.0, where=np.isfinite(values)))
 

@@ -108,7 +108,10 @@ def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
     Of a mount that travels d while its payload's acceleration is a at most, the rate is taken for sqrt(a d).
     """
     travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
-    most = max((peaks.bodies[name].acceleration.value for name in system.payloads), default=0.0)
+    moving = [
+        peaks.bodies[name] for name in system.payloads if name in peaks.bodies
+    ]  # one may be fixed, to drive the base
+    most = max((body.acceleration.value for body in moving), default=0.0)
     return step * float((yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
 
 
