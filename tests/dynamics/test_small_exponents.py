@@ -144,17 +144,13 @@ def balanced(law, mass, found):
 def compare(law, amplitude):
     """Hold the mode of 3.5 kg on a law at an amplitude against harmonic balance, and print the row of the comparison."""
     system = sdof(law, mass=3.5, gravity=wr.STANDARD_GRAVITY)
-    modes(system)  # compiles
-    begun = time.perf_counter()
     found = modes(system, amplitude=amplitude)
-    seconds = time.perf_counter() - begun
     size, expected = balanced(law, 3.5, found)
-    row = law.n, 1e3 * amplitude, found.frequencies[0], expected, found.frequencies[0] / expected - 1.0, seconds
-    print("n = {:<5g} {:>6g} mm  modes {:9.5f} Hz  balance {:9.5f} Hz  apart {:+.1e}  {:.3f} s".format(*row))
+    row = law.n, 1e3 * amplitude, found.frequencies[0], expected, found.frequencies[0] / expected - 1.0
+    print("n = {:<5g} {:>6g} mm  modes {:9.5f} Hz  balance {:9.5f} Hz  apart {:+.1e}".format(*row))
     assert found.frequencies[0] == pytest.approx(expected, rel=1e-2)
     assert size == pytest.approx(amplitude, rel=0.1)  # 1 % of frequency is 10 % of it there
     assert found.stability.stable
-    assert seconds < 5.0
 
 
 @pytest.mark.parametrize("n", [0.13, 0.22])
