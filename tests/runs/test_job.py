@@ -3,13 +3,13 @@
 import json
 import shutil
 import signal
-import subprocess
 import time
 from pathlib import Path
 
 import numpy as np
 import pytest
 from commands import WIREROPE
+from kills import interruptible
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -200,7 +200,7 @@ def test_a_case_that_fails_leaves_the_others_and_the_next_call_goes_on(again, mo
 def test_an_interrupted_job_leaves_nothing_half_written_and_goes_on(tmp_path):
     written(tmp_path)
     command = [*WIREROPE, "cases", "job.toml", "--out", "out"]
-    with subprocess.Popen(command, cwd=tmp_path, stderr=subprocess.PIPE, text=True) as process:
+    with interruptible(command, cwd=tmp_path) as process:
         while not list((tmp_path / "out" / "cases").glob(".*")) and process.poll() is None:
             time.sleep(0.01)
         process.send_signal(signal.SIGINT)
