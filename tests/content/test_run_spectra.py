@@ -8,6 +8,7 @@ from house import sdof
 
 import wirerope_mj as wr
 from wirerope_mj.content.run_spectra import run_densities, run_spectra
+from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions.spectra import power_spectral_density
 
@@ -40,3 +41,11 @@ def test_densities_begin_where_the_response_has_settled():
     later = power_spectral_density(response.time[rows], response.bodies["mass"].acceleration[rows, 2])
     assert found["mass"].rms == pytest.approx(later.rms, rel=1e-6)
     assert run_densities(motion + wr.HalfSine(peak=5.0, duration=0.011, direction="z"), response, ["mass"]) == {}
+
+
+def test_pictures_last_as_long_as_the_base_moves():
+    """A stiff mass barely answers the end of a vibration, and what the base does there is shown all the same."""
+    soft = wr.Sine(frequency=30.0, acceleration=10.0, direction="z", duration=0.3)
+    late = wr.VibrationLines(acceleration=[(400.0, 10.0)], direction="z", duration=1.2, start=0.3)
+    response = wr.simulate(wr.load_system("sdof_shaker"), soft + late, duration=1.7)
+    assert select(response).window[1] == pytest.approx(1.5, abs=0.01)

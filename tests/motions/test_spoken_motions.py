@@ -336,3 +336,16 @@ def test_words_name_the_kind_anywhere_and_a_direction_or_none(words, kind, phras
 def test_words_that_name_no_kind_are_answered_with_the_nearest(words, near):
     with pytest.raises(ValueError, match=f"names no kind of motion: .* Did you mean {near}\\?"):
         motion_from_words(words)
+
+
+def test_many_motions_are_said_by_the_first_and_the_last():
+    dwells = [
+        wr.Sine(frequency=f, acceleration=1.0, direction="z", duration=1.0)
+        for f in (4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)
+    ]
+    few, many = sum(dwells[1:6], start=dwells[0]), sum(dwells[1:], start=dwells[0])
+    assert few.description.count(" Hz") == 6
+    assert ".. 5 more .." in many.description
+    assert many.description.startswith(dwells[0].description)
+    assert many.description.endswith(dwells[-1].description)
+    assert len(many.events) == 2 < len(few.events)
