@@ -8,6 +8,16 @@ from wirerope_mj.cli import main
 
 WIREROPE = [sys.executable, "-c", "import sys; from wirerope_mj.cli import main; sys.exit(main())"]
 
+JOB = """
+name = "Table"
+model = "shock_table"
+[[case]]
+name = "Down"
+half-sine = "5 g 11 ms -z"
+[simulate]
+duration = 0.1
+"""  # a job of one short case
+
 
 def wirerope(*arguments, cwd) -> subprocess.CompletedProcess:
     environment = {**os.environ, "COLUMNS": "120", "NO_COLOR": "1"}

@@ -4,6 +4,7 @@ import shutil
 
 import numpy as np
 import pytest
+from commands import JOB
 from small_study import write_study
 
 import wirerope_mj as wr
@@ -56,16 +57,6 @@ NOTHING = {"comfort", "compile", "explore", "laws", "replay", "show"}
 
 GOES_ON = {"cases", "study"}
 """Commands whose folder keeps what is done, and goes on with it."""
-
-JOB = """
-name = "Table"
-model = "shock_table"
-[[case]]
-name = "Down"
-half-sine = "5 g 11 ms -z"
-[simulate]
-duration = 0.1
-"""
 
 
 def test_every_command_that_writes_is_here():

@@ -5,6 +5,7 @@ import sys
 
 import numpy as np
 import pytest
+from commands import JOB
 from hostile_folder import Hostile, audited
 
 import wirerope_mj as wr
@@ -37,18 +38,6 @@ COMMANDS = (
     ["export", ".", "o.xlsx"], ["export", ".", "o.png"], ["isolators", "fit", "sheet.toml", "fit.toml"],
     ["durability", ".", "--exponent", "8", "--equivalent-psd", "block 60 s 5 to 80 Hz z", "--out", "d.csv"],
 )  # fmt: skip
-
-JOB = """
-name = "Table"
-model = "shock_table"
-
-[[case]]
-name = "Down"
-half-sine = "5 g 11 ms -z"
-
-[simulate]
-duration = 0.1
-"""
 
 
 @pytest.fixture(scope="module")
