@@ -5,12 +5,12 @@ from pathlib import Path
 from typing import Any
 
 from wirerope_mj.engine.system import load_system
-from wirerope_mj.engine.system.declared import limit_subjects
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.scenario import Scenario, load_scenario
+from wirerope_mj.runs.scenario_file import subjects_of
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, available_lines, signatures
@@ -96,7 +96,7 @@ def limits_of(scenario: Scenario) -> tuple[list[str], list[str]]:
     axis, and no clearance of a body's corners or between two points.
     """
     system = load_system(scenario.model_source(), isolators=scenario.isolators)
-    points, known = payload_points(system), limit_subjects(system.model, system.model.body(system.base or 0).id)
+    points, known = payload_points(system), subjects_of(system)
     can: list[str] = []
     cannot: list[str] = []
     for one in limits_by_patterns(scenario.limits, known):

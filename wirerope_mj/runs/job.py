@@ -306,10 +306,7 @@ def _run_all(questions: list[_Question], workers: int | None, done: Done) -> Ite
 
 def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> None:
     """Write what the cases say together: summary, page, documents and recording."""
-    from wirerope_mj.views.recording.viewer import (
-        JOINED,
-        join_recordings,  # late: rerun takes long to import
-    )
+    from wirerope_mj.views.recording.viewer import JOINED, join_recordings  # late: rerun takes long to import
 
     content = job_content(judged)
     with atomic_file(folder / SUMMARY) as beside:

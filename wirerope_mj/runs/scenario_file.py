@@ -53,6 +53,11 @@ def read_judge_table(content: Mapping[str, Any]) -> dict[str, Any]:
     return {"combined_travel": combined, "limits": tuple(limits)}
 
 
+def subjects_of(system: System) -> dict[str, list[str]]:
+    """Name the bodies and points that a limit of each kind may be on."""
+    return limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
+
+
 def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
     """Return the system with limits in place of those that its model states for the same subjects.
 
@@ -63,7 +68,7 @@ def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
     """
     if not limits:
         return system
-    known = limit_subjects(system.model, system.model.body(system.base).id if system.base else 0)
+    known = subjects_of(system)
     limits = limits_by_patterns(limits, known)
     for number, limit in enumerate(limits):
         if not is_subject(limit.name, limit.kind, known):
