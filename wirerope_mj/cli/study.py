@@ -253,7 +253,7 @@ def _study(scenario: Scenario, *, vary: Sequence[str] | None, **rest: Any) -> St
 
 
 def _quantities(scenario: Scenario, vary: Sequence[str] | None) -> dict[str, Distribution]:
-    """Return what `--vary` says; ValueError lists all that can vary where it says nothing."""
+    """Read the quantities of `--vary`; ValueError lists all that can vary if there are none."""
     if not vary:
         raise ValueError(f"nothing varies yet. {what_can_vary(scenario)}")
     try:

@@ -66,7 +66,7 @@ class Section:
 
 @dataclass(frozen=True, kw_only=True)
 class Content:
-    """What a result says."""
+    """Verdict, facts and sections of a result, which every output shows."""
 
     title: str  # what was computed
     verdict: Statement  # the conclusion in one sentence

@@ -1,4 +1,4 @@
-"""How far an answer can be relied on: numbers, input, form of the model and data of its isolators, graded in plain words."""
+"""Credibility of an answer: numerical error, input, form of the model and isolator data, each graded in plain words."""
 
 import math
 from collections.abc import Iterator, Mapping, Sequence

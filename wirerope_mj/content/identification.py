@@ -106,7 +106,7 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
 
 
 def record_warnings(warnings: Sequence[str]) -> Statement | None:
-    """Return what the records show of faults of the rig; None if it is nothing."""
+    """List the faults of the rig that the records show; None without any."""
     text = "Warnings about the records:"
     return Statement(id="warnings", text=text, items=tuple(warnings), tone="unjudged") if warnings else None
 

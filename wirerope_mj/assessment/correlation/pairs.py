@@ -156,7 +156,7 @@ def _drift(pair: Pair) -> tuple[float, float]:
 
 
 def _summit(three: Array) -> float:
-    """Return where the parabola through three values of a maximum is largest, from the middle one [samples]."""
+    """Find the vertex of the parabola through a largest sample and its neighbours, from that sample [samples]."""
     before, there, after = three
     bend = before - 2.0 * there + after
     return 0.5 * float((before - after) / bend) if bend else 0.0

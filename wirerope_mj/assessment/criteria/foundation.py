@@ -36,7 +36,7 @@ def standing(scene: Scene) -> list[SceneMount]:
 
 @dataclass(frozen=True, kw_only=True)
 class AreaForce:
-    """What an area of the deck bears of its mounts, over the samples."""
+    """Loads of the mounts on an area of the deck, the largest over all samples."""
 
     name: str  # of the area; "" for all mounts together
     mounts: int  # number of mounts that stand on it
