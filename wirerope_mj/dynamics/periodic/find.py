@@ -122,13 +122,10 @@ class OrbitSearch:
     def require_budget(self, frequency: float, periods: int, points: float) -> None:
         """Raise BudgetError if so many motions at a frequency [Hz] take too long, or one of them too much memory."""
         steps = float(periods) * self._steps.per_period(frequency)
-        what, remedy = (
-            "periodic motions",
-            "Take fewer `periods`, a larger `largest_step` or `accuracy`, or a narrower range.",
-        )
-        require_time(f"following {points:.4g} {what} of {steps:.4g} steps", points * steps, remedy)
+        remedy = "Take fewer `periods`, a larger `largest_step` or `accuracy`, or a narrower range."
+        require_time(f"following {points:.4g} periodic motions of {steps:.4g} steps", points * steps, remedy)
         values = self.system.model.nsensordata + self.coordinates.size
-        require_memory(f"one of these {what}, {steps:.4g} steps,", 8.0 * values * steps, remedy)
+        require_memory(f"one of these periodic motions, {steps:.4g} steps,", 8.0 * values * steps, remedy)
 
     def drive(self, frequency: float, acceleration: float, periods: int = 1) -> Drive:
         """Return a sine with the steps that the accuracy asks for."""
