@@ -20,8 +20,8 @@ from wirerope_mj.foundation.errors import ConvergenceError
 
 # Relative distance of eigenvalues whose shapes may turn into one another.
 CLOSE = 1e-6
-# Relative change of the eigenvalue at which an iterated mode is found.
-TOLERANCE = 1e-9
+# Relative change of the eigenvalue at which an iterated mode is found, and at which it leads on to the next amplitude.
+TOLERANCE, LEADING = 1e-9, 1e-3
 # Iterations of a mode, those in which its shape may change, and those that are not damped.
 ROUNDS, DISTINCT, DIRECT = 100, 40, 15
 # Share of the largest eigenvalue below which one is rounding: nothing holds that motion.
@@ -59,13 +59,15 @@ def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -
 
 
 def iterate(
-    stiffness: Callable[[Array, float], ComplexArray], mass: Array, known: Array, mode: int, start: tuple[float, Array]
-) -> tuple[float, Array, ComplexArray]:
+    stiffness: Callable[[Array, float], ComplexArray], mass: Array, known: Array, mode: int, start: tuple[float, Array],
+    tolerance: float = TOLERANCE,
+) -> tuple[float, Array, ComplexArray]:  # fmt: skip
     """Return eigenvalue, shape and complex stiffness of the mode whose stiffness is that of its own shape and frequency.
 
     Two modes of nearly one frequency mix in an instant, and may swap without end; then each keeps its known shape,
     whose Rayleigh quotient is right to the second order of what the shape lacks. `known` are the shapes of all modes for small
-    amplitudes, phi^T M phi = 1, (n, n); column `mode` is followed, from an eigenvalue and a shape.
+    amplitudes, phi^T M phi = 1, (n, n); column `mode` is followed, from an eigenvalue and a shape, until the eigenvalue changes
+    by less than `tolerance` of itself.
     """
     value, shape = start
     matrix = stiffness(shape, value)
@@ -77,7 +79,7 @@ def iterate(
             shape = known[:, mode]
             value = float(shape @ matrix.real @ shape)
         renewed = stiffness(shape, value)
-        if abs(value - before) <= TOLERANCE * max(abs(value), abs(before)):
+        if abs(value - before) <= tolerance * max(abs(value), abs(before)):
             return value, shape, renewed
         matrix = renewed if count < DIRECT else 0.5 * (matrix + renewed)  # what alternates is damped
     return value, shape, matrix
@@ -164,7 +166,8 @@ def modes(system: System, *, history: History = "virgin", amplitude: float | Non
     for mode in range(values.size):
         for size in sizes:
             start = float(values[mode]), shapes[:, mode]
-            found = iterate(partial(springs.at, size), rest.mass, known, mode, start)
+            tolerance = TOLERANCE if size == sizes[-1] else LEADING
+            found = iterate(partial(springs.at, size), rest.mass, known, mode, start, tolerance)
             values[mode], shapes[:, mode], complexes[mode] = found
     damping = np.array([_damping(shapes[:, i], values[i], complexes[i], rest) for i in range(values.size)])
     order = np.argsort(values, kind="stable")

@@ -24,7 +24,7 @@ Coupled = BiaxialBoucWen | LoopBoucWen
 # Amplitude [m] below which a cycle is the vanishing one: forces of kilonewtons are rounded at 1e-4 N/m of slope there.
 SMALL = 1e-8
 # Samples of a cycle of the loop's energy, whose stiffness jumps at the ends of its box: a few parts in ten thousand there.
-FINE = 4096
+FINE = 2048
 
 
 def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
@@ -86,7 +86,7 @@ def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array
     """
     if float(np.hypot(*amplitude)) < SMALL:
         return loop.stiffness(deflection)
-    angle = 2.0 * np.pi * (np.arange(FINE) + 0.5) / FINE
+    angle = np.pi * (np.arange(FINE) + 0.5) / FINE  # the way back passes the same deflections
     there = loop.stiffness(deflection + np.cos(angle)[:, None] * amplitude)
     return np.asarray(np.einsum("t,tij->ij", 2.0 / FINE * np.sin(angle) ** 2, there))
 
@@ -175,15 +175,17 @@ class MountAtRest:
     def stiffness(self, amplitude: Array, frequency: float) -> ComplexArray:
         """Evaluate stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy."""
         complex_stiffness = np.zeros(3, dtype=np.complex128)
+        coupled, axes = self.isolator.coupled, list(self.isolator.coupled_axes)
+        if coupled is not None and float(np.hypot(*amplitude[axes])) >= SMALL:
+            complex_stiffness[axes] = plane_cycle(coupled, self.deflection[axes], amplitude[axes])
+        else:
+            axes = []
         for axis, law in enumerate(self.isolator.axes.values()):
-            if law is None:
+            if law is None or axis in axes:
                 continue
             x, size = float(self.deflection[axis]), float(amplitude[axis])
             if size < SMALL:
                 complex_stiffness[axis] = vanishing_cycle(law, x, self.states[axis], frequency=frequency)
             else:
                 complex_stiffness[axis] = closed_cycle(law, x, size, frequency=frequency)
-        axes = list(self.isolator.coupled_axes)
-        if self.isolator.coupled is not None and float(np.hypot(*amplitude[axes])) >= SMALL:
-            complex_stiffness[axes] = plane_cycle(self.isolator.coupled, self.deflection[axes], amplitude[axes])
         return complex_stiffness

@@ -122,7 +122,7 @@ class Isolator(Brief):
         """The laws by axis in the order roll (x), shear (y), axial (z)."""
         return {"roll": self.roll, "shear": self.shear, "axial": self.axial}
 
-    @property
+    @cached_property
     def coupled(self) -> BiaxialBoucWen | LoopBoucWen | None:
         """The laws of the coupled axes as one, or None if the axes are independent."""
         if self.loop is not None and self.roll is not None and self.axial is not None:

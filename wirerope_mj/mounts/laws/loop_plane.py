@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -115,12 +115,18 @@ class LoopCoupling:
 
     def _slope(self, d: Array, of_u: int = 0, of_w: int = 0) -> Array:
         """Return a derivative of the polynomial, of an order in u and one in w, (...)."""
-        rows = np.array(self.coefficients)
-        table = np.zeros((2 * rows.shape[0] + 1, rows.shape[1] + 1))
-        table[2::2, 1:] = rows
-        table = polyder(polyder(table, of_u, axis=0), of_w, axis=1)
+        table = _derivative(self.coefficients, of_u, of_w)
         units = self.roll**of_u * self.scale**of_w
         return np.asarray(polyval2d(d[..., 0] / self.roll, d[..., 1] / self.scale, table) / units, dtype=np.float64)
+
+
+@lru_cache(maxsize=256)
+def _derivative(coefficients: tuple[tuple[float, ...], ...], of_u: int, of_w: int) -> Array:
+    """Return a derivative of sum c_ij u^(2 i) w^j as coefficients of the powers of u and w, (n_u, n_w)."""
+    rows = np.array(coefficients)
+    table = np.zeros((2 * rows.shape[0] + 1, rows.shape[1] + 1))
+    table[2::2, 1:] = rows
+    return np.asarray(polyder(polyder(table, of_u, axis=0), of_w, axis=1))
 
 
 NODES, WEIGHTS = leggauss(32)  # of exp(lambda x) F1(x) to rounding up to lambda x = 20
