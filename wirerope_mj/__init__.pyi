@@ -74,6 +74,7 @@ from .foundation.errors import StudyWarning as StudyWarning
 from .foundation.errors import WireRopeError as WireRopeError
 from .foundation.state import State as State
 from .foundation.units import STANDARD_GRAVITY as STANDARD_GRAVITY
+from .motions import Blow as Blow
 from .motions import DecayingSine as DecayingSine
 from .motions import DesignSpectrum as DesignSpectrum
 from .motions import DoubleHalfSine as DoubleHalfSine
@@ -90,6 +91,7 @@ from .motions import Scaled as Scaled
 from .motions import ShockTableImpact as ShockTableImpact
 from .motions import Sine as Sine
 from .motions import SpectrumMatch as SpectrumMatch
+from .motions import StruckPlate as StruckPlate
 from .motions import Sweep as Sweep
 from .motions import Trapezoid as Trapezoid
 from .motions import Turned as Turned

@@ -1,5 +1,7 @@
 """Forces on the payload: closed forms, SciPy, Newton's and Euler's equations, batches, and what is refused."""
 
+import math
+
 import numpy as np
 import pytest
 import scipy
@@ -9,6 +11,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria.foundation import foundation_force
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.motions import motion_from_dict
 
 K, C, MASS = 2e5, 600.0, 50.0
@@ -47,6 +50,43 @@ def test_force_transmissibility_of_a_linear_mount_is_the_closed_form(system, fre
     carried = K + 1j * omega * C
     assert amplitude / 100.0 == pytest.approx(abs(carried / (carried - MASS * omega**2)), rel=1e-6)
     assert "forces act on the payload" in response.numerics.why
+
+
+@pytest.mark.parametrize("direction", ["z", (0, 0, -1)])
+def test_a_blow_gives_its_impulse(system, direction):
+    blow = wr.Blow(site="engine", impulse=40.0, duration=1e-4, direction=direction, start=0.01)
+    time = np.linspace(0.01, 0.0101, 2001)
+    assert scipy.integrate.simpson(blow.load("engine", time)[:, 2], x=time) == pytest.approx(
+        40.0 if direction == "z" else -40.0
+    )
+    response = wr.simulate(system, blow, duration=0.2, accuracy=1e-8, sample_rate=20_000.0)
+    omega, ratio = np.sqrt(K / MASS), C / (2.0 * np.sqrt(K * MASS))
+    first = (
+        40.0 / (MASS * omega) * np.exp(-ratio / np.sqrt(1 - ratio**2) * np.arccos(ratio))
+    )  # peak of a free oscillation
+    assert np.abs(response.mounts["m1"].deflection[:, 2]).max() == pytest.approx(first, rel=1e-4)
+
+
+def test_the_medium_weight_machine_is_two_masses_until_the_table_is_stopped():
+    stiffness, table, equipment, gravity, impulse = 2e5, 2041.0, 300.0, G, 3300.0
+    linear = wr.Isolator(
+        name="linear", **{axis: wr.KelvinVoigt(k=stiffness, c=500.0) for axis in ("axial", "shear", "roll")}
+    )
+    system = wr.load_system(models_folder() / "templates" / "medium_weight_machine.xml", isolators={"wr16_400": linear})
+    response = wr.simulate(system, wr.Blow(site="hammer", impulse=impulse, duration=1e-3, direction="z"), duration=0.05)
+    at_rest = equipment * gravity / (4 * stiffness)
+
+    def rates(t, state):
+        blow = math.pi * impulse / 2e-3 * math.sin(math.pi * t / 1e-3) if t < 1e-3 else 0.0
+        seat = (table + equipment) * gravity if t == 0.0 else 0.0
+        held = 4 * (stiffness * (state[2] - state[0]) + 500.0 * (state[3] - state[1]))
+        return [state[1], (blow + seat + held) / table - gravity, state[3], -held / equipment - gravity]
+
+    solved = scipy.integrate.solve_ivp(
+        rates, (0.0, 0.05), (0.0, 0.0, -at_rest, 0.0), rtol=1e-9, atol=1e-12, max_step=1e-4
+    )
+    travel = solved.y[2] - solved.y[0]
+    assert response.mounts["m1"].deflection[:, 2].min() == pytest.approx(travel.min(), rel=2e-3)
 
 
 def test_a_run_up_of_an_unbalance_is_that_of_scipy(system):

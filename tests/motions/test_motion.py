@@ -18,6 +18,7 @@ from wirerope_mj.motions import (
     Scaled,
     ShockTableImpact,
     Sine,
+    StruckPlate,
     SumOfMotions,
     Sweep,
     Trapezoid,
@@ -57,6 +58,8 @@ MOTIONS = {
     "table that falls first": ShockTableImpact(
         drop_height=0.1, rebound=0.3, pulse_duration=0.02, fall=True, start=0.05
     ),
+    "struck plate": StruckPlate(pressure=20e3, decay=0.9e-3, areal_mass=320.0, direction="z", start=0.01),
+    "light plate": StruckPlate(pressure=-40e3, decay=0.5e-3, areal_mass=0.5e-3 * 1537500.0, direction=(1, 0, 1)),
     "struck deck": DecayingSine(frequency=14.0, damping=0.05, velocity=-2.0, direction="z", start=0.1),
     "deck under a blow": DecayingSine(
         frequency=8.0, damping=0.1, acceleration=90.0, direction="y", impact_duration=0.02

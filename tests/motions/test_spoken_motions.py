@@ -31,6 +31,9 @@ SAID = {
     ("struck-deck", "14 Hz 1.5 m/s damping 5 % blow 4 ms z"): wr.DecayingSine(
         frequency=14.0, damping=0.05, velocity=1.5, direction="z", impact_duration=0.004
     ),
+    ("struck-plate", "14 MPa 0.9 ms 320 kg/m2 z at 5 ms"): wr.StruckPlate(
+        pressure=14e6, decay=0.9e-3, areal_mass=320.0, direction="z", start=0.005
+    ),
     ("sine", "0.5 g 12 Hz 10 s z"): wr.Sine(frequency=12.0, acceleration=0.5 * G, duration=10.0, direction="z"),
     ("sweep", "0.5 g 5 to 50 Hz 2 oct/min z"): wr.Sweep(start=5, stop=50, rate=2, acceleration=0.5 * G, direction="z"),
     ("sweep", "0.5 g 50 Hz 5 Hz 2 oct/min z"): wr.Sweep(start=50, stop=5, rate=2, acceleration=0.5 * G, direction="z"),
@@ -55,6 +58,7 @@ FORCES = {
     ("force", "engine 500 N 12 Hz 10 s z"): wr.HarmonicForce(
         site="engine", force=(0, 0, 500), frequency=12.0, duration=10.0
     ),
+    ("hammer", "anvil 3.3 kN.s 1 ms z"): wr.Blow(site="anvil", impulse=3300.0, duration=1e-3, direction="z"),
     ("moment", "engine 80 N.m 12 Hz 10 s y"): wr.HarmonicForce(
         site="engine", moment=(0, 80, 0), frequency=12.0, duration=10.0
     ),

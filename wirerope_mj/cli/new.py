@@ -18,7 +18,7 @@ def new(
     envelope: Path | None = None,
     tables: Path | None = None,
     name: str | None = None,
-    template: Literal["cabinet", "floor", "genset", "two-stage"] | None = None,
+    template: Literal["cabinet", "floor", "genset", "medium-weight-machine", "two-stage"] | None = None,
     deck: str | None = None,
     products: Literal["tensor", "positive"] = "tensor",
     pdf: Annotated[bool, Parameter(negative=())] = False,
@@ -69,7 +69,7 @@ def new(
     elif "mounts" not in found or "masses" not in found:
         raise ValueError(
             "a model is made from `--mounts FILE` and `--masses FILE`, from `--tables` with both, or from `--template "
-            "cabinet`, `floor`, `genset` or `two-stage`."
+            "cabinet`, `floor`, `genset`, `medium-weight-machine` or `two-stage`."
         )
     else:
         layout = new_model(

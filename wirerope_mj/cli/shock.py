@@ -22,6 +22,7 @@ def shock(
     velocity_step: Phrases = None,
     double_pulse: Phrases = None,
     struck_deck: Phrases = None,
+    struck_plate: Phrases = None,
     sine: Phrases = None,
     sweep: Phrases = None,
     psd: Phrases = None,
@@ -32,6 +33,7 @@ def shock(
     reciprocating: Phrases = None,
     payload_force: Phrases = None,
     moment: Phrases = None,
+    hammer: Phrases = None,
     force_table: Phrases = None,
     levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
     record: Path | None = None,
@@ -71,6 +73,7 @@ def shock(
         velocity_step: "2 m/s z": velocity change at once.
         double_pulse: "50 mm 3 m/s 100 g z": the double half-sine of a design spectrum d0, v0, a0.
         struck_deck: "14 Hz 1.5 m/s damping 5 % blow 4 ms z": a deck of one frequency under a blow.
+        struck_plate: "14 MPa 0.9 ms 320 kg/m2 z": a hull plate under an underwater shock wave: pressure, decay, mass per area.
         sine: "0.5 g 12 Hz 10 s z": steady sine.
         sweep: "0.5 g 5 to 50 Hz 2 oct/min z": logarithmic sine sweep.
         psd: "transport.csv 30 s z seed 1": random vibration of a file with "frequency [Hz], psd [g^2/Hz]".
@@ -84,6 +87,7 @@ def shock(
         reciprocating: "engine 8 kg.mm 25 Hz order 2 z": the same of what moves to and fro along z.
         payload_force: "engine 500 N 12 Hz 10 s z": harmonic force.
         moment: "engine 80 N.m 12 Hz 10 s y": harmonic moment.
+        hammer: "anvil 9.8 kN.s 1 ms z": a blow, by its impulse and length.
         force_table: "engine start.csv at 1 s": forces and moments of a file with "time [s], fz [N], mx [N.m]" and the like.
         levels: TOML file of motions, as `wirerope levels` writes one to fill in.
         record: CSV, MATLAB (-v7), XLSX or Parquet file with units in its header, such as "time [s], x [g], z [m/s^2]", or
@@ -125,11 +129,11 @@ def shock(
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
     spoken = {
         "half-sine": half_sine, "sawtooth": sawtooth, "trapezoid": trapezoid, "velocity-step": velocity_step,
-        "double-pulse": double_pulse, "struck-deck": struck_deck, "sine": sine, "sweep": sweep, "psd": psd,
-        "amplitude-table": amplitude_table,
+        "double-pulse": double_pulse, "struck-deck": struck_deck, "struck-plate": struck_plate,
+        "sine": sine, "sweep": sweep, "psd": psd, "amplitude-table": amplitude_table,
         "spectrum": spectrum, "required-spectrum": required_spectrum,
         "unbalance": unbalance, "reciprocating": reciprocating, "force": payload_force, "moment": moment,
-        "force-table": force_table,
+        "hammer": hammer, "force-table": force_table,
     }  # fmt: skip
     phrases = [(kind, phrase) for kind, several in spoken.items() for phrase in several or ()]
     names = [*dict.fromkeys(kind for kind, _ in phrases), *(file.stem for file in levels or ())]

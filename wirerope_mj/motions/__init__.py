@@ -3,7 +3,7 @@
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
-from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce, PayloadForce
+from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce, PayloadForce
 from wirerope_mj.motions.psd_lines import banded_lines, psd_from_g, psd_level, psd_rms
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
@@ -15,13 +15,13 @@ from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, DesignSpectrum, ac156_spectrum, en1998_spectrum
 from wirerope_mj.motions.unbalance import Unbalance
+from wirerope_mj.motions.underwater import StruckPlate
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 __all__ = [
-    "EN1998_TYPE_1", "BaseMotion", "DecayingSine", "DesignSpectrum", "DoubleHalfSine", "DoubleTriangle", "ForceTable",
+    "EN1998_TYPE_1", "BaseMotion", "Blow", "DecayingSine", "DesignSpectrum", "DoubleHalfSine", "DoubleTriangle", "ForceTable",
     "HalfSine", "HarmonicForce", "Measured", "MeasuredChannel", "PayloadForce", "RandomVibration", "Record", "Sawtooth",
-    "Scaled",
-    "ShockTableImpact", "Sine", "SpectrumMatch", "SumOfMotions", "Sweep", "Trapezoid", "Turned", "Unbalance",
-    "VelocityStep", "VibrationLines", "ac156_spectrum", "banded_lines", "en1998_spectrum", "load_measured", "load_record",
-    "match_spectrum", "motion_from_dict", "psd_from_g", "psd_level", "psd_rms",
+    "Scaled", "ShockTableImpact", "Sine", "SpectrumMatch", "StruckPlate", "SumOfMotions", "Sweep", "Trapezoid", "Turned",
+    "Unbalance", "VelocityStep", "VibrationLines", "ac156_spectrum", "banded_lines", "en1998_spectrum", "load_measured",
+    "load_record", "match_spectrum", "motion_from_dict", "psd_from_g", "psd_level", "psd_rms",
 ]  # fmt: skip

@@ -1,4 +1,4 @@
-"""Forces and moments on the payload: what they have in common, a harmonic one, and a table."""
+"""Forces and moments on the payload: what they have in common, a harmonic one, a blow, and a table."""
 
 import math
 from abc import abstractmethod
@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times, finite
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion
 
@@ -131,6 +132,45 @@ class HarmonicForce(PayloadForce):
             "phase": self.phase, "start": self.start,
         }  # fmt: skip
         return values | ({"duration": self.duration} if math.isfinite(self.duration) else {})
+
+
+@dataclass(frozen=True, kw_only=True)
+class Blow(PayloadForce):
+    """Blow on the payload, as of a hammer: a half-sine of the impulse J, pi J / (2 D) sin(pi t / D)."""
+
+    kind: ClassVar[str] = "blow"
+
+    site: str
+    impulse: float  #: J [N s]; negative for a blow against the direction
+    duration: float  #: length D [s]
+    direction: Direction  #: along the site's axes: `"x"`, `"y"`, `"z"` or a 3-vector
+    start: float = 0.0  #: instant at which it begins [s]
+
+    def __post_init__(self) -> None:
+        self._check()
+        self._set(impulse=ranges.level("impulse", self.impulse), duration=ranges.length("duration", self.duration))
+        self._set(direction=checked_direction(self.direction))
+
+    def _wrench(self, t: Array) -> Array:
+        size = math.pi * self.impulse / (2.0 * self.duration) * np.sin(math.pi * t / self.duration)
+        return np.asarray(size[:, np.newaxis] * np.array([*unit_vector(self.direction), 0.0, 0.0, 0.0]))
+
+    @property
+    def description(self) -> str:
+        """For instance `blow of 9800 N s in 1 ms at anvil along z`."""
+        along = direction_text(self.direction)
+        return f"blow of {self.impulse:.4g} N s in {1e3 * self.duration:.4g} ms at {self.site} along {along}"
+
+    @property
+    def shortest_time(self) -> float:
+        """Length [s]."""
+        return self.duration
+
+    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+        return {
+            "site": self.site, "impulse": self.impulse, "duration": self.duration, "start": self.start,
+            "direction": plain_direction(self.direction),
+        }  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -24,6 +24,9 @@ UNITS: dict[str, Mapping[str, float]] = {
     "ratio": {"%": 0.01},
     "force": FORCE_UNITS,
     "moment": {"N.m": 1.0, "Nm": 1.0, "kN.m": 1e3, "kNm": 1e3},
+    "impulse": {"N.s": 1.0, "Ns": 1.0, "kN.s": 1e3, "kNs": 1e3},
+    "pressure": {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "bar": 1e5, "psi": 6894.757293168},
+    "areal mass": {"kg/m2": 1.0, "kg/m^2": 1.0},
     "mass": {"kg": 1.0, "t": 1e3},
     "unbalance": {"kg.m": 1.0, "kg.mm": 1e-3, "g.m": 1e-3, "g.mm": 1e-6},
 }

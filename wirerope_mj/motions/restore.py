@@ -14,7 +14,7 @@ from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.double_pulses import DoubleHalfSine, DoubleTriangle
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
-from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce
+from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.records.record import Record, load_record
@@ -22,11 +22,13 @@ from wirerope_mj.motions.scaled import Scaled, Turned
 from wirerope_mj.motions.shock_machines import DecayingSine, ShockTableImpact
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
 from wirerope_mj.motions.unbalance import Unbalance
+from wirerope_mj.motions.underwater import StruckPlate
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 _KINDS: tuple[type[BaseMotion], ...] = (
     HalfSine, Sawtooth, Trapezoid, VelocityStep, Sine, Sweep, DoubleHalfSine, DoubleTriangle, ShockTableImpact, DecayingSine,
-    VibrationLines, RandomVibration, Record, Scaled, Turned, Unbalance, HarmonicForce, ForceTable,
+    VibrationLines, RandomVibration, Record, Scaled, Turned, Unbalance, HarmonicForce, ForceTable, Blow,
+    StruckPlate,
 )  # fmt: skip
 _FACTORIES: dict[str, Callable[..., BaseMotion]] = {one.kind: load_record if one is Record else one for one in _KINDS}
 

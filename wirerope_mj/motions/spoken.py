@@ -11,7 +11,7 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion
-from wirerope_mj.motions.payload_forces import ForceTable, HarmonicForce
+from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
 from wirerope_mj.motions.phrases import START, UNITS, Phrase, SpokenMotion, file_first, parse_phrase, site_first
 from wirerope_mj.motions.psd_lines import ForceRows, Points, force_rows, psd_points, spectrum_points, table_lines
 from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
@@ -20,6 +20,7 @@ from wirerope_mj.motions.shock_machines import DecayingSine
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
 from wirerope_mj.motions.target_spectra import DesignSpectrum
 from wirerope_mj.motions.unbalance import Unbalance
+from wirerope_mj.motions.underwater import StruckPlate
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
@@ -154,6 +155,15 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
         needs={"frequency": 1, "velocity": 1}, words=START | {"damping": "ratio", "blow": "time"},
         needed_words=("damping", "blow"), make=_struck_deck,
     ),
+    "struck-plate": SpokenMotion(
+        example="14 MPa 0.9 ms 320 kg/m2 z",
+        summary="hull plate under an underwater shock wave: peak pressure, decay, mass per area, direction",
+        needs={"pressure": 1, "time": 1, "areal mass": 1},
+        make=lambda phrase, direction, *_: StruckPlate(
+            pressure=phrase.one("pressure"), decay=phrase.one("time"), areal_mass=phrase.one("areal mass"),
+            direction=direction, start=phrase.start,
+        ),
+    ),
     "sine": SpokenMotion(
         example="0.5 g 12 Hz 10 s z", summary="steady sine: amplitude, frequency, length, direction",
         needs={"acceleration": 1, "frequency": 1, "time": 1}, words={}, make=_sine,
@@ -203,6 +213,13 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
         example="engine 80 N.m 12 Hz 10 s y",
         summary="harmonic moment on the payload: site, amplitude, frequency, length, axis",
         needs={"moment": 1, "frequency": 1, "time": 1}, begins=site_first, make=_harmonic("moment"),
+    ),
+    "hammer": SpokenMotion(
+        example="anvil 9.8 kN.s 1 ms z", summary="blow on the payload: site, impulse, length, direction",
+        needs={"impulse": 1, "time": 1}, begins=site_first,
+        make=lambda phrase, direction, _, site: Blow(
+            site=site, impulse=phrase.one("impulse"), duration=phrase.one("time"), direction=direction, start=phrase.start
+        ),
     ),
     "force-table": SpokenMotion(
         example="engine start.csv at 1 s",

@@ -19,7 +19,10 @@ from wirerope_mj.mounts.laws import Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
 
 KIND = "folder of a model"
-_MODELS = {"cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage": "templates/two_stage.xml"}
+_MODELS = {
+    "cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage": "templates/two_stage.xml",
+    "medium-weight-machine": "templates/medium_weight_machine.xml",
+}  # fmt: skip
 
 
 TABLES = ("mounts", "masses", "stops", "points", "forces", "envelope")
