@@ -24,12 +24,9 @@ SLOWEST = 1e-5
 ALONG_NEUTRAL = 10.0
 # Change of the parameter, in its unit of arclength, beyond which a correction leads nowhere; a step is 1 at the most.
 FARTHEST = 10.0
-# Corrections of one point.
-CORRECTIONS = 10
-# Ratio of two gaps above which the matrix is computed anew.
-SLOW = 0.5
-# Points that are computed to find where something vanishes.
-LOCATIONS = 12
+CORRECTIONS = 10  # corrections of one point
+SLOW = 0.5  # ratio of two gaps above which the matrix is computed anew
+LOCATIONS = 12  # points that are computed to find where something vanishes
 
 
 class Tried(Protocol):

@@ -16,15 +16,12 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import json_values
 
-# Highest harmonic that is looked for in a motion.
-HARMONICS = 9
+HARMONICS = 9  # highest harmonic that is looked for in a motion
 # Orders whose own harmonic is looked for near that fraction of the highest peak: the whole amplitude may have no peak there.
 ORDERS, NEAR = (2, 3), 0.15
 SEEN = 0.01  # that harmonic over the fundamental from which on it is listed; a step may pass its narrow top
-# Relative distance from a fold within which a sweep jumps and is not compared.
-AWAY = 0.05
-# Speed of a shaft [1/min], and order, at the most: ten times what turns and shakes.
-FASTEST = 1e6
+AWAY = 0.05  # relative distance from a fold within which a sweep jumps and is not compared
+FASTEST = 1e6  # speed of a shaft [1/min], and order, at the most: ten times what turns and shakes
 
 
 @dataclass(frozen=True, kw_only=True)

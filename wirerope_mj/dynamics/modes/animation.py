@@ -15,14 +15,10 @@ from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
-# Rows of a period: ten degrees each.
-ROWS = 36
-# Periods that each mode is shown, one second long each.
-PERIODS = 2
-# Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture.
-FRACTION = 0.5
-# That deflection where no height is known [m].
-_FLAT = 0.05
+ROWS = 36  # rows of a period: ten degrees each
+PERIODS = 2  # periods that each mode is shown, one second long each
+FRACTION = 0.5  # fraction of the height of the lowest mount by which the mount that moves most deflects in the picture
+_FLAT = 0.05  # that deflection where no height is known [m]
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -18,10 +18,8 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 
-# Relative distance of eigenvalues whose shapes may turn into one another.
-CLOSE = 1e-6
-# Relative change of the eigenvalue at which an iterated mode is found.
-TOLERANCE = 1e-9
+CLOSE = 1e-6  # relative distance of eigenvalues whose shapes may turn into one another
+TOLERANCE = 1e-9  # relative change of the eigenvalue at which an iterated mode is found
 # Iterations of a mode, those in which its shape may change, and those that are not damped.
 ROUNDS, DISTINCT, DIRECT = 100, 40, 15
 # Share of the largest eigenvalue below which one is rounding: nothing holds that motion.

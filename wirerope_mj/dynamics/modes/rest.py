@@ -17,8 +17,7 @@ from wirerope_mj.foundation.arrays import Array, Integers
 # Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
 STEP = 1e-6
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-# Fraction of the kinetic energy from which a component of the motion is named.
-NAMED = 0.15
+NAMED = 0.15  # fraction of the kinetic energy from which a component of the motion is named
 # Fraction of the model's mass below which what can move along an axis is rounding.
 _NOTHING = 1e-9
 _TRANSLATIONS = ("sway x", "sway y", "bounce z")

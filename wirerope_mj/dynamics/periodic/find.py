@@ -32,27 +32,20 @@ from wirerope_mj.foundation.state import State
 # Steps per period of the base for an error of 1e-4 of accelerations and deflections: measured on one mass from a seventh of
 # its resonance to twice it, superharmonic resonances included, and on a floor. The kinks at reversals leave order 2.
 STEPS = 128
-# Steps per period of the system's fastest motion: between reversals RK4 has its order 4.
-NATURAL = 32
-# Accuracy for which these numbers hold.
-REFERENCE = 1e-4
-# Fraction of the stability limit that a step may have.
-STABLE = 0.9
+NATURAL = 32  # steps per period of the system's fastest motion: between reversals RK4 has its order 4
+REFERENCE = 1e-4  # accuracy for which these numbers hold
+STABLE = 0.9  # fraction of the stability limit that a step may have
 # Decay of a hysteretic state near its bound over a step at the most: beyond 2.785 RK4 makes it grow, two coupled ones sooner.
 SETTLED = 2.0
-# Relative change of the largest such rate for which the steps are not changed.
-SAME_RATE = 0.1
+SAME_RATE = 0.1  # relative change of the largest such rate for which the steps are not changed
 # Periods that are simulated before Newton's method starts, and more of them each time it fails.
 SETTLING = (20, 60, 240)
-# Newton iterations of one attempt: four times what a smooth start takes.
-ITERATIONS = 20
+ITERATIONS = 20  # Newton iterations of one attempt: four times what a smooth start takes
 # Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and
 # turn has 12 without its mounts' states.
 MANY = 13
-# Times that the width of smoothed laws is set by the motion that was found with the last one.
-WIDTHS = 4
-# Relative change of that width that no longer matters: the motion depends on its square.
-SAME_WIDTH = 0.01
+WIDTHS = 4  # times that the width of smoothed laws is set by the motion that was found with the last one
+SAME_WIDTH = 0.01  # relative change of that width that no longer matters: the motion depends on its square
 
 
 class Steps:

@@ -31,8 +31,7 @@ from wirerope_mj.motions import Sine
 STATE_PARTS = ("qpos", "qvel", "act")
 # Copies that there are at least: Newton's trial steps need them; the columns of a matrix need one for each unknown.
 COPIES = 8
-# Place of the deflection's rate in a mount's record, behind deflection and force.
-RATE = 6
+RATE = 6  # place of the deflection's rate in a mount's record, behind deflection and force
 
 
 class Flow(ABC):

@@ -28,18 +28,14 @@ from wirerope_mj.dynamics.periodic.storage import (
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
-# First step in units of the largest.
-FIRST = 0.2
-# Corrector iterations that the step length is steered to.
-AIM = 4
+FIRST = 0.2  # first step in units of the largest
+AIM = 4  # corrector iterations that the step length is steered to
 # Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
 LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
-# Distance of two folds in units of the accuracy within which they may be the steps': three were seen.
-RIPPLE = 5.0
+RIPPLE = 5.0  # distance of two folds in units of the accuracy within which they may be the steps': three were seen
 # Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
-# Seconds between two looks at the disk: what a killed process loses.
-SAVE_EVERY = 2.0
+SAVE_EVERY = 2.0  # seconds between two looks at the disk: what a killed process loses
 
 
 class GrowingBranch:

@@ -36,8 +36,7 @@ from wirerope_mj.mounts.laws.smoothed import with_width
 # Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
 # is infinite, a millionth of it is what stays in the equation.
 SMALL = 1e-6
-# Fraction of a state's largest value below which its power is not differentiated.
-NEAREST = 1e-12
+NEAREST = 1e-12  # fraction of a state's largest value below which its power is not differentiated
 
 
 def smoothed(system: System, width: float) -> System:

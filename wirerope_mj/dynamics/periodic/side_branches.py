@@ -21,8 +21,7 @@ from wirerope_mj.foundation.arrays import Array
 
 # Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for.
 LEAPS = (0.1, 0.25, 0.5, 1.0)
-# Periods after which Newton's method is tried again beyond a fold.
-SETTLE = 60
+SETTLE = 60  # periods after which Newton's method is tried again beyond a fold
 # Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read.
 SETTLING, SEEN = 300, 8
 # Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods.

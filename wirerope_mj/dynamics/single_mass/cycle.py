@@ -17,10 +17,8 @@ from wirerope_mj.mounts.laws.power import ORDER
 from wirerope_mj.mounts.laws.steady import carry, next_start
 from wirerope_mj.mounts.laws.timed import follow_time
 
-# Cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two.
-_ROUNDS = 200
-# Share of the largest state by which it may differ after a cycle: rounding.
-_CLOSED = 4e-16
+_ROUNDS = 200  # cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two
+_CLOSED = 4e-16  # share of the largest state by which it may differ after a cycle: rounding
 
 
 @njit

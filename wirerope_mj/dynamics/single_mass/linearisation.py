@@ -39,19 +39,14 @@ class EquivalentLinear(Brief):
     """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first.
 
     Attributes:
-        frequency: [Hz], (n_f,).
-        deflection: amplitude of the deflection D [m], (n_f, 3); NaN where there are fewer solutions.
-        amplitude: largest |absolute acceleration| of the mass [m/s^2], (n_f, 3).
-        stiffness: K [N/m], (n_f, 3).
-        damping_ratio: of the loop [-], (n_f, 3).
         solutions: how many there are, (n_f,).
     """
 
-    frequency: Array
-    deflection: Array
-    amplitude: Array
-    stiffness: Array
-    damping_ratio: Array
+    frequency: Array  # [Hz], (n_f,)
+    deflection: Array  # amplitude of the deflection D [m], (n_f, 3); NaN where there are fewer solutions
+    amplitude: Array  # largest |absolute acceleration| of the mass [m/s^2], (n_f, 3)
+    stiffness: Array  # K [N/m], (n_f, 3)
+    damping_ratio: Array  # of the loop [-], (n_f, 3)
 
     @property
     def solutions(self) -> Integers:

@@ -11,8 +11,7 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached
 from wirerope_mj.mounts.laws.law import ROUNDING
 
-# Finite travels beyond which a deflection is but the overflow of a law that has ended.
-RAN_AWAY = 10.0
+RAN_AWAY = 10.0  # finite travels beyond which a deflection is but the overflow of a law that has ended
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,16 +22,13 @@ from wirerope_mj.motions import Sine, Sweep
 # Fewest steps in a cycle: the parabola through three of them meets the crest of a sine within 1e-5, of its third harmonic
 # within 1e-3.
 STEPS_PER_CYCLE = 40
-# Cycles before which nothing is judged: four in each quarter.
-FEWEST = 16
-# A look is taken whenever the cycles have grown by one part in this.
-LOOK_EVERY = 4
+FEWEST = 16  # cycles before which nothing is judged: four in each quarter
+LOOK_EVERY = 4  # a look is taken whenever the cycles have grown by one part in this
 # Looks that must agree: a slow beat may stand still at one of them. Of 1500 transients with decays of 1e-3 to 1 per cycle and
 # beats of every length 0.6 % were still taken for settled too early, those that turn once within a decay and begin where they
 # stand still; the wait was 1.7 times the shortest possible.
 IN_A_ROW = 2
-# Amplitudes smaller than this fraction of the largest are judged relative to that fraction.
-SMALL = 1e-3
+SMALL = 1e-3  # amplitudes smaller than this fraction of the largest are judged relative to that fraction
 # Blocks that a decay may still take. Steady amplitudes repeat within some 1e-12, which is then at most 1e-6.
 SLOWEST = 1e6
 

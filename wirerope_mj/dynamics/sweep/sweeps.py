@@ -31,8 +31,7 @@ from wirerope_mj.motions import Sine, Sweep
 STEPS, REFERENCE = 128, 1e-4
 # Samples by which steps are judged before the run, in a cycle of the highest frequency; peaks are judged from every step.
 SAMPLES_PER_CYCLE = 8
-# Cycles between two looks at deflections and progress: their base motion is evaluated at once.
-CHUNK = 64
+CHUNK = 64  # cycles between two looks at deflections and progress: their base motion is evaluated at once
 # Bytes of a cycle: its instants and how they are found, and its row of extremes, of ten bodies and mounts at the least.
 CYCLE = 500.0
 KIND = "stepped sine"

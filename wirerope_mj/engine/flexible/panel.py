@@ -15,8 +15,7 @@ from wirerope_mj.motions.phrases import parse_phrase
 EXAMPLE = "10 Hz 800 kg 4 %"
 NAME = "deck_panel"
 
-# damping ratio where none is said: a welded deck with what is bolted to it
-DAMPING = 0.02
+DAMPING = 0.02  # damping ratio where none is said: a welded deck with what is bolted to it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,18 +24,12 @@ class Panel:
 
     Alone on the base it swings at `frequency`: k = m (2 pi f)^2, c = 2 zeta m 2 pi f. Its own weight is carried before it is
     drawn; what stands on it makes it sag.
-
-    Attributes:
-        frequency: natural frequency alone [Hz].
-        mass: that moves [kg].
-        damping: damping ratio [-].
-        direction: along which it moves; "z", the deck's normal, unless said.
     """
 
-    frequency: float
-    mass: float
-    damping: float = DAMPING
-    direction: Direction = "z"
+    frequency: float  # natural frequency alone [Hz]
+    mass: float  # that moves [kg]
+    damping: float = DAMPING  # damping ratio [-]
+    direction: Direction = "z"  # along which it moves; "z", the deck's normal, unless said
 
     def __post_init__(self) -> None:
         positive("frequency", self.frequency, unit="Hz")

@@ -19,19 +19,13 @@ class FlexiblePart:
 
     q'' + 2 zeta omega q' + omega^2 q = Phi^T f - Gamma a_base (Craig and Bampton 1968, fixed interface; of equipment free-free
     modes about mean axes, with Gamma = 0). Shapes are displacements, so that mounts with rotational stiffness do not bend it.
-
-    Attributes:
-        frequencies: natural frequencies [Hz], (m,).
-        damping: damping ratios [-], (m,).
-        shapes: Phi by point, x, y, z in the part's axes [1/sqrt(kg)], (m, 3).
-        points: where the points are in the part's axes [m], (3,).
-        participation: Gamma = Phi^T M r along x, y, z [sqrt(kg)], (m, 3); zero of what is free in space.
     """
 
-    frequencies: Array
-    damping: Array
-    shapes: Mapping[str, Array]
-    points: Mapping[str, Array]
+    frequencies: Array  #: natural frequencies [Hz], (m,)
+    damping: Array  #: damping ratios [-], (m,)
+    shapes: Mapping[str, Array]  #: Phi by point, x, y, z in the part's axes [1/sqrt(kg)], (m, 3)
+    points: Mapping[str, Array]  #: where the points are in the part's axes [m], (3,)
+    #: Gamma = Phi^T M r along x, y, z [sqrt(kg)], (m, 3); zero of what is free in space
     participation: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:

@@ -60,16 +60,13 @@ class ContactPeak:
 
 @dataclass(frozen=True, init=False, repr=False)
 class Peak:
-    """Largest norm of a vector quantity, and the extremes of its components.
-
-    Attributes:
-        numbers: value, time, vector, minimum, minimum_time, maximum and maximum_time behind each other, (17,): a run has a peak
-            for every channel, and few of them are looked at.
-    """
+    """Largest norm of a vector quantity, and the extremes of its components."""
 
     SIZE: ClassVar[int] = 17
     VECTOR, MINIMUM, MINIMUM_TIME, MAXIMUM, MAXIMUM_TIME = (slice(first, first + 3) for first in range(2, 17, 3))
 
+    #: value, time, vector, minimum, minimum_time, maximum and maximum_time behind each other, (17,): a run has a peak for
+    #: every channel, and few of them are looked at
     numbers: Array
 
     def __init__(

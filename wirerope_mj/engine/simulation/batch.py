@@ -52,26 +52,17 @@ _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjEN
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BatchResult(Brief):
-    """Result of a variant that came to its end.
+    """Result of a variant that came to its end."""
 
-    Attributes:
-        peaks: peaks over every step.
-        initial_state, final_state: states at the start and at the end.
-        timestep: largest step [s].
-        steps: number of steps.
-        engine: "kernel" or "mujoco".
-        why: why it was not the kernel.
-        response: the whole response, if it was asked for.
-    """
-
-    peaks: Peaks
+    peaks: Peaks  #: peaks over every step
+    #: initial_state, final_state: states at the start and at the end
     initial_state: State
     final_state: State
-    timestep: float
-    steps: int
-    engine: str = "mujoco"
-    why: str = ""
-    response: Response | None = None
+    timestep: float  #: largest step [s]
+    steps: int  #: number of steps
+    engine: str = "mujoco"  #: "kernel" or "mujoco"
+    why: str = ""  #: why it was not the kernel
+    response: Response | None = None  #: the whole response, if it was asked for
 
 
 @dataclass(frozen=True, kw_only=True)

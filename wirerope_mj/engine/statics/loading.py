@@ -29,8 +29,7 @@ ACCEPTED = 1e-8
 # positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
 MOST = 3_000
 
-# deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
-FARTHEST = 10.0
+FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
 
 # argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
@@ -46,22 +45,16 @@ class MountLoad:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Equilibrium(Summarised):
-    """Equilibrium of a system under its weight.
+    """Equilibrium of a system under its weight."""
 
-    Attributes:
-        state: integration state to start a simulation from.
-        mounts: deflection and force of every mount.
-        history: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long
-            vibration has let the hysteretic part of the load leak away).
-        residual: largest acceleration left [m/s^2 or rad/s^2].
-        free: a message about the motions of each body that no mount, joint or stop resists, such as the rotation of a body on
-            mounts that stand in line.
-    """
-
-    state: State
-    mounts: dict[str, MountLoad]
+    state: State  #: integration state to start a simulation from
+    mounts: dict[str, MountLoad]  #: deflection and force of every mount
+    #: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long vibration has let
+    #: the hysteretic part of the load leak away)
     history: History
-    residual: float
+    residual: float  #: largest acceleration left [m/s^2 or rad/s^2]
+    #: a message about the motions of each body that no mount, joint or stop resists, such as the rotation of a body on mounts
+    #: that stand in line
     free: tuple[str, ...] = ()
 
     @classmethod

@@ -12,22 +12,17 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
-    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system.
+    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system."""
 
-    Attributes:
-        isolators: isolators by mount.
-        masses: factors on mass and moments of inertia, by body.
-        centres: shifts of the centre of mass [m], world axes of the modelled geometry, by body.
-        positions: shifts of both sites [m], world axes of the modelled geometry, by mount.
-        turns: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount.
-        tunings: factors on the natural frequency that a joint's spring gives, its damping ratio kept, by joint.
-    """
-
-    isolators: Mapping[str, Isolator] = field(default_factory=dict)
-    masses: Mapping[str, float] = field(default_factory=dict)
+    isolators: Mapping[str, Isolator] = field(default_factory=dict)  #: isolators by mount
+    masses: Mapping[str, float] = field(default_factory=dict)  #: factors on mass and moments of inertia, by body
+    #: shifts of the centre of mass [m], world axes of the modelled geometry, by body
     centres: Mapping[str, Vector] = field(default_factory=dict)
+    #: shifts of both sites [m], world axes of the modelled geometry, by mount
     positions: Mapping[str, Vector] = field(default_factory=dict)
+    #: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount
     turns: Mapping[str, Vector] = field(default_factory=dict)
+    #: factors on the natural frequency that a joint's spring gives, its damping ratio kept, by joint
     tunings: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:

@@ -42,30 +42,21 @@ _LETTERS = frozenset(f"{ascii_letters}{digits}_-")  # of a name that may name a 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Mount(Brief):
-    """An isolator between two sites of a model.
+    """An isolator between two sites of a model."""
 
-    Attributes:
-        name: name of the mount.
-        isolator: the device as it acts, stiffened by its cycles (`Isolator.conditioned`).
-        written: the device as its file has it.
-        isolator_name: what the model calls it.
-        payload_site, base_site: names of its sites.
-        payload_body, base_body: names of the bodies that carry them.
-        position: point of both sites in the modelled geometry [m], world frame, (3,).
-        axes: roll, shear and axial direction as columns, world frame, modelled geometry, (3, 3).
-        states: where its internal states stand among those of the system, one slice each for roll, shear, axial.
-    """
-
-    name: str
-    isolator: Isolator
-    written: Isolator
-    isolator_name: str
+    name: str  #: name of the mount
+    isolator: Isolator  #: the device as it acts, stiffened by its cycles (`Isolator.conditioned`)
+    written: Isolator  #: the device as its file has it
+    isolator_name: str  #: what the model calls it
+    #: payload_site, base_site: names of its sites
     payload_site: str
     base_site: str
+    #: payload_body, base_body: names of the bodies that carry them
     payload_body: str
     base_body: str
-    position: Array
-    axes: Array
+    position: Array  #: point of both sites in the modelled geometry [m], world frame, (3,)
+    axes: Array  #: roll, shear and axial direction as columns, world frame, modelled geometry, (3, 3)
+    #: where its internal states stand among those of the system, one slice each for roll, shear, axial
     states: tuple[slice, slice, slice]
 
 
@@ -75,35 +66,24 @@ class System(Summarised):
 
     `model` is ready to step while the callbacks are installed (`wirerope_mj.engine.control.installed`). Sensors `body/NAME`,
     `point/NAME` and `mount/NAME` hold what is observed of it, see `wirerope_mj.engine.control.layout`.
-
-    Attributes:
-        model: compiled model.
-        mounts: mounts by name, in the order of the model.
-        payloads: names of the bodies at the root of what the mounts carry.
-        base: name of the driven base; "" if the base sites are fixed in the world.
-        mjcf: the model as written.
-        path: file it was read from, None if it was given as text.
-        isolators: isolators by what the model calls them.
-        limits: what the payload can bear, as far as the model says.
-        assembly: where the parts of the model stand.
-        changes: what a variant differs by from the model as written, in the order in which it was varied; see
-            `wirerope_mj.varied`. `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it.
-        combined_travel: whether mounts are judged on the travel along all axes at once; a model that says
-            <numeric name="limit/combined_travel" data="0"/> switches that off.
-        areas: the mounts on each area of the deck that the model names, <text name="area/NAME" data="m1 m2"/>.
     """
 
-    model: mujoco.MjModel
-    mounts: dict[str, Mount]
-    payloads: list[str]
-    base: str
-    mjcf: str
-    path: Path | None
-    isolators: dict[str, Isolator]
-    limits: tuple[PayloadLimit, ...]
-    assembly: Assembly = field(repr=False)
+    model: mujoco.MjModel  #: compiled model
+    mounts: dict[str, Mount]  #: mounts by name, in the order of the model
+    payloads: list[str]  #: names of the bodies at the root of what the mounts carry
+    base: str  #: name of the driven base; "" if the base sites are fixed in the world
+    mjcf: str  #: the model as written
+    path: Path | None  #: file it was read from, None if it was given as text
+    isolators: dict[str, Isolator]  #: isolators by what the model calls them
+    limits: tuple[PayloadLimit, ...]  #: what the payload can bear, as far as the model says
+    assembly: Assembly = field(repr=False)  #: where the parts of the model stand
+    #: what a variant differs by from the model as written, in the order in which it was varied; see `wirerope_mj.varied`.
+    #: `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it
     changes: tuple[Changes, ...] = ()
+    #: whether mounts are judged on the travel along all axes at once; a model that says <numeric name="limit/combined_travel"
+    #: data="0"/> switches that off
     combined_travel: bool = True
+    #: the mounts on each area of the deck that the model names, <text name="area/NAME" data="m1 m2"/>
     areas: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def _summary(self) -> tuple[str, dict[str, str]]:
