@@ -75,14 +75,9 @@ def unit_tangent(matrix: Array, like: Array) -> Array:
 
 
 def corrected(
-    at: Callable[[Array], T],
-    matrix_at: Callable[[T, Array], Array],
-    matrix: Array,
-    move: Array,
-    row: Array,
-    wanted: float,
-    tolerance: float,
-) -> tuple[T, Array, int] | None:
+    at: Callable[[Array], T], matrix_at: Callable[[T, Array], Array], matrix: Array, move: Array, row: Array,
+    wanted: float, tolerance: float,
+) -> tuple[T, Array, int] | None:  # fmt: skip
     """Correct a move until its gap vanishes under row . move = wanted; None where that does not come about.
 
     The matrix is brought up to date by Broyden's formula, and computed anew once where a correction leaves most of the gap.

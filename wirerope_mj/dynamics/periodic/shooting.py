@@ -85,13 +85,9 @@ def monodromy(flow: Flow, at: Shot) -> Array:
 
 
 def close(
-    flow: Flow,
-    first: Shot,
-    *,
-    tolerance: float,
-    iterations: int,
+    flow: Flow, first: Shot, *, tolerance: float, iterations: int,
     derivative: Callable[[Flow, Shot], Array] = monodromy,
-) -> Shot:
+) -> Shot:  # fmt: skip
     """Return the periodic motion near `first`, or the best that was found."""
     now = first
     for iteration in range(iterations):

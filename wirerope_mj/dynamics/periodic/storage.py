@@ -86,19 +86,10 @@ class BranchOptions:
 
 
 def branch_options(
-    system: System,
-    *,
-    acceleration: float | None,
-    frequency: float | None,
-    direction: str | Sequence[float],
-    payload: str,
-    response_direction: str | Sequence[float] | None,
-    periods: int,
-    most_points: int,
-    history: History,
-    smoothing: float | None,
-    **numbers: float,
-) -> BranchOptions:
+    system: System, *, acceleration: float | None, frequency: float | None, direction: str | Sequence[float],
+    payload: str, response_direction: str | Sequence[float] | None, periods: int, most_points: int, history: History,
+    smoothing: float | None, **numbers: float,
+) -> BranchOptions:  # fmt: skip
     """Return the options of `follow_branch`; an argument that is out of range is a ValueError."""
     if (acceleration is None) == (frequency is None):
         raise ValueError(

@@ -109,12 +109,9 @@ def _oscillators(law: Law, weight: float) -> Callable[[float, float], Equivalent
 
 
 def _solutions(
-    law: Law,
-    oscillator: Callable[[float, float], EquivalentOscillator],
-    mass: float,
-    frequency: float,
+    law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float,
     acceleration: float,
-) -> list[EquivalentOscillator]:
+) -> list[EquivalentOscillator]:  # fmt: skip
     """Return the oscillators consistent with their own amplitude at a frequency, the smallest first."""
     omega = 2.0 * np.pi * frequency
 

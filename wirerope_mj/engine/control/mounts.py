@@ -199,25 +199,9 @@ def push_modes(lay, k, r, site_xmat, qfrc_applied, fx, fy, fz):
 
 @inlined
 def apply_mounts(
-    lay,
-    i,
-    par,
-    q,
-    u,
-    w,
-    act,
-    a,
-    site_xpos,
-    site_xmat,
-    site_xquat,
-    subtree_com,
-    cvel,
-    xipos,
-    xfrc,
-    qpos,
-    qvel,
+    lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc, qpos, qvel,
     qfrc_applied,
-):
+):  # fmt: skip
     """Write every mount's deflection, force and state rates to userdata and its wrenches to `xfrc`.
 
     `lay[i:]` is the layout, `par[q:]` the laws' parameters, `u[w:]` the system's userdata, `act[a:]` its states.

@@ -96,12 +96,9 @@ def equations_of(system: System) -> Equations:
         lay[entry] = number
     _sections(lay, largest=max((row[2] for row in trees), default=0))
     return Equations(
-        lay=np.concatenate([lay, *flat]),
-        fix=np.array(fix.numbers),
-        num=np.array(num.numbers),
-        rest=_rest(bodies, kinds),
-        counts=_counts(tables, axes),
-    )
+        lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers),
+        rest=_rest(bodies, kinds), counts=_counts(tables, axes),
+    )  # fmt: skip
 
 
 def _sections(lay: Integers, *, largest: int) -> None:

@@ -254,11 +254,7 @@ def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]
     memory = np.zeros((int(first.lay[at.N_WORK]), WIDTH))
     memory[first.lay[at.KIN] : first.lay[at.KIN] + first.rest.size] = first.rest[:, np.newaxis]
     return Group(
-        equations=first,
-        numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
-        states=np.ascontiguousarray(states[lanes].T),
-        memory=memory,
-        clock=np.zeros(CLOCK_SIZE),
-        which=np.asarray(which, dtype=np.int64)[lanes],
-        size=size,
-    )
+        equations=first, numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
+        states=np.ascontiguousarray(states[lanes].T), memory=memory, clock=np.zeros(CLOCK_SIZE),
+        which=np.asarray(which, dtype=np.int64)[lanes], size=size,
+    )  # fmt: skip

@@ -23,13 +23,9 @@ BLOCK_NUMBERS = 1 << 22  # numbers that are handed on at once: of hundreds of co
 _XYZ = ("x", "y", "z")
 
 _KINEMATICS = (
-    ("position", _XYZ),
-    ("orientation", ("w", "x", "y", "z")),
-    ("velocity", _XYZ),
-    ("angular_velocity", _XYZ),
-    ("acceleration", _XYZ),
-    ("angular_acceleration", _XYZ),
-)
+    ("position", _XYZ), ("orientation", ("w", "x", "y", "z")), ("velocity", _XYZ), ("angular_velocity", _XYZ),
+    ("acceleration", _XYZ), ("angular_acceleration", _XYZ),
+)  # fmt: skip
 _POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
 BASE = ("displacement", "velocity", "acceleration")
 CONTACT = ("force", "gap")
@@ -290,12 +286,9 @@ def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported
             yield list(block.T)
 
     return Exported(
-        names=names,
-        units=[unit_of(name) for name in names],
-        column=lambda number: samples.columns(number, number + 1)[:, 0],
-        blocks=blocks,
-        about=about,
-    )
+        names=names, units=[unit_of(name) for name in names],
+        column=lambda number: samples.columns(number, number + 1)[:, 0], blocks=blocks, about=about,
+    )  # fmt: skip
 
 
 def unit_of(name: str) -> str:

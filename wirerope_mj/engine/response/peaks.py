@@ -70,16 +70,9 @@ class Peak:
     numbers: Array
 
     def __init__(
-        self,
-        *,
-        value: float,
-        time: float,
-        vector: Array,
-        minimum: Array,
-        minimum_time: Array,
-        maximum: Array,
+        self, *, value: float, time: float, vector: Array, minimum: Array, minimum_time: Array, maximum: Array,
         maximum_time: Array,
-    ) -> None:
+    ) -> None:  # fmt: skip
         numbers = np.hstack([value, time, vector, minimum, minimum_time, maximum, maximum_time]).astype(np.float64)
         object.__setattr__(self, "numbers", numbers)
 

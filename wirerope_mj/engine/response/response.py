@@ -137,18 +137,13 @@ def response_of(
 def response_metadata(plan: ColumnPlan, parts: Mapping[str, Any]) -> dict[str, Any]:
     """Write the `PARTS` of a response and its plan as plain values; floats survive bit by bit."""
     return {
-        "format": FORMAT,
-        "peaks": parts["peaks"].to_dict(),
-        "scene": scene_to_dict(parts["scene"]),
-        "motion": parts["motion"],
-        "events": [list(event) for event in parts["events"]],
+        "format": FORMAT, "peaks": parts["peaks"].to_dict(), "scene": scene_to_dict(parts["scene"]),
+        "motion": parts["motion"], "events": [list(event) for event in parts["events"]],
         "numerics": asdict(parts["numerics"]),
-        "states": [parts[state].to_plain() for state in ("initial_state", "final_state")],
-        "bodies": list(plan.bodies),
-        "points": list(plan.points),
-        "mounts": [[name, list(states)] for name, states in plan.mounts],
+        "states": [parts[state].to_plain() for state in ("initial_state", "final_state")], "bodies": list(plan.bodies),
+        "points": list(plan.points), "mounts": [[name, list(states)] for name, states in plan.mounts],
         "contacts": list(plan.contacts),
-    }
+    }  # fmt: skip
 
 
 @dataclass(frozen=True)

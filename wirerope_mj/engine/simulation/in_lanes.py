@@ -63,16 +63,9 @@ def _own(system: System) -> tuple[int, npt.NDArray[np.int64]]:
 
 
 def go_in_lanes(
-    equations: Sequence[Equations],
-    drive: Array,
-    motions: Sequence[BaseMotion],
-    states: Array,
-    grid: TimeGrid,
-    *,
-    threads: int = 1,
-    sink: Sink | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> InLanes:
+    equations: Sequence[Equations], drive: Array, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
+    threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
+) -> InLanes:  # fmt: skip
     """Step variants through a grid.
 
     Args:

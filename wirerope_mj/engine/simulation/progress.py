@@ -49,12 +49,9 @@ def share_bar(
         yield _lines(word, text, began, begun)
         return
     columns = (
-        TextColumn(word),
-        BarColumn(),
-        TextColumn("{task.fields[now]}"),
-        TimeElapsedColumn(),
+        TextColumn(word), BarColumn(), TextColumn("{task.fields[now]}"), TimeElapsedColumn(),
         TextColumn("elapsed, {task.fields[left]} left"),
-    )
+    )  # fmt: skip
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=1.0, now=text(begun, 0.0), left="-:--:--")
         progress.update(task, completed=begun)

@@ -22,14 +22,10 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
 _SHAPES = {
-    mujoco.mjtGeom.mjGEOM_PLANE: "plane",
-    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
-    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
-    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
-    mujoco.mjtGeom.mjGEOM_BOX: "box",
-    mujoco.mjtGeom.mjGEOM_MESH: "mesh",
-}
+    mujoco.mjtGeom.mjGEOM_PLANE: "plane", mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule", mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder", mujoco.mjtGeom.mjGEOM_BOX: "box", mujoco.mjtGeom.mjGEOM_MESH: "mesh",
+}  # fmt: skip
 
 FARTHEST = 1e3  # gap that is as good as any larger one [m]
 STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
@@ -60,15 +56,11 @@ def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
         fixed = not moves and body != 0
         bodies.append(
             SceneBody(
-                name=model.body(body).name or f"world_{body}" if fixed else model.body(body).name,
-                moves=moves,
-                on_base=bool(moves and model.body_weldid[body] == base),
-                position=data.xipos[body].copy(),
-                orientation=data.xquat[body].copy(),
-                geoms=_geoms(model, body),
-                bends=body in bends,
+                name=model.body(body).name or f"world_{body}" if fixed else model.body(body).name, moves=moves,
+                on_base=bool(moves and model.body_weldid[body] == base), position=data.xipos[body].copy(),
+                orientation=data.xquat[body].copy(), geoms=_geoms(model, body), bends=body in bends,
             )
-        )
+        )  # fmt: skip
     return tuple(bodies)
 
 

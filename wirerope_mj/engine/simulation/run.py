@@ -157,12 +157,9 @@ def run(
     if progress is not None:
         progress(grid.stop)
     return RunResult(
-        final_state=final,
-        peaks=peaks_of(system, stepper.user, tables.peak),
-        callback=kind,
-        steps=all_steps,
+        final_state=final, peaks=peaks_of(system, stepper.user, tables.peak), callback=kind, steps=all_steps,
         largest_step=largest,
-    )
+    )  # fmt: skip
 
 
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:

@@ -95,15 +95,9 @@ def error_of_given(
 
 
 def choose_timestep(
-    system: System,
-    motion: BaseMotion,
-    start: State,
-    *,
-    duration: float,
-    sample_rate: float,
-    accuracy: float,
+    system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
     engine: Engine = "auto",
-) -> ChosenStep:
+) -> ChosenStep:  # fmt: skip
     """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that

@@ -167,20 +167,14 @@ def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Moun
     mujoco.mj_kinematics(model, data)
     return {
         d.name: Mount(
-            name=d.name,
-            isolator=d.isolator.conditioned,
-            written=d.isolator,
-            isolator_name=d.isolator_name,
-            payload_site=model.site(d.payload_site).name,
-            base_site=model.site(d.base_site).name,
+            name=d.name, isolator=d.isolator.conditioned, written=d.isolator, isolator_name=d.isolator_name,
+            payload_site=model.site(d.payload_site).name, base_site=model.site(d.base_site).name,
             payload_body=model.body(model.site_bodyid[d.payload_site]).name,
-            base_body=model.body(model.site_bodyid[d.base_site]).name,
-            position=data.site_xpos[d.base_site].copy(),
-            axes=data.site_xmat[d.base_site].reshape(3, 3).copy(),
-            states=assembly.tables.states[d.name],
+            base_body=model.body(model.site_bodyid[d.base_site]).name, position=data.site_xpos[d.base_site].copy(),
+            axes=data.site_xmat[d.base_site].reshape(3, 3).copy(), states=assembly.tables.states[d.name],
         )
         for d in declared
-    }
+    }  # fmt: skip
 
 
 def _read(source: str | Path) -> tuple[str, Path | None]:

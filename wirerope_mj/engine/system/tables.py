@@ -168,12 +168,8 @@ def make_tables(
         [[body, model.body_rootid[body]] for body in on.bodies],
         [
             [
-                site,
-                bodies[site],
-                model.body_rootid[bodies[site]],
-                on.base,
-                *(data.site_xpos[site] - data.xipos[on.base]),
-                0,
+                site, bodies[site], model.body_rootid[bodies[site]], on.base,
+                *(data.site_xpos[site] - data.xipos[on.base]), 0,
             ]
             for site in on.points
         ],
@@ -183,7 +179,7 @@ def make_tables(
         declared_pairs(model),
         [[mode.dof, *mode.participation] for mode in on.modes],
         _shape_rows(model, on),
-    ]
+    ]  # fmt: skip
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
     header = np.zeros(at.HEADER)

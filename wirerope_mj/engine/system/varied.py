@@ -90,21 +90,15 @@ def changed(system: System, changes: Changes) -> System:
     _write_tables(model, system, isolators, tables)
     mounts = {
         name: replace(
-            mount,
-            isolator=isolators[name].conditioned,
-            written=isolators[name],
-            position=positions[name],
+            mount, isolator=isolators[name].conditioned, written=isolators[name], position=positions[name],
             states=tables.states[name],
         )
         for name, mount in system.mounts.items()
-    }
+    }  # fmt: skip
     return replace(
-        system,
-        model=model,
-        mounts=ByName(mounts),
-        assembly=replace(system.assembly, model=model, tables=tables),
+        system, model=model, mounts=ByName(mounts), assembly=replace(system.assembly, model=model, tables=tables),
         changes=(*system.changes, changes),
-    )
+    )  # fmt: skip
 
 
 def with_changes(system: System, changes: Sequence[Changes]) -> System:
