@@ -82,14 +82,7 @@ def iterate(
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
-    """Return the stability of a system.
-
-    Args:
-        system: the system.
-        rest: where it rests.
-        tangent: stiffness of the mounts that holds, (n, n): in small cycles, or what lasts.
-        loading: their stiffness on further loading, (n, n).
-    """
+    """Return the stability by the stiffness of the mounts that holds, in small cycles or what lasts, and on further loading."""
     stiffness = rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass)
     return TippingStability(

@@ -63,12 +63,7 @@ class Flow(ABC):
 
     @abstractmethod
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Return the unknowns at the end of each copy's periods, (n, n_x); NaN where a copy went astray.
-
-        Args:
-            starts: unknowns at phase 0, (n, n_x).
-            drive: the sine.
-        """
+        """Return the unknowns at the end of each copy's periods from those at its start, (n, n_x); NaN where it went astray."""
 
     @abstractmethod
     def follow(self, start: Array, drive: Drive) -> Track:
@@ -232,14 +227,9 @@ class KernelFlow(Flow):
     def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
         """Write how accelerations, rates and deflections change beside a motion at the start of every step.
 
-        False if some of these states touch something or stand at a limit.
-
-        Args:
-            track: the motion.
-            moves: displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a).
-            wanted: `addresses` of those that are, (n_wanted,).
-            factors: of their changes, (n_wanted,).
-            out: takes the changes in its last rows and first columns, (n_t, n_rows, n or more).
+        `moves` are displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a);
+        `wanted` the `addresses` of what is kept, with factors, (n_wanted,); `out` takes the changes in its last rows and first
+        columns, (n_t, n_rows, n or more). False if some of these states touch something or stand at a limit.
         """
         places = np.column_stack([track.qpos, track.qvel, track.act])
         lanes = np.zeros((out.shape[2], moves.shape[1]))

@@ -197,13 +197,8 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
     """Return the steady force [N], (n_t,), along one cycle; NaN where it leaves the finite numbers.
 
     A rate-independent law is followed exactly along the path, from the unloaded state at zero deflection on until its cycle
-    closes; one that depends on the rate along the cubic through deflections and rates.
-
-    Args:
-        law: the law, none that wears.
-        deflection: uniform samples over one period, the last the first again [m], (n_t,).
-        rate: deflection rate at the samples [m/s], (n_t,).
-        period: duration of the cycle [s].
+    closes; one that depends on the rate along the cubic through deflections [m] and rates [m/s], (n_t,), uniform samples over
+    one `period` [s], the last the first again. No law that wears has such a cycle.
     """
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:

@@ -65,11 +65,7 @@ def require_oscillator(law: Law, *, mass: float, frequency: float, acceleration:
 def oscillator_at(law: Law, amplitude: float, *, frequency: float, weight: float = 0.0) -> EquivalentOscillator:
     """Return spring and damper of the law's closed loop at an amplitude [m], about the deflection whose mean force is -weight.
 
-    Args:
-        law: the law.
-        amplitude: D [m].
-        frequency: [Hz]; it does not matter to a rate-independent law.
-        weight: [N], towards compression; a law without an elastic part carries none.
+    The frequency [Hz] does not matter to a rate-independent law; a law without an elastic part carries no weight [N].
     """
     angle = 2.0 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
     omega = 2.0 * np.pi * frequency

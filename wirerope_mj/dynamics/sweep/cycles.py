@@ -10,8 +10,8 @@ from wirerope_mj.dynamics.sweep.channels import Channels, Lawful
 from wirerope_mj.dynamics.sweep.engines import ByKernel, ByMujoco
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
-from wirerope_mj.engine.simulation.grid import Grid
+from wirerope_mj.engine.simulation.engines import unsupported_run
+from wirerope_mj.engine.simulation.grid import Grid, divided
 from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -64,7 +64,7 @@ class Cycles:
         self._motion, self._timestep, self._engines = motion, timestep, engines
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._n_channels = system.assembly.tables.channels.size
-        self.why = unsupported_system(system) or unsupported_motion(system, motion)
+        self.why = unsupported_run(system, motion)
         self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
 
     def run(self, instants: Array) -> Extremes:
@@ -113,20 +113,12 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
 
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
-    length = np.diff(instants)
-    steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), STEPS_PER_CYCLE).astype(np.int64)
-    intervals = -(-steps // at.MAX_STEPS)
-    steps = -(-steps // intervals)
-    ends = np.cumsum(intervals)
-    cycle = np.repeat(np.arange(length.size), intervals)
-    number = np.arange(cycle.size) - (ends - intervals)[cycle]
-    start = instants[cycle] + length[cycle] * (number / intervals[cycle])
+    start, stop, steps, cycle = divided(instants, timestep, least=STEPS_PER_CYCLE)
+    none = np.zeros(cycle.size, dtype=bool)
     grid = Grid(
-        start=start, stop=np.append(start[1:], instants[1:][-1:]), steps=steps[cycle],
-        sampled=np.zeros(cycle.size, dtype=bool), event=np.full(cycle.size, at.SMOOTH),
-        corner_after=np.zeros(cycle.size, dtype=bool),
-    )  # fmt: skip
-    return grid, ends - 1
+        start=start, stop=stop, steps=steps, sampled=none, event=np.full(cycle.size, at.SMOOTH), corner_after=none
+    )
+    return grid, np.flatnonzero(np.diff(cycle, append=-1))
 
 
 def at_start(system: System, motion: Sine | Sweep, state: State) -> State:

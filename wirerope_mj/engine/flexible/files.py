@@ -81,13 +81,9 @@ def load_flexible(path: str | Path) -> FlexiblePart:
 
 
 def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) -> FlexiblePart:
-    """Read a flexible part from tables as `load_flexible` describes them.
+    """Read a flexible part from tables as `load_flexible` describes them, in `units`; x_m, y_m, z_m are metres in any case.
 
-    Args:
-        modes: table of the modes, participations in the root of the unit of mass.
-        shapes: table of the shapes, normalised to a modal mass of one unit of mass.
-        points: table of the points; x_m, y_m, z_m are metres in any case, x, y, z in the unit of length.
-        units: of the tables.
+    Shapes are normalised to a modal mass of one unit of mass, participations in its root.
 
     Raises:
         RecordError: as `load_flexible`.

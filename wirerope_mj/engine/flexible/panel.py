@@ -14,7 +14,6 @@ from wirerope_mj.motions.phrases import parse_phrase
 
 EXAMPLE = "10 Hz 800 kg 4 %"
 NAME = "deck_panel"
-
 DAMPING = 0.02  # damping ratio where none is said: a welded deck with what is bolted to it
 
 
@@ -80,16 +79,10 @@ def panel_of_phrase(text: str) -> Panel:
 
 
 def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity: Array) -> None:
-    """Put a panel between a model's base and all that stands on it, in place.
+    """Put a panel between the driven body `base` of a model and all that stands on it, in place; gravity [m/s^2], (3,).
 
     The base keeps its driven slides; sites, geoms and bodies on it move to the panel, a body of its own on one more slide.
-
-    Args:
-        root: of an MJCF document.
-        panel: to be put in.
-        base: name of the driven body.
-        axes: of that body in the modelled geometry, as columns, world frame, (3, 3).
-        gravity: of the model [m/s^2], (3,).
+    `axes` are those of the base in the modelled geometry, as columns, world frame, (3, 3).
 
     Raises:
         ModelError: the base does not stand in this document.

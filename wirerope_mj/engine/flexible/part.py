@@ -93,13 +93,8 @@ def add_part(
 ) -> None:
     """Add a flexible part to a model, in place: its modes as bodies of 1 kg on slides, its shapes as numbers.
 
-    Args:
-        root: of an MJCF document.
-        part: to be added.
-        name: of the part in the model.
-        body: that bends, in whose axes the shapes are.
-        sites: point of the part for each site on it.
-        gravity: of the model [m/s^2], (3,); the slides are across it, so that modes have no weight.
+    The shapes are in the axes of the `body` that bends, `sites` names the part's point for each site on it, and the slides are
+    across gravity [m/s^2], (3,), so that modes have no weight.
     """
     world, custom = root.find("worldbody"), root.find("custom")
     if world is None or custom is None:

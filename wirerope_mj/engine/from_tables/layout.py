@@ -13,10 +13,8 @@ from wirerope_mj.mounts.vendor_parts import VendorPart
 
 # by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
 TOLERANCE = 1e-9
-
 _SAME = 1e-3  # closer than this no two mounts can stand [m]
 _LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
-
 # radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
 _FAR = 20.0
 

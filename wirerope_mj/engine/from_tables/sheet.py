@@ -24,7 +24,6 @@ from wirerope_mj.foundation.units import LENGTH_UNITS, UNITS, in_si
 from wirerope_mj.foundation.xlsx_rows import xlsx_rows
 
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
-
 _MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": UNITS["mass"]["lb"]}
 _LENGTH = {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0, "inches": LENGTH_UNITS["in"]}
 _NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
@@ -71,13 +70,10 @@ class Row:
 
 
 def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Mapping[str, str]) -> list[Row]:
-    """Return the rows of a table; their names are checked to be there once each.
+    """Return the rows of a table, whose names must be there once each; of a workbook the sheet of the last word of `kind`.
 
-    Args:
-        path: CSV file, or XLSX file whose sheet of the kind's last word is read, "mounts", else its first.
-        kind: of the table, for messages: "table of mounts".
-        needed: kind of quantity of each column that must be there: a key of `UNITS`, "number" or "text".
-        further: the same of columns that may be there.
+    `needed` and `further` say the kind of quantity of each column that must and may be there: a key of `UNITS`, "number" or
+    "text".
 
     Raises:
         RecordError: says file, row and column that are wrong.
@@ -161,9 +157,7 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
 def read_cad_text(path: Path, *, sign: float) -> MassProperties:
     """Return the mass properties in a text as SolidWorks writes it, about the centre of mass, in the output coordinate system.
 
-    Args:
-        path: of the text.
-        sign: 1 if the text's products are elements of the tensor, -1 if they are +sum x y dm.
+    `sign` is 1 if the text's products are elements of the tensor, -1 if they are +sum x y dm.
 
     Raises:
         RecordError: something is missing, in unknown units, or not said in the way above.

@@ -21,10 +21,8 @@ from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
 # places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes
 KNOTS = 4
-
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
-
 _ENABLED = mujoco.mjtEnableBit.mjENBL_ENERGY | mujoco.mjtEnableBit.mjENBL_FWDINV
 
 

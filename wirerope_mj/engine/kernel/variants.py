@@ -30,7 +30,6 @@ from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 
 # kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
 _PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI, SCRAGGED_BOUC_WEN)
-
 NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 

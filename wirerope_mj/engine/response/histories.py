@@ -15,13 +15,10 @@ from wirerope_mj.mounts.isolator import AXES
 
 # what limits the steps of a run whose error estimate is the spread of several steps
 SENSITIVE = "what it hits: the answer is sensitive, and finer steps do not agree better"
-
 # rows of samples that are handed on at once where a long response must not stand in memory as a whole
 BLOCK_ROWS = 1 << 16
 BLOCK_NUMBERS = 1 << 22  # numbers that are handed on at once: of hundreds of columns fewer rows
-
 _XYZ = ("x", "y", "z")
-
 _KINEMATICS = (
     ("position", _XYZ), ("orientation", ("w", "x", "y", "z")), ("velocity", _XYZ), ("angular_velocity", _XYZ),
     ("acceleration", _XYZ), ("angular_acceleration", _XYZ),
@@ -29,7 +26,6 @@ _KINEMATICS = (
 _POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
 BASE = ("displacement", "velocity", "acceleration")
 CONTACT = ("force", "gap")
-
 _UNITS = {
     "position": "m", "velocity": "m/s", "acceleration": "m/s^2", "displacement": "m", "relative_displacement": "m",
     "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N", "gap": "m",

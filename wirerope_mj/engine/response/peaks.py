@@ -58,6 +58,11 @@ class ContactPeak:
         return cls(**(content | pairs))
 
 
+def _part(numbers: slice, text: str) -> property:
+    """Make a property of a peak of some of its numbers; `text` is its docstring."""
+    return property(lambda peak: peak.numbers[numbers], doc=text)
+
+
 @dataclass(frozen=True, init=False, repr=False)
 class Peak:
     """Largest norm of a vector quantity, and the extremes of its components."""
@@ -93,30 +98,11 @@ class Peak:
         """Its instant [s]."""
         return self.numbers.item(1)
 
-    @property
-    def vector(self) -> Array:
-        """The vector at that instant, (3,)."""
-        return self.numbers[self.VECTOR]
-
-    @property
-    def minimum(self) -> Array:
-        """Smallest values of the components, (3,)."""
-        return self.numbers[self.MINIMUM]
-
-    @property
-    def minimum_time(self) -> Array:
-        """Their instants [s], (3,)."""
-        return self.numbers[self.MINIMUM_TIME]
-
-    @property
-    def maximum(self) -> Array:
-        """Largest values of the components, (3,)."""
-        return self.numbers[self.MAXIMUM]
-
-    @property
-    def maximum_time(self) -> Array:
-        """Their instants [s], (3,)."""
-        return self.numbers[self.MAXIMUM_TIME]
+    vector = _part(VECTOR, "The vector at that instant, (3,).")
+    minimum = _part(MINIMUM, "Smallest values of the components, (3,).")
+    minimum_time = _part(MINIMUM_TIME, "Their instants [s], (3,).")
+    maximum = _part(MAXIMUM, "Largest values of the components, (3,).")
+    maximum_time = _part(MAXIMUM_TIME, "Their instants [s], (3,).")
 
     def __repr__(self) -> str:
         parts = ("value", "time", "vector", "minimum", "minimum_time", "maximum", "maximum_time")

@@ -31,9 +31,7 @@ from wirerope_mj.foundation.summary import Summarised, quantity
 
 FILE = "response.parquet"
 FORMAT = 1
-
 _ROUNDING = 1e-9  # what the sum of a start and a duration may be off by [s]
-
 PARTS = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")  # all but the samples
 _AGAIN = "The file was damaged or edited: take it from another copy of the folder, or simulate the run again."
 

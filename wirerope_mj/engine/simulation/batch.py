@@ -12,17 +12,11 @@ import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.flexible import Panel
+from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import (
-    Engine,
-    equations,
-    failure,
-    refused,
-    result_of,
-    unsupported_motion,
-    unsupported_system,
-)
+from wirerope_mj.engine.simulation.engines import Engine, equations, failure, refused, result_of, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
@@ -36,9 +30,10 @@ from wirerope_mj.engine.simulation.simulate import (
     checked_step,
     numerics_of,
 )
+from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import limit_of_given
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, on_deck, varied
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError, WireRopeError
@@ -181,12 +176,8 @@ def _together(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, engine: Engine
 ) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid, by the kernel as far as it holds them."""
-    why = {
-        v.number: "it was asked for"
-        if engine == "mujoco"
-        else unsupported_system(v.system) or unsupported_motion(v.system, v.motion)
-        for v in variants
-    }
+    asked = "it was asked for" if engine == "mujoco" else ""
+    why = {v.number: asked or unsupported_run(v.system, v.motion) for v in variants}
     results: dict[int, BatchResult | BatchFailure] = {}
     if fit := [variant for variant in variants if not why[variant.number]]:
         done, gave_up = _in_lanes(fit, grid, threads, responses)
@@ -280,3 +271,20 @@ def _result(
         peaks=done.peaks, initial_state=variant.start, final_state=done.final_state, timestep=done.largest_step,
         steps=done.steps, engine=done.engine, why=done.why, response=response,
     )  # fmt: skip
+
+
+def peaks_on_decks(
+    system: System, motion: BaseMotion, panels: Sequence[Panel], *, duration: float, timestep: float, initial: str,
+    sample_rate: float,
+) -> list[Peaks | str]:  # fmt: skip
+    """Simulate a system of a rigid deck on panels, which differ in frequency alone: the peaks on each, or why there are none.
+
+    The other arguments are those of `simulate`; `timestep` is that of the run on the rigid deck.
+    """
+    first = on_deck(system, panels[0])
+    systems = [varied(first, tunings={NAME: panel.frequency / panels[0].frequency}) for panel in panels]
+    step = min(timestep, *map(stable_step, systems))
+    results = simulate_batch(
+        systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1
+    )
+    return [one.peaks if isinstance(one, BatchResult) else one.message for one in results]

@@ -66,17 +66,10 @@ def go_in_lanes(
     equations: Sequence[Equations], drive: Array, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
     threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
 ) -> InLanes:  # fmt: skip
-    """Step variants through a grid.
+    """Step variants through a grid from qpos, qvel and act, (n, n_state); its corners count, and each motion's events.
 
-    Args:
-        equations: of each variant.
-        drive: slides from base vectors, (n_driven, 3).
-        motions: base motion of each variant.
-        states: qpos, qvel and act of each variant at the start, (n, n_state).
-        grid: whose corners count; the events are those of each variant's own motion.
-        threads: number of threads.
-        sink: takes the samples; None if they are not wanted.
-        progress: takes the simulated time [s] now and then.
+    `drive` makes slides from base vectors, (n_driven, 3); `sink` takes the samples if they are wanted, `progress` the simulated
+    time [s] now and then.
     """
     distinct, which = distinct_motions(motions)
     events = [events_key(motion) for motion in distinct]

@@ -31,7 +31,6 @@ from wirerope_mj.motions import BaseMotion
 # beginnings of the names of fields that only name, describe or draw
 _WORDS = ("name", "text", "tuple", "tex_", "skin_", "vis_")
 _STEP = "opt.timestep"  # the option that belongs to the grid and not to a system
-
 Sink = Callable[[int, Array], None]
 
 

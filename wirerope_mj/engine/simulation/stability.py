@@ -16,11 +16,8 @@ from wirerope_mj.mounts.laws.law import Law
 
 # RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used
 RK4_LIMIT = 2.7
-
-
 # angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely
 SLOWEST_RATE = 1.0
-
 ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
 
 
@@ -174,14 +171,10 @@ class StepBound:
     def certainly_stable(
         self, timestep: float, numbers: Array, stiffness: Array, damping: Array, decay: Array
     ) -> npt.NDArray[np.bool_]:
-        """Return for which variants a step is certainly stable, (n,); of the others `stable_step` says it.
+        """Return for which variants a step [s] is certainly stable, (n,); of the others `stable_step` says it.
 
-        Args:
-            timestep: the step [s].
-            numbers: of the variants' equations, (n, n_num).
-            stiffness: of their laws, (n, 3 n_mounts), as those of the system.
-            damping: the same.
-            decay: the same.
+        `numbers` are those of the variants' equations, (n, n_num); stiffness, damping and decay of their laws are (n, 3
+        n_mounts) as those of the system.
         """
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)

@@ -120,13 +120,7 @@ class StageTables:
     """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
 
     def __init__(self, motion: BaseMotion, drive: Array, sites: Sequence[str] = ()) -> None:
-        """Prepare for the segments of grids.
-
-        Args:
-            motion: of the base, and the forces that come with it.
-            drive: slides from base vectors, (n_driven, 3).
-            sites: at which forces may act.
-        """
+        """Prepare for grids; `drive` makes slides from base vectors, (n_driven, 3), at `sites` forces may act."""
         self._motion, self._drive, self._running = motion, drive, RunningPeak()
         self._sites = sites if motion.loaded_sites else ()
 

@@ -22,10 +22,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import falling_text
 
 _NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
-
 _FARTHEST = 1.0  # m: where a motion has grown without bound it went through every smaller deflection
 _GREW = "the motion grew without bound; use a smaller `timestep`, and check masses, stops and mount loads"
-
 _GREW_FALLING = (
     "the motion grew without bound because the force of a mount falls as its deflection grows: no timestep mends that; take a "
     "law that holds there, or test larger amplitudes"
@@ -206,15 +204,10 @@ def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int6
 
 
 def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:
-    """Return the state at the start of a simulation.
+    """Return the state at the start of a simulation: "settled", "relaxed", "unloaded", or a state that is given.
 
     The base stands and moves as the motion says just before the start; if the given state's base does not, the whole system
     is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it.
-
-    Args:
-        system: the system.
-        motion: base motion.
-        initial: "settled", "relaxed", "unloaded" or a state.
     """
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)

@@ -34,13 +34,7 @@ class Stepwise:
     """
 
     def __init__(self, system: System, *, timestep: float, initial: str = "settled", start: float = 0.0) -> None:
-        """Begin at an instant.
-
-        Args:
-            system: the system.
-            timestep: largest step [s]; what lies between two instants is parted into equal ones.
-            initial: "settled", "relaxed" or "unloaded", as `simulate` takes it.
-            start: the first instant [s].
+        """Begin at the instant `start` [s], in one of the states that `simulate` takes by name, with a largest step [s].
 
         Raises:
             SimulationError: RK4 is not stable with such a step.

@@ -18,19 +18,14 @@ from wirerope_mj.foundation.summary import ByName, Summarised, quantity
 
 History = Literal["virgin", "relaxed"]
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
-
 LOAD_STEPS = 20
 SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
 TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
-
 # accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
 ACCEPTED = 1e-8
-
 # positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
 MOST = 3_000
-
 FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
-
 # argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
 

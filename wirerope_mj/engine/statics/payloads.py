@@ -17,14 +17,11 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 _MOVES = 1e-9  # rate of a deflection per unit of the payload's velocity below which it is rounding
-
 # relative distance from standard gravity that no place on the earth reaches: the poles are 0.26 % above it
 _EARTH = 0.01
-
 # reach of a payload: so many times the distance of its mounts, or of [m] where there is one; or twice its own geoms. A mast
 # three times as high as its feet are apart is within; a millimetre taken for a metre is 1000 times beyond.
 _REACH, _LEAST = 5.0, 0.3
-
 # turn of the differences [rad]: rounding of accelerations, 1e-14 m/s^2, and their curvature both leave less than `SLOW`
 TURN = 1e-5
 SLOW = 1e-4  # rate of return below which a motion is free [1/s^2]: a pendulum of 100 km

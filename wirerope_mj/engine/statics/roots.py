@@ -18,20 +18,15 @@ from wirerope_mj.mounts.laws.path import SCRATCH, advance
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
 ITERATIONS = 60  # iterations for one root: ten times what a smooth one takes
-
 # halvings of a step before it counts as leading nowhere: 1/4096 of it is rounding where Newton's method works at all
 HALVINGS = 12
 LONGEST = 0.1  # longest step [m or rad]: more than any mount travels
-
 # fraction of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves
 SLOW = 0.2
-
 # step of the differences [m or rad]: small against any travel, and they stand eight digits above the rounding of forces
 DIFFERENCE = 1e-7
-
 # fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it
 INDIFFERENT = 1e-10
-
 # index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have
 LINE = 12
 

@@ -21,7 +21,6 @@ from wirerope_mj.mounts.vendor_parts import load_isolator
 
 COINCIDENCE = 1e-6  # largest distance between the two sites of a mount in the modelled geometry [m]
 MOUNT, ISOLATOR, BASE = "mount/", "isolator/", "base"
-
 AREA = "area/"
 LIMIT, POINT = "limit/", "point/"
 COMBINED = LIMIT + "combined_travel"

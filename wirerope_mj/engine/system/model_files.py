@@ -18,8 +18,6 @@ from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator
 
 CHANGES = "changes.toml"  # file of what a variant differs by from the model in the same folder
-
-
 _TEXT = re.compile(r"""<text\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
 # a `text` element as it is written, and its attributes with their quotes
 _ATTRIBUTE = re.compile(r"""\b(name|data)\s*=\s*("[^"]*"|'[^']*')""")

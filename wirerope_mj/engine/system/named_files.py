@@ -24,11 +24,9 @@ def named_files(model: Path) -> Iterator[tuple[str, Path]]:
 
 
 def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
-    """Return the model file of a folder if all that it names lies in the folder, too; none of it is used.
+    """Return the model file of a folder, perhaps somebody else's, if all that it names lies in it, too; none of it is used.
 
-    Args:
-        folder: of a run or a study, perhaps somebody else's.
-        stated: what the folder says of its model, as `model_table` returned it.
+    `stated` is what the folder says of its model, as `model_table` returned it.
 
     Raises:
         RecordError: a file is missing, or lies outside the folder.

@@ -8,12 +8,7 @@ from wirerope_mj.foundation.errors import ModelError
 
 
 def with_part(system: System, mounts: list[str], name: str) -> str:
-    """Write the MJCF of a system in which some mounts have one isolator, their sites where `system` has them.
-
-    Args:
-        system: a variant made by `varied`, all of whose `mounts` have the same isolator.
-        mounts: which.
-        name: of the isolator in the model; its file is isolators/NAME.toml beside it.
+    """Write the MJCF of a variant in which some mounts, all of one isolator, have it as isolators/NAME.toml.
 
     Raises:
         ModelError: the model names files beside it, or attaches parts whose sites do not stand in its own text.

@@ -22,7 +22,6 @@ from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator import Isolator
 
 Shift = Sequence[float] | Array
-
 _NONE = (0.0, 0.0, 0.0)
 
 
