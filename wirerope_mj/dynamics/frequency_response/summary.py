@@ -202,10 +202,8 @@ def plain_summary(summary: LevelSummary) -> dict[str, Any]:
     for direction, sweep in level.sweeps.items():
         content[f"sweep_{direction}"] = asdict(summary.comparisons[direction]) | {
             "jumps": [[jump.fold, jump.frequency] for jump in summary.comparisons[direction].jumps],
-            "cycles": int(sweep.frequency.size),
-            "model_steps": sweep.model_steps,
-            "warnings": list(sweep.warnings),
-        }
+            "cycles": int(sweep.frequency.size), "model_steps": sweep.model_steps, "warnings": list(sweep.warnings),
+        }  # fmt: skip
     if level.sweeps:
         content["sweep_seconds"] = round(level.sweep_seconds, 3)
     plain: dict[str, Any] = json_values(content)

@@ -172,6 +172,7 @@ class KernelFlow(Flow):
     def __init__(self, coordinates: Coordinates, system: System) -> None:
         super().__init__(coordinates, system)
         self._equations: Equations = equations(system)
+        self._axes = self._equations.rows(kernel.AXES, kernel.AXIS_COLUMNS, 3 * len(system.mounts))
         self._beyond: MujocoFlow | None = None
         self._within = ExitStack()
         self._carried = self._steep(ScaledStates(system))
@@ -185,12 +186,8 @@ class KernelFlow(Flow):
     def smooth(self, width: float) -> None:
         """Smooth the laws over a velocity [m/s]."""
         super().smooth(width)
-        lay, num = self._equations.lay, self._equations.num.copy()
-        axes = lay[lay[kernel.AXES] :][: 3 * kernel.AXIS_COLUMNS * lay[kernel.N_MOUNTS]].reshape(
-            -1, kernel.AXIS_COLUMNS
-        )
-        first = int(lay[kernel.PARAMETERS])
-        num[first + widths_of(axes[:, :2], num[first:])] = width
+        num, first = self._equations.num.copy(), int(self._equations.lay[kernel.PARAMETERS])
+        num[first + widths_of(self._axes[:, :2], num[first:])] = width
         self._equations = replace(self._equations, num=num)
         if self._beyond is not None:
             self._beyond.smooth(width)
@@ -257,12 +254,9 @@ class KernelFlow(Flow):
 
     def _records(self, states: Integers) -> tuple[Integers, Integers]:
         """Return for some states where the deflection of their axis is recorded, and where its parameters begin, (n,) each."""
-        lay = self._equations.lay
-        axes = lay[lay[kernel.AXES] :][: 3 * kernel.AXIS_COLUMNS * lay[kernel.N_MOUNTS]].reshape(
-            -1, kernel.AXIS_COLUMNS
-        )
-        owner = np.repeat(np.arange(len(axes)), np.where(axes[:, 0] >= 0, axes[:, 3], 0))
-        firsts = np.repeat(axes[:, 2], np.where(axes[:, 0] >= 0, axes[:, 3], 0))
+        lay, axes = self._equations.lay, self._axes
+        sizes = np.where(axes[:, 0] >= 0, axes[:, 3], 0)
+        owner, firsts = np.repeat(np.arange(len(axes)), sizes), np.repeat(axes[:, 2], sizes)
         within = np.arange(owner.size) - np.searchsorted(owner, owner)
         row = np.empty(owner.size, dtype=np.int64)
         row[firsts + within] = owner

@@ -130,10 +130,7 @@ class GrowingBranch:
         event = self.path.event(a, b, length)
         assert event is not None
         fold, towards = event.point, 1.0 if a.tangent[-1] > 0.0 else -1.0
-        passed = pass_by(
-            self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
-            amplitude=self._row(fold).amplitude, towards=towards,
-        )  # fmt: skip
+        passed = pass_by(self.path, self.options, self._row(fold), towards)
         if passed is None:
             return None
         self._add(fold)
@@ -147,10 +144,7 @@ class GrowingBranch:
             return None
         row = self.rows[farthest]
         value = self.options.followed(row)
-        passed = pass_by(
-            self.path, self.options, unknowns=row.unknowns, parameter=value, amplitude=row.amplitude,
-            towards=self.options.sign,
-        )  # fmt: skip
+        passed = pass_by(self.path, self.options, row, self.options.sign)
         if passed is None:  # the needle of a resonance, whose two sides are as near
             self._jump = farthest
             return None

@@ -36,15 +36,13 @@ class Passed:
     difference: float
 
 
-def pass_by(
-    path: Continuation, options: BranchOptions, *, unknowns: Array, parameter: float, amplitude: float, towards: float
-) -> Passed | None:
+def pass_by(path: Continuation, options: BranchOptions, farthest: Row, towards: float) -> Passed | None:
     """Find the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
 
-    `unknowns`, `parameter` and `amplitude` are those of the motion that reaches farthest; `towards` is 1 if the parameter rose
-    up to there, else -1.
+    `farthest` is the motion that reaches farthest; `towards` is 1 if the parameter rose up to there, else -1.
     """
-    for value, beyond in _beyond(path, options, unknowns, parameter, towards):
+    parameter, amplitude = options.followed(farthest), farthest.amplitude
+    for value, beyond in _beyond(path, options, farthest.unknowns, parameter, towards):
         back = path.closed(beyond.x, parameter)
         if back is None:
             continue

@@ -39,6 +39,10 @@ class Row:
     kinds: Mapping[str, str]  # of quantity, by column
     factors: Mapping[str, float]  # of the columns' units, in SI
 
+    def error(self, text: str) -> RecordError:
+        """Make the error of this row, which says where it stands."""
+        return RecordError(f"{self.location}: {text}")
+
     def has(self, column: str) -> bool:
         """Return whether the cell is there and not empty."""
         return bool(self.cells.get(column, ""))
@@ -47,9 +51,9 @@ class Row:
         """Return the text of a cell; RecordError if it is empty or holds what cannot be seen."""
         text = self.cells.get(column, "")
         if not text:
-            raise RecordError(f'{self.location}: column "{column}" is empty.')
+            raise self.error(f'column "{column}" is empty.')
         if plain(text) != text:
-            raise RecordError(f'{self.location}: column "{column}" holds characters that cannot be seen.')
+            raise self.error(f'column "{column}" holds characters that cannot be seen.')
         return text
 
     def number(self, column: str, default: float | None = None) -> float:
@@ -57,7 +61,7 @@ class Row:
         if not self.has(column):
             if default is not None:
                 return default
-            raise RecordError(f'{self.location}: column "{column}" is empty; a number is needed.')
+            raise self.error(f'column "{column}" is empty; a number is needed.')
         value = number_in(self.location, column, self.cells[column])
         if self.kinds[column] == "angle":  # to twelve digits, as `in_si` rounds, a right angle would not be one
             return value * self.factors[column]
@@ -125,7 +129,7 @@ def _require_distinct(rows: list[Row]) -> None:
     for row in rows:
         name = row.text("name")
         if name in seen:
-            raise RecordError(f'{row.location}: the name "{short(name)}" is given twice, first in {seen[name]}.')
+            raise row.error(f'the name "{short(name)}" is given twice, first in {seen[name]}.')
         seen[name] = row.location
 
 

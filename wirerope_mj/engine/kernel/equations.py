@@ -38,6 +38,10 @@ class Equations:
     # integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel
     counts: tuple[int, ...] = ()
 
+    def rows(self, table: int, columns: int, count: int) -> Integers:
+        """Return a table of the structure, whose address stands in the header's entry `table`, a view, (count, columns)."""
+        return self.lay[self.lay[table] :][: columns * count].reshape(count, columns)
+
     @property
     def n_values(self) -> int:
         """Number of sensor values of an instant."""

@@ -56,16 +56,14 @@ class Numbers:
         model, tables, lay = system.model, system.assembly.tables, equations.lay
         self.equations, self._system = equations, system
         n = len(system.mounts)
-        rows = lay[lay[at.MOUNTS] :][: at.MOUNT_COLUMNS * n].reshape(n, at.MOUNT_COLUMNS)
+        rows = equations.rows(at.MOUNTS, at.MOUNT_COLUMNS, n)
         self._points = dict(zip(system.mounts, rows[:, at.POINTS].tolist(), strict=True))
         parameters = int(lay[at.PARAMETERS])
         axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * n).reshape(n, 3, control.AXIS_COLUMNS)
         self._laws = dict(zip(system.mounts, (parameters + axes[:, :, 1]).astype(int).tolist(), strict=True))
         self._couplings = dict(zip(system.mounts, (parameters + rows[:, at.COUPLING]).tolist(), strict=True))
         self._bodies = Bodies(model)
-        self._kinds = (
-            lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)[:, at.KIND].tolist()
-        )
+        self._kinds = equations.rows(at.LINKS, at.LINK_COLUMNS, lay[at.N_LINKS])[:, at.KIND].tolist()
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         self._axes = data.xmat.reshape(-1, 3, 3).copy()
@@ -170,7 +168,7 @@ class Numbers:
             for part, site in enumerate(numbered[name]):
                 link, pose = bodies.site(site)
                 numbers[first + 3 * part : first + 3 * part + 3] = made.seen(bodies, self._kinds, link) @ pose.origin
-        frames = lay[lay[at.FRAMES] :][: at.FRAME_COLUMNS * lay[at.N_FRAMES]].reshape(-1, at.FRAME_COLUMNS).tolist()
+        frames = self.equations.rows(at.FRAMES, at.FRAME_COLUMNS, lay[at.N_FRAMES]).tolist()
         for row, body in zip(frames, system.assembly.subjects.bodies, strict=False):
             if body in touched:
                 centre = bodies.pose[body].then(arrays["body_ipos"][body], model.body_iquat[body]).origin
@@ -182,7 +180,7 @@ class Numbers:
         lay, model = self.equations.lay, self._system.model
         first = int(lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA])
         numbers[first : first + at.INERTIA_SIZE] = made.inertia_of(bodies, link)
-        trees = lay[lay[at.TREES] :][: at.TREE_COLUMNS * lay[at.N_TREES]].reshape(-1, at.TREE_COLUMNS).tolist()
+        trees = self.equations.rows(at.TREES, at.TREE_COLUMNS, lay[at.N_TREES]).tolist()
         for number, (kind, _, size, first_link, _, inverse) in enumerate(trees):
             if kind == at.SLIDING_TREE and first_link == link:
                 own = np.flatnonzero(model.dof_treeid == number)

@@ -108,11 +108,9 @@ class Response(Exportable, Summarised):
     def plan(self) -> ColumnPlan:
         """What the samples' columns mean."""
         return ColumnPlan(
-            bodies=list(self.bodies),
-            points=list(self.points),
-            mounts=[(name, mount.state_names) for name, mount in self.mounts.items()],
-            contacts=list(self.contacts),
-        )
+            bodies=list(self.bodies), points=list(self.points),
+            mounts=[(name, mount.state_names) for name, mount in self.mounts.items()], contacts=list(self.contacts),
+        )  # fmt: skip
 
     def save(self, folder: str | Path) -> None:
         """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""

@@ -132,7 +132,7 @@ class StepBound:
 
     def __init__(self, system: System) -> None:
         """Look up how deflections and links move with the free coordinates, in the modelled geometry."""
-        model, lay = system.model, equations(system).lay
+        model, own = system.model, equations(system)
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
         self.stiffness, self.damping, self.decay = np.array([rates_of(law) for law in laws]).reshape(-1, 3).T
@@ -142,7 +142,7 @@ class StepBound:
             rates = zip(system.mounts.values(), mount_rates(system, data), strict=True)
             to_deflections = np.concatenate([(mount.axes.T @ moves)[:, self._free] for mount, (moves, _) in rates])
             self._squares = to_deflections[:, :, np.newaxis] * to_deflections[:, np.newaxis]
-            links = lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)
+            links = own.rows(at.LINKS, at.LINK_COLUMNS, own.lay[at.N_LINKS])
             self._links = []
             bodies = np.flatnonzero((model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0))
             for body, row in zip(bodies.tolist(), links.tolist(), strict=True):
@@ -151,8 +151,7 @@ class StepBound:
                 parts = (axes.T @ moving)[:, self._free], (axes.T @ turn_rates)[:, self._free]
                 self._links.append((int(row[at.INERTIA]), *parts))
         self._armature = np.diag(model.dof_armature[self._free])
-        rows = lay[lay[at.DOFS] :][: at.DOF_COLUMNS * model.nv].reshape(-1, at.DOF_COLUMNS)
-        self._springs = rows[self._free, at.DOF_NUM]
+        self._springs = own.rows(at.DOFS, at.DOF_COLUMNS, model.nv)[self._free, at.DOF_NUM]
         self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
 
     def inertia(self, numbers: Array) -> Array:

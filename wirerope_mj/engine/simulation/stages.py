@@ -108,12 +108,10 @@ class Stages:
         ends = [0, *self.ends.tolist()]
         for segment in range(len(ends) - 1)[begin:end]:
             yield Segment(
-                number=self.first + segment,
-                positions=self.positions[segment],
-                rates=self.rates[segment],
+                number=self.first + segment, positions=self.positions[segment], rates=self.rates[segment],
                 accelerations=self.accelerations[ends[segment] : ends[segment + 1]],
                 forces=self.forces[ends[segment] : ends[segment + 1]],
-            )
+            )  # fmt: skip
 
 
 class StageTables:

@@ -153,22 +153,13 @@ class SlowPath:
         self.tables = system.assembly.tables
         mounts = [mount.isolator for mount in system.mounts.values()]
         # What depends on the rate has no memory of a slow path: its states stay zero.
-        self.single = np.array(
-            [
-                [
-                    law is not None and law.remembers_slow_paths and axis not in isolator.coupled_axes
-                    for axis, law in enumerate(isolator.axes.values())
-                ]
-                for isolator in mounts
-            ],
-            dtype=bool,
-        ).reshape(len(mounts), 3)
-        pairs = [
-            (row, scale, law)
-            for row, isolator in enumerate(mounts)
-            if isolator.coupled is not None
-            for scale, law in enumerate(isolator.coupled.scales)
-        ]
+        alone = [
+            law is not None and law.remembers_slow_paths and axis not in isolator.coupled_axes
+            for isolator in mounts for axis, law in enumerate(isolator.axes.values())
+        ]  # fmt: skip
+        self.single = np.array(alone, dtype=bool).reshape(len(mounts), 3)
+        coupled = [(row, isolator.coupled) for row, isolator in enumerate(mounts)]
+        pairs = [(row, scale, law) for row, one in coupled if one is not None for scale, law in enumerate(one.scales)]
         self.coupled = np.array([row for row, _, _ in pairs], dtype=np.int64)
         self.scales = np.array([scale for _, scale, _ in pairs], dtype=np.int64)
         self.partners = np.array([mounts[row].coupled_axes[1] for row, _, _ in pairs], dtype=np.int64)
