@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
-import numpy as np
-
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
@@ -94,11 +92,12 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
             "the mounts. Write the body there instead of including or attaching it."
         )
     direction = unit_vector(panel.direction)
+    along = " ".join(repr(float(value)) for value in axes.T @ direction)
     carried = [one for one in body if one.tag not in ("joint", "inertial", "freejoint")]
     inertial = body.find("inertial")
     inner = ET.Element("body", name=NAME)
     ET.SubElement(
-        inner, "joint", name=NAME, type="slide", axis=_numbers(axes.T @ direction), stiffness=repr(panel.stiffness),
+        inner, "joint", name=NAME, type="slide", axis=along, stiffness=repr(panel.stiffness),
         damping=repr(panel.damper), springref=repr(-panel.mass * float(gravity @ direction) / panel.stiffness),
     )  # fmt: skip
     size = repr(panel.mass)
@@ -115,7 +114,3 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
                 exclude.set(key, NAME)
     for keyframe in root.findall("keyframe"):  # of a state with one coordinate less
         root.remove(keyframe)
-
-
-def _numbers(values: Array) -> str:
-    return " ".join(repr(float(value)) for value in np.asarray(values))

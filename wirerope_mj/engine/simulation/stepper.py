@@ -120,7 +120,7 @@ class Stepper:
         for segment in segments:
             self.begin(segment)
             for _ in range(int(self._grid.steps[segment.number])):
-                deflections = self._deflections()
+                deflections = self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()  # of the last pass
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
@@ -136,10 +136,6 @@ class Stepper:
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
         return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
-
-    def _deflections(self) -> Array:
-        """Return the deflections of the last forward pass, (n_mounts, 3)."""
-        return self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()
 
     def _falling(self, deflections: Array) -> str:
         """Return a note on the first mount that stood where its force falls as the deflection grows, "" if there is none."""

@@ -124,7 +124,8 @@ def choose_timestep(
         if touches and np.isfinite(difference):
             in_contact.append(_done(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
             halvings = len(in_contact) - 1  # of steps at which the run does not fail
-            if halvings >= LUCK and not _pays(error, halvings, wanted):
+            in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halvings)  # in contact an error falls with order 1 at best
+            if halvings >= LUCK and in_reach > wanted and not in_reach <= ENOUGH_IN_CONTACT < error:
                 return _best(in_contact)
         elif difference <= FINER * wanted:
             found = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
@@ -173,16 +174,6 @@ def _done(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> Chose
     """Return a step together with its pilot, if that was the whole run and is not too large to be kept."""
     kept = whole and pilots is not None and pilots[0].rows.size <= KEPT
     return replace(step, done=(pilots[0].run, pilots[0].rows)) if kept and pilots else step
-
-
-def _pays(error: float, halving: int, wanted: float) -> bool:
-    """Return whether halving the step further will do in contact, where an error falls with order 1 at best.
-
-    Either it brings the accuracy that is wanted within the halvings that are left, or, where that is out of reach, one that
-    is enough and not reached yet.
-    """
-    in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halving)
-    return in_reach <= wanted or in_reach <= ENOUGH_IN_CONTACT < error
 
 
 def _best(tried: list[ChosenStep]) -> ChosenStep:
