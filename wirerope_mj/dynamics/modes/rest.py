@@ -10,7 +10,7 @@ from wirerope_mj.dynamics.modes.result import Modes, PayloadShape
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
-from wirerope_mj.engine.statics.payloads import Payload, movers_of, payloads_of
+from wirerope_mj.engine.statics.payloads import Payload, carriers, movers_of, payloads_of
 from wirerope_mj.engine.system import System, mount_rates, shapes_at
 from wirerope_mj.foundation.arrays import Array, Integers
 
@@ -252,10 +252,7 @@ def strain_energy(system: System, modes: Modes) -> Array | None:
     for joint in range(model.njnt):
         dof, stiffness = int(model.jnt_dofadr[joint]), float(model.jnt_stiffness[joint])
         if stiffness > 0.0 and mujoco.mjtJoint(model.jnt_type[joint]) in _SPRUNG and dof in modes.free:
-            body, parents = int(model.jnt_bodyid[joint]), set[str]()
-            while body > 0:
-                parents.add(model.body(body).name)
-                body = int(model.body_parentid[body])
+            parents = {model.body(body).name for body in carriers(model, int(model.jnt_bodyid[joint]))}
             deck = of_part[dof] == base if dof in of_part else base in parents
             springs[:, 0 if deck else 1] += stiffness * modes.shapes[dof] ** 2
     if not springs.any():

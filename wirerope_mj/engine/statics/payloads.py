@@ -4,7 +4,7 @@ A payload is a body that mounts carry, with everything that stands on it. On one
 them. Axes without a law, a strange gravity and masses far away can be simulated, and are warned of.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import mujoco
@@ -60,10 +60,8 @@ def payloads_of(system: System) -> tuple[Payload, ...]:
     fixed = _fixed(system)
     roots: dict[int, None] = {}
     for mount in system.mounts.values():
-        body = model.body(mount.payload_body).id
-        while int(model.body_weldid[model.body_parentid[body]]) not in fixed:
-            body = int(model.body_parentid[body])
-        roots[body] = None
+        bodies = carriers(model, model.body(mount.payload_body).id)
+        roots[next(one for one in bodies if int(model.body_weldid[model.body_parentid[one]]) in fixed)] = None
     return tuple(_payload(model, root) for root in roots)
 
 
@@ -76,15 +74,16 @@ def _payload(model: mujoco.MjModel, root: int) -> Payload:
     return Payload(
         name=model.body(root).name,
         root=root,
-        bodies=tuple(body for body in range(root, model.nbody) if _stands_on(model, body, root)),
+        bodies=tuple(body for body in range(root, model.nbody) if root in carriers(model, body)),
         mass=float(model.body_subtreemass[root]),
     )
 
 
-def _stands_on(model: mujoco.MjModel, body: int, root: int) -> bool:
-    while body > root:
+def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
+    """Yield a body and all bodies that it stands on, downwards."""
+    while body > 0:
+        yield body
         body = int(model.body_parentid[body])
-    return body == root
 
 
 def model_warnings(system: System) -> tuple[str, ...]:
@@ -215,14 +214,8 @@ def unresisted(
 
 def _mounts_below(system: System, body: int) -> list[str]:
     """Return the mounts that carry a body, or one that is attached to it."""
-    model, mounts = system.model, []
-    for name, mount in system.mounts.items():
-        carried = model.body(mount.payload_body).id
-        while carried not in (0, body):
-            carried = int(model.body_parentid[carried])
-        if carried == body:
-            mounts.append(name)
-    return mounts
+    model, mounts = system.model, system.mounts.items()
+    return [name for name, mount in mounts if body in carriers(model, model.body(mount.payload_body).id)]
 
 
 def _rotation(
