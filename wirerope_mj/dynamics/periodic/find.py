@@ -70,12 +70,7 @@ class Steps:
 
 
 class OrbitSearch:
-    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped.
-
-    Attributes:
-        scaled: whether derivatives and multipliers are those of the variational equation, see `ScaledStates.serve`.
-        variational: the variational equation along a motion; None where a system of few unknowns does without.
-    """
+    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped."""
 
     def __init__(
         self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
@@ -85,7 +80,7 @@ class OrbitSearch:
         self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
         stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
         self.flow = flow_of(self.coordinates, stepped)
-        self.scaled = ScaledStates(stepped).serve
+        self.scaled = ScaledStates(stepped).serve  # whether derivatives and multipliers are of the variational equation
         self._yield_rates = yield_rates(system, steep=not isinstance(self.flow, KernelFlow) or smoothing is not None)
         self.variational = variational_of(self.flow) if self.scaled or self.coordinates.size >= MANY else None
 

@@ -35,18 +35,14 @@ RATE = 6  # place of the deflection's rate in a mount's record, behind deflectio
 
 
 class Flow(ABC):
-    """The map from the unknowns at phase 0 to those some periods later.
-
-    Attributes:
-        system: what is stepped: that of the coordinates, or one with the same states and smoothed laws.
-        width: velocity over which its laws are smoothed [m/s]; 0 for laws as they are.
-        taken: model steps taken so far, of all copies.
-        passes: single forward passes in addition; a step has four.
-    """
+    """The map from the unknowns at phase 0 to those some periods later."""
 
     def __init__(self, coordinates: Coordinates, system: System) -> None:
-        self.coordinates, self.system, self.model = coordinates, system, system.model
-        self.width, self.taken, self.passes = 0.0, 0, 0
+        self.coordinates = coordinates
+        # That of the coordinates, or one with the same states and smoothed laws.
+        self.system, self.model = system, system.model
+        self.width = 0.0  # velocity over which its laws are smoothed [m/s]; 0 for laws as they are
+        self.taken, self.passes = 0, 0  # model steps of all copies so far, and single forward passes; a step has four
 
     @property
     def steps(self) -> int:

@@ -36,11 +36,7 @@ NARROWEST, WIDEST = 3e-3, 3e-2
 
 @dataclass(frozen=True, kw_only=True)
 class Shot:
-    """A motion over one shooting interval and how far it is from repeating itself.
-
-    Attributes:
-        residual: largest difference of end and start in these units.
-    """
+    """A motion over one shooting interval and how far it is from repeating itself."""
 
     x: Array  # unknowns at its start, (n_x,)
     track: Track  # from there on

@@ -36,11 +36,7 @@ class LinearisedOrbit:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class EquivalentLinear(Brief):
-    """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first.
-
-    Attributes:
-        solutions: how many there are, (n_f,).
-    """
+    """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first."""
 
     frequency: Array  # [Hz], (n_f,)
     deflection: Array  # amplitude of the deflection D [m], (n_f, 3); NaN where there are fewer solutions

@@ -52,19 +52,14 @@ class Cycles:
     The peak tracker of the simulation is read and emptied after every cycle: it sees every step and refines an extreme by the
     parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last half step of a
     cycle is found by the first step of the next and belongs to it.
-
-    Attributes:
-        steps: number of steps so far.
-        largest_step: largest of them [s].
-        why: why it is not the kernel that steps, "" as long as it is.
     """
 
     def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float, engines: ExitStack) -> None:
-        self.steps, self.largest_step = 0, 0.0
+        self.steps, self.largest_step = 0, 0.0  # so far [1, s]
         self._motion, self._timestep, self._engines = motion, timestep, engines
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._n_channels = system.assembly.tables.channels.size
-        self.why = unsupported_run(system, motion)
+        self.why = unsupported_run(system, motion)  # why it is not the kernel that steps, "" as long as it is
         self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
 
     def run(self, instants: Array) -> Extremes:

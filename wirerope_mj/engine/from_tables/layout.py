@@ -129,9 +129,8 @@ class Layout:
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
     forces: tuple[Point, ...] = ()  # points at which forces may act on the payload
-    envelope: tuple[
-        Box, ...
-    ] = ()  # of the payload, whose corners its clearances hold for; else boxes of the masses' inertia
+    # of the payload, whose corners its clearances hold for; else boxes of the masses' inertia
+    envelope: tuple[Box, ...] = ()
     # files, or parts of the vendors' tables, that mounts and stops name, by name
     isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
 

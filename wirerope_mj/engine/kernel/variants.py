@@ -45,11 +45,7 @@ class _Changed:
 
 
 class Numbers:
-    """Writes the numbers of variants of a system where they have its structure and its shared numbers.
-
-    Attributes:
-        equations: of the system.
-    """
+    """Writes the numbers of variants of a system where they have its structure and its shared numbers."""
 
     def __init__(self, system: System, equations: Equations) -> None:
         """Look up where the numbers of mounts, bodies and points stand."""

@@ -105,10 +105,8 @@ def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
     Of a mount that travels d while its payload's acceleration is a at most, the rate is taken for sqrt(a d).
     """
     travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
-    moving = [
-        peaks.bodies[name] for name in system.payloads if name in peaks.bodies
-    ]  # one may be fixed, to drive the base
-    most = max((body.acceleration.value for body in moving), default=0.0)
+    moving = [name for name in system.payloads if name in peaks.bodies]  # one may be fixed, to drive the base
+    most = max((peaks.bodies[name].acceleration.value for name in moving), default=0.0)
     return step * float((yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
 
 
@@ -125,9 +123,6 @@ class StepBound:
     With inertia M, stiffness K and damping C, symmetric and not negative, every eigenvalue is at most
     c / 2 + sqrt(c^2 / 4 + k), c and k the largest ones of M^-1 C and M^-1 K; these are at most the roots of the sums of the
     squares of all of them.
-
-    Attributes:
-        stiffness, damping, decay: of the system's own laws, closed, (3 n_mounts,) each, see `wirerope_mj.mounts.laws.law`.
     """
 
     def __init__(self, system: System) -> None:
@@ -135,6 +130,7 @@ class StepBound:
         model, own = system.model, equations(system)
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
+        # Of the own laws, closed, (3 n_mounts,) each.
         self.stiffness, self.damping, self.decay = np.array([rates_of(law) for law in laws]).reshape(-1, 3).T
         moving, turn_rates = np.zeros((2, 3, model.nv))
         with system.assembly.scratch.data(model) as data:

@@ -136,9 +136,7 @@ class StageTables:
         while first < points.size:
             before = int(total[first - 1]) if first else 0
             last = max(int(np.searchsorted(total, before + POINTS, side="right")), first + 1)
-            if (
-                last > end
-            ):  # starts of many blocks at once: evaluating a motion costs about the same for a few as for many
+            if last > end:  # starts of many blocks at once: a motion costs about the same for a few as for many
                 begin, end = first, first + POINTS
                 positions = along_slides(self._drive, self._motion.displacement(grid.start[begin:end]))
                 rates = along_slides(self._drive, self._motion.velocity(low[begin:end]))

@@ -25,13 +25,7 @@ _STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
 
 
 class Stepwise:
-    """A system on its way from one instant to the next, its base's acceleration and its loads held in between.
-
-    Attributes:
-        time: instant that was reached [s].
-        values: the system's sensor values there, as `plan` names them, (n_values,).
-        plan: what the values mean; the columns of time and base come before them.
-    """
+    """A system on its way from one instant to the next, its base's acceleration and its loads held in between."""
 
     def __init__(self, system: System, *, timestep: float, initial: str = "settled", start: float = 0.0) -> None:
         """Begin at the instant `start` [s], in one of the states that `simulate` takes by name, with a largest step [s].
@@ -41,7 +35,8 @@ class Stepwise:
             ConvergenceError: there is no equilibrium to start from.
         """
         self.timestep = checked_step(system, positive("timestep", timestep), 1.0)
-        self.system, self.plan, self.time = system, column_plan(system), float(start)
+        self.system, self.time = system, float(start)  # the instant that was reached [s]
+        self.plan = column_plan(system)  # of `values`, the sensors there; columns of time and base come before them
         self._stepper = Stepper(system, _STILL, initial_state(system, _STILL, initial))
         self._drive, self._sites = system.assembly.tables.drive, system.assembly.subjects.force_names
         self._moved, self._rate = np.zeros(3), np.zeros(3)
