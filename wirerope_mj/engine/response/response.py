@@ -107,10 +107,10 @@ class Response(Exportable, Summarised):
     @property
     def plan(self) -> ColumnPlan:
         """What the samples' columns mean."""
+        mounts = [(name, mount.state_names) for name, mount in self.mounts.items()]
         return ColumnPlan(
-            bodies=list(self.bodies), points=list(self.points),
-            mounts=[(name, mount.state_names) for name, mount in self.mounts.items()], contacts=list(self.contacts),
-        )  # fmt: skip
+            bodies=list(self.bodies), points=list(self.points), mounts=mounts, contacts=list(self.contacts)
+        )
 
     def save(self, folder: str | Path) -> None:
         """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""

@@ -73,11 +73,8 @@ def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
             continue
         material, mesh, more = int(model.geom_matid[g]), int(model.geom_dataid[g]), {}
         if shape == "mesh":
-            v, f = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
-            vertices, faces = (
-                model.mesh_vert[v:][: model.mesh_vertnum[mesh]],
-                model.mesh_face[f:][: model.mesh_facenum[mesh]],
-            )
+            vertices = model.mesh_vert[int(model.mesh_vertadr[mesh]) :][: model.mesh_vertnum[mesh]]
+            faces = model.mesh_face[int(model.mesh_faceadr[mesh]) :][: model.mesh_facenum[mesh]]
             more = {"vertices": vertices.astype(np.float64), "faces": faces.astype(np.float64)}
         rgba = model.geom_rgba[g] if material < 0 else model.mat_rgba[material]
         geoms.append(
@@ -209,16 +206,10 @@ class Recorder:
 @once_per_system
 def column_plan(system: System) -> ColumnPlan:
     """Return the columns that are sampled of a system."""
-    subjects = system.assembly.subjects
+    subjects, mounts = system.assembly.subjects, []
+    for name, mount in system.mounts.items():
+        laws = ((axis, law) for axis, law in mount.isolator.axes.items() if law is not None)
+        mounts.append((name, tuple(f"{axis}.{state}" for axis, law in laws for state in law.state_names)))
     return ColumnPlan(
-        bodies=subjects.body_names,
-        points=subjects.point_names,
-        mounts=[
-            (
-                name,
-                tuple(f"{c}.{z}" for c, law in one.isolator.axes.items() if law is not None for z in law.state_names),
-            )
-            for name, one in system.mounts.items()
-        ],
-        contacts=list(system.assembly.contacts),
+        bodies=subjects.body_names, points=subjects.point_names, mounts=mounts, contacts=list(system.assembly.contacts)
     )

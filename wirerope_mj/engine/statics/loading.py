@@ -18,6 +18,8 @@ from wirerope_mj.foundation.summary import ByName, Summarised, quantity
 
 History = Literal["virgin", "relaxed"]
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
+# steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last. Mounts move
+# straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections.
 LOAD_STEPS = 20
 SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
 TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
@@ -76,11 +78,6 @@ def forces_at_rest(system: System, state: State) -> Array:
     assembly, memory = system.assembly, np.empty(system.model.nuserdata)
     mujoco.mj_extractState(system.model, state.values, STATE, memory, mujoco.mjtState.mjSTATE_USERDATA)
     return assembly.tables.user.mount_rows(assembly.user(memory))[:, 1]
-
-
-"""Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last.
-
-Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
 
 
 class Loading:

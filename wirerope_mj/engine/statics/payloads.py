@@ -43,14 +43,11 @@ def movers_of(system: System) -> tuple[Payload, ...]:
     payloads = payloads_of(system)
     known = {body for payload in payloads for body in payload.bodies}
     modal = {mode.body for mode in system.assembly.subjects.modes}
+    weld, fixed = model.body_weldid.tolist(), _fixed(system)
     roots = [
-        body
-        for body in range(1, model.nbody)
-        if body not in known
-        and body not in modal
-        and int(model.body_weldid[body]) not in _fixed(system)
-        and int(model.body_weldid[model.body_parentid[body]]) in _fixed(system)
-    ]
+        body for body in range(1, model.nbody)
+        if body not in known | modal and weld[body] not in fixed and weld[int(model.body_parentid[body])] in fixed
+    ]  # fmt: skip
     return payloads + tuple(_payload(model, root) for root in roots)
 
 
