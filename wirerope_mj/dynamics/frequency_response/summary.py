@@ -169,9 +169,7 @@ class LevelSummary:
     @cached_property
     def comparisons(self) -> dict[str, SweepComparison]:
         """Comparisons of the sweeps with the branch, by their direction."""
-        return {
-            direction: compare(sweep, self.level.branch, self.curve) for direction, sweep in self.level.sweeps.items()
-        }
+        return {name: compare(sweep, self.level.branch, self.curve) for name, sweep in self.level.sweeps.items()}
 
 
 def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:

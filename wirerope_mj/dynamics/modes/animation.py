@@ -38,9 +38,8 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     known = [height for height in heights if height is not None]
     amplitude = FRACTION * min(known) if known else _FLAT
     subjects = system.assembly.subjects
-    plan = ColumnPlan(
-        bodies=subjects.body_names, points=subjects.point_names, mounts=[(name, ()) for name in system.mounts]
-    )
+    mounted = [(name, ()) for name in system.mounts]
+    plan = ColumnPlan(bodies=subjects.body_names, points=subjects.point_names, mounts=mounted)
     values = _values(system, modes, rest, plan, amplitude)
     samples = MemorySamples(names=plan.names, values=values)
     parts = plan.parts(samples)

@@ -1,6 +1,7 @@
 """Searching for a periodic motion of a system whose base follows a sine: settling, shooting, judging."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -160,10 +161,7 @@ class OrbitSearch:
 
     def _settled(self, x: Array, drive: Drive, number: int) -> Array:
         """Return the unknowns after a number of the base's periods."""
-        per_period = drive.steps // drive.periods
-        long = Drive(
-            frequency=drive.frequency, acceleration=drive.acceleration, periods=number, steps=number * per_period
-        )
+        long = replace(drive, periods=number, steps=number * (drive.steps // drive.periods))
         end = self.flow.ends(x[np.newaxis], long)[0]
         if not np.isfinite(end).all():
             self._explain(x, long)

@@ -140,9 +140,8 @@ class MujocoFlow(Flow):
     def _place(self, n: int, motion: Sine, step: float, done: int) -> None:
         times = step * (done + 0.5 * np.arange(2 * self._table_steps + 1))
         table = self.system.assembly.tables.drive
-        self._qpos[:n, self._driven_qpos] = (
-            self.model.qpos0[self._driven_qpos] + table @ motion.displacement(times[:1])[0]
-        )
+        origin = self.model.qpos0[self._driven_qpos]
+        self._qpos[:n, self._driven_qpos] = origin + table @ motion.displacement(times[:1])[0]
         self._qvel[:n, self._dofs] = table @ motion.velocity(times[:1])[0]
         user = self._user[:n]
         user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = times.size, times[0], 2.0 / step

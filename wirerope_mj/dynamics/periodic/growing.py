@@ -268,9 +268,8 @@ class GrowingBranch:
         multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
         for i, row in enumerate(rows):
             multipliers[i, : row.multipliers.size] = row.multipliers
-        values: dict[str, Any] = {
-            name: np.array([getattr(row, name) for row in rows]) for name in (*COLUMNS, "unknowns")
-        }
+        names = (*COLUMNS, "unknowns")
+        values: dict[str, Any] = {name: np.array([getattr(row, name) for row in rows]) for name in names}
         values["tangents"] = values.pop("tangent")
         kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values |= {name: getattr(options, name) for name in kept}

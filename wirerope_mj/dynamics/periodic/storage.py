@@ -104,9 +104,8 @@ def branch_options(
     one_of("payload", payload, observed_bodies(system))
     moved = checked_direction(direction)
     parameter: Parameter = "frequency" if frequency is None else "acceleration"
-    other = (
-        positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
-    )
+    held = "acceleration" if frequency is None else "frequency"
+    other = positive(held, acceleration if frequency is None else frequency)
     check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
     along = moved if response_direction is None else checked_direction(response_direction, "response_direction")
     return BranchOptions(

@@ -109,10 +109,8 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
     start, stop, steps, cycle = divided(instants, timestep, least=STEPS_PER_CYCLE)
-    none = np.zeros(cycle.size, dtype=bool)
-    grid = Grid(
-        start=start, stop=stop, steps=steps, sampled=none, event=np.full(cycle.size, at.SMOOTH), corner_after=none
-    )
+    none, smooth = np.zeros(cycle.size, dtype=bool), np.full(cycle.size, at.SMOOTH)
+    grid = Grid(start=start, stop=stop, steps=steps, sampled=none, event=smooth, corner_after=none)
     return grid, np.flatnonzero(np.diff(cycle, append=-1))
 
 

@@ -196,9 +196,7 @@ def load_frequency_sweep(folder: str | Path) -> FrequencySweep:
 def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
     """Return the names of the table's columns."""
     names = [*_FIRST, *(f"bodies/{body}/acceleration/{c}" for body in bodies for c in AXES)]
-    return names + [
-        f"mounts/{m}/{extreme}/{c}" for m in mounts for extreme in ("lowest", "highest") for c in MOUNT_AXES
-    ]
+    return names + [f"mounts/{m}/{end}/{c}" for m in mounts for end in ("lowest", "highest") for c in MOUNT_AXES]
 
 
 class Collector:

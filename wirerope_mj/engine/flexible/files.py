@@ -31,9 +31,7 @@ def save_flexible(part: FlexiblePart, folder: str | Path, *, force: bool = False
         [number, float(f), float(d), *map(float, gamma)]
         for number, (f, d, gamma) in enumerate(zip(part.frequencies, part.damping, part.participation, strict=True), 1)
     ]
-    shapes = [
-        [name, number, *map(float, row)] for name, shape in part.shapes.items() for number, row in enumerate(shape, 1)
-    ]
+    shapes = [[name, n, *map(float, row)] for name, shape in part.shapes.items() for n, row in enumerate(shape, 1)]
     points = [[name, *map(float, place)] for name, place in part.points.items()]
     with atomic_folder(Path(folder), force=force, kind=KIND, marks=(MODES, SHAPES, POINTS)) as temporary:
         for file, header, rows in ((MODES, MODE_COLUMNS, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):

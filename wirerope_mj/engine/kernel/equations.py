@@ -73,7 +73,7 @@ def equations_of(system: System) -> Equations:
     lay[at.DRIVEN] = fix.put([[*row, mass] for row, mass in zip(tables.drive, masses, strict=True)])
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
-    stops, trees = _stops(tables, axes), _trees(model, bodies, kinds, dofs, num)
+    stops, trees = _stops(tables, axes), _trees(bodies, kinds, dofs, num)
     tracked = tables.channels[tables.tracked]
     parts: list[Any] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
@@ -190,9 +190,8 @@ def _limits(model: mujoco.MjModel, joint: int) -> Array:
     return model.jnt_range[joint] + model.jnt_margin[joint] * np.array([1.0, -1.0])
 
 
-def _trees(
-    model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer
-) -> list[list[int]]:
+def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer) -> list[list[int]]:
+    model = bodies.model
     trees = model.body_treeid[bodies.links]
     rows = []
     for tree in range(model.ntree):

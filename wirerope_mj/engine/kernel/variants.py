@@ -228,11 +228,9 @@ class Group:
         e = self.equations
         return e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which
 
-    def go(
-        self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int
-    ) -> int:
-        """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`; returns the number of samples so far."""
-        return int(advance(*self._lanes, grid, positions, rates, table, ends, out, sample))
+    def go(self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array) -> None:
+        """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`."""
+        advance(*self._lanes, grid, positions, rates, table, ends, out, 0)
 
     def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array, sample: int) -> None:
         """Observe the last instant; `sample` is its number, -1 if it is none."""

@@ -80,9 +80,8 @@ class _Columns(Summarised):
     def _summary(self) -> tuple[str, dict[str, str]]:
         kinds = {name: part for one in reversed(type(self).__mro__) for name, part in vars(one).items()}
         parts = {name: part for name, part in kinds.items() if isinstance(part, cached_property)}
-        return type(self).__name__, {
-            name: str(part.__doc__).partition(":")[0].rstrip(".") for name, part in parts.items()
-        }
+        lines = {name: str(part.__doc__).partition(":")[0].rstrip(".") for name, part in parts.items()}
+        return type(self).__name__, lines
 
     def _part(self, offset: int, size: int) -> Array:
         return self.samples.columns(self.first + offset, self.first + offset + size)
@@ -256,9 +255,8 @@ class ColumnPlan:
         for (name, states), z in zip(self.mounts, self._hysteretic, strict=True):
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
-        contacts = {
-            name: ContactResponse(samples, column + k, len(self.contacts)) for k, name in enumerate(self.contacts)
-        }
+        n = len(self.contacts)
+        contacts = {name: ContactResponse(samples, column + k, n) for k, name in enumerate(self.contacts)}
         groups: dict[str, Any] = {"bodies": bodies, "points": points, "mounts": mounts, "contacts": contacts}
         return {"base": base} | {name: ByName(group) for name, group in groups.items()}
 

@@ -189,9 +189,7 @@ class Peaks(Brief):
     @property
     def struck(self) -> list[str]:
         """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
-        touches = {
-            name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck
-        }
+        touches = {name: one.first_touch or 0.0 for name, one in (self.contacts or {}).items() if one.struck}
         return sorted(touches, key=lambda name: touches[name])
 
     def same_as(self, other: "Peaks") -> bool:

@@ -255,18 +255,16 @@ def _recorders(variants: Sequence[_Variant], grid: TimeGrid, responses: bool) ->
     return [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
 
 
-def _result(
-    variant: _Variant, grid: TimeGrid, done: RunResult, recorder: Recorder | None
-) -> BatchResult | BatchFailure:
+def _result(variant: _Variant, grid: TimeGrid, done: RunResult, kept: Recorder | None) -> BatchResult | BatchFailure:
     try:
         require_lawful(variant.system, done.peaks)
     except SimulationError as error:
         return BatchFailure(error=error)
     response = None
-    if recorder is not None:
+    if kept is not None:
         limit, none = limit_of_given(grid.timestep, grid.sample_rate), math.nan
         numerics = numerics_of(variant.system, variant.motion, done, accuracy=none, error=none, limited_by=limit)
-        response = recorder.finish(variant.start, done.final_state, done.peaks, numerics)
+        response = kept.finish(variant.start, done.final_state, done.peaks, numerics)
     return BatchResult(
         peaks=done.peaks, initial_state=variant.start, final_state=done.final_state, timestep=done.largest_step,
         steps=done.steps, engine=done.engine, why=done.why, response=response,

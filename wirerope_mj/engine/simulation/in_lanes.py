@@ -121,7 +121,7 @@ def _advance(
     """Step a group through segments: of each motion the grid's rows, (5, n), and what its base does up to their ends."""
     (own, numbers), (positions, rates, accelerations) = group, moved
     out = np.empty((own.size, samples, own.equations.n_values)) if sink is not None else NOTHING
-    own.go(grids[int(own.which[0])], positions, rates, accelerations, ends, out, 0)
+    own.go(grids[int(own.which[0])], positions, rates, accelerations, ends, out)
     if sink is not None:
         for number, rows in zip(numbers, out, strict=True):
             sink(number, done, rows)

@@ -94,9 +94,8 @@ def _sizes() -> tuple[str, ...]:
 @cache
 def _expandable() -> tuple[str, ...]:
     """Return the names of the fields that act and of which every simulation of a batch may have its own."""
-    return tuple(
-        sorted(f for f in MODEL_FIELDS if f != _STEP and not f.startswith(_WORDS) and not f.endswith("pathadr"))
-    )
+    acting = (f for f in MODEL_FIELDS if f != _STEP and not f.startswith(_WORDS))
+    return tuple(sorted(f for f in acting if not f.endswith("pathadr")))
 
 
 @cache

@@ -155,9 +155,7 @@ class StepBound:
         total = np.broadcast_to(self._armature, (len(numbers), *self._armature.shape)).copy()
         for first, moving, turn_rates in self._links:
             mass, centre = numbers[:, first + at.MASS_OF], numbers[:, first + at.CENTRE : first + at.CENTRE + 3]
-            about = numbers[:, first + at.ABOUT : first + at.ABOUT + 6][:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(
-                -1, 3, 3
-            )
+            about = numbers[:, first + at.ABOUT + np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])]
             velocity = moving + np.cross(turn_rates[np.newaxis], centre[:, :, np.newaxis], axis=1)
             total += mass[:, np.newaxis, np.newaxis] * (velocity.swapaxes(1, 2) @ velocity)
             total += turn_rates.T @ about @ turn_rates

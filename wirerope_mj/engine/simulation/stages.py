@@ -183,9 +183,7 @@ def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: A
         rows = start[:, np.newaxis] + (stop - start)[:, np.newaxis] * fraction
         return np.minimum(np.maximum(rows, low[:, np.newaxis]), high[:, np.newaxis]).ravel()
     number = np.arange(float(points.sum())) - np.repeat(np.cumsum(points) - points, points)
-    begin, length, last, least, most = (
-        values.repeat(points) for values in (start, stop - start, points - 1, low, high)
-    )
+    begin, length, last, least, most = (part.repeat(points) for part in (start, stop - start, points - 1, low, high))
     return np.minimum(np.maximum(begin + length * (number / last), least), most)
 
 

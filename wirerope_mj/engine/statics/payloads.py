@@ -9,11 +9,10 @@ from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.engine.system import System, mount_rates
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 _MOVES = 1e-9  # rate of a deflection per unit of the payload's velocity below which it is rounding
@@ -180,7 +179,7 @@ def _extent(model: mujoco.MjModel, data: mujoco.MjData, payload: Payload, centre
 
 
 def unresisted(
-    system: System, data: mujoco.MjData, free: npt.NDArray[np.int64], accelerations: Callable[[Array], Array]
+    system: System, data: mujoco.MjData, free: Integers, accelerations: Callable[[Array], Array]
 ) -> tuple[str, ...]:
     """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
 
@@ -215,9 +214,7 @@ def _mounts_below(system: System, body: int) -> list[str]:
     return [name for name, mount in mounts if body in carriers(model, model.body(mount.payload_body).id)]
 
 
-def _rotation(
-    model: mujoco.MjModel, data: mujoco.MjData, free: npt.NDArray[np.int64], motion: Array
-) -> tuple[int, str]:
+def _rotation(model: mujoco.MjModel, data: mujoco.MjData, free: Integers, motion: Array) -> tuple[int, str]:
     """Return the body that moves most in a motion of the free coordinates, (n,), and a name of the motion with its axis."""
     body = int(model.dof_bodyid[free[int(np.argmax(np.abs(motion)))]])
     turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))
