@@ -68,9 +68,8 @@ def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iter
 
 
 def _content(branch: Branch, point: int) -> HarmonicContent:
-    return harmonic_content(
-        branch.orbit(point), payload=branch.payload, direction=branch.response_direction, highest=HARMONICS
-    )
+    along = branch.response_direction
+    return harmonic_content(branch.orbit(point), payload=branch.payload, direction=along, highest=HARMONICS)
 
 
 def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:

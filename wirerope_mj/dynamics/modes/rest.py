@@ -54,11 +54,11 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     mass = mass[np.ix_(free, free)]
-    loaded = _held(system, model, data, equilibrium, free)
+    loaded = _held(system, data, equilibrium, free)
     mounts = _mounts(system, data, equilibrium, free)
     gravity = model.opt.gravity.copy()
     model.opt.gravity[:] = 0.0
-    other = _held(system, model, data, None, free)
+    other = _held(system, data, None, free)
     model.opt.gravity[:] = gravity
     return AtRest(
         free=free, mass=mass, other=other, weight=loaded - other, damping=np.diag(model.dof_damping[free]), mounts=mounts,
@@ -66,9 +66,7 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     )  # fmt: skip
 
 
-def _held(
-    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers
-) -> Array:
+def _held(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers) -> Array:
     """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
 
     Torques of mounts that resist turning follow the motion, as joint springs do.
@@ -76,7 +74,7 @@ def _held(
     Generalised forces, not M times accelerations: without weight a loaded joint spring accelerates what it holds, and then
     the mass matrix, which changes with position, would pass for stiffness.
     """
-    rest = data.qpos.copy()
+    model, rest = data.model, data.qpos.copy()
 
     def forces(dof: int, step: float) -> Array:
         velocity = np.zeros(model.nv)
@@ -84,20 +82,21 @@ def _held(
         data.qpos[:] = rest
         mujoco.mj_integratePos(model, data.qpos, velocity, 1.0)
         data.qvel[:] = 0.0
-        _push(system, model, data, equilibrium)
+        _push(system, data, equilibrium)
         mujoco.mj_forward(model, data)
         return np.asarray((data.qfrc_smooth + data.qfrc_constraint)[free])
 
     columns = [(forces(int(dof), STEP) - forces(int(dof), -STEP)) / (2.0 * STEP) for dof in free]
     data.qpos[:] = rest
-    _push(system, model, data, equilibrium)
+    _push(system, data, equilibrium)
     mujoco.mj_forward(model, data)
     stiffness = -np.stack(columns, axis=1)
     return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
-def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
+def _push(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
     """Apply the mounts' forces at rest, turned with their axes, their torques of this position, and hold the base."""
+    model = data.model
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_fwdVelocity(model, data)
     data.qfrc_applied[:] = 0.0

@@ -63,9 +63,8 @@ def _beyond(
             continue
         drive, x = path.drive(further), unknowns
         if settling:
-            x = path.flow.ends(
-                x[np.newaxis], replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
-            )[0]
+            long = replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
+            x = path.flow.ends(x[np.newaxis], long)[0]
         motion = path.closed(x, further)
         if motion is not None:
             yield further, motion

@@ -115,9 +115,8 @@ def part_of_matrices(
     resists = np.abs(reduced.stiffness @ rigid).max(axis=0)
     against = (np.abs(reduced.stiffness) @ np.abs(rigid)).max(axis=0)
     if (resists > _ROUND * against).any():
-        axis = ("x", "y", "z", "a turn about x", "a turn about y", "a turn about z")[
-            int(np.argmax(resists / (against + 1e-300)))
-        ]
+        axes = ("x", "y", "z", "a turn about x", "a turn about y", "a turn about z")
+        axis = axes[int(np.argmax(resists / (against + 1e-300)))]
         raise RecordError(
             f"{where}: K resists a rigid motion along {axis}: the part is grounded inside, or order, places or units of "
             "the points are not those of the matrices."

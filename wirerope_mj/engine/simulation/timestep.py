@@ -284,9 +284,8 @@ class _Pilots:
             rows[window][first : first + len(values)] = values
 
         states = np.array([one.values[moving(system)] for one in self.starts])
-        done = go_in_lanes(
-            [equations(system)] * len(motions), system.assembly.tables.drive, motions, states, grid, sink=sink
-        )
+        own, drive = [equations(system)] * len(motions), system.assembly.tables.drive
+        done = go_in_lanes(own, drive, motions, states, grid, sink=sink)
         pilots: dict[int, _Pilot] = {}
         for group, members in done.groups:
             for lane, window in enumerate(members):
