@@ -222,11 +222,7 @@ class OrderBand:
 
 
 def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
-    """Return the bands of orders at speeds [1/min], one or the ends of a range.
-
-    Raises:
-        ValueError: a number is not positive, or there are not one or two speeds.
-    """
+    """Return the bands of orders at speeds [1/min], one or the ends of a range; ValueError unless there are, all above zero."""
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
     speeds = sorted(_within("--speed-rpm", speed) / 60.0 for speed in speed_rpm)

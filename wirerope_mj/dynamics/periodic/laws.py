@@ -40,11 +40,7 @@ NEAREST = 1e-12  # fraction of a state's largest value below which its power is 
 
 
 def smoothed(system: System, width: float) -> System:
-    """Return the system with every law that can be smoothed over the velocity `width` [m/s].
-
-    Raises:
-        ValueError: none of its laws can be smoothed.
-    """
+    """Return the system with its laws smoothed over the velocity `width` [m/s]; ValueError if none of them can be."""
     if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
         raise ValueError(
             "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."

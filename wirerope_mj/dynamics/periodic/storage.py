@@ -171,11 +171,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
 
 
 def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bifurcation], dict[str, Any]] | None:
-    """Return the points of a branch that was begun in `folder`, None if there is none.
-
-    Raises:
-        RecordError: what stands there is the branch of another system or of other arguments.
-    """
+    """Return the points of a branch begun in `folder`, None if there is none; RecordError if it is that of another question."""
     path = folder / FILE
     if not path.exists():
         return None

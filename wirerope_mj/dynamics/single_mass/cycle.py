@@ -209,11 +209,7 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
 
 
 def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> ClosedCycle:
-    """Return all of the same cycle, its work included; the arguments are those of `cycle_force`.
-
-    Raises:
-        ValueError: the force leaves the finite numbers along the path.
-    """
+    """Return all of the same cycle, its work included; ValueError if the force leaves the finite numbers on the way."""
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:
         path, indices = path_between(deflection, rate, period / (deflection.size - 1))

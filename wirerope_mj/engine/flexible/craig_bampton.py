@@ -29,11 +29,7 @@ class Reduced:
 
 
 def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
-    """Read K and M of Craig and Bampton's form from OP4 files and check that they are that.
-
-    Raises:
-        RecordError: a file is damaged, or a matrix missing, not symmetric, or in another form.
-    """
+    """Read K and M of Craig and Bampton's form from OP4 files; RecordError unless they are there, whole and in that form."""
     found: dict[str, Array] = {}
     for path in paths:
         found |= _op4(path)

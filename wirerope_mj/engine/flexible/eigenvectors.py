@@ -34,11 +34,7 @@ class Eigenvectors:
 
 
 def read_eigenvectors(path: Path) -> Eigenvectors:
-    """Read the modes of a universal file or a punch file.
-
-    Raises:
-        RecordError: the file is damaged, or holds none, complex ones, or other quantities than displacements.
-    """
+    """Read the modes of a universal or a punch file; RecordError unless it holds real ones, as displacements."""
     found = _universal(path) if path.suffix.lower() in UNIVERSAL else _punched(path)
     low = np.flatnonzero(found.frequencies < RIGID) + 1
     if low.size:

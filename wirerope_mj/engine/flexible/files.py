@@ -48,11 +48,7 @@ class Units:
 
 
 def units_in(text: str) -> Units:
-    """Parse "mm,t,s": the units of length, mass and time in which a finite-element model was written.
-
-    Raises:
-        ValueError: it names others than are known.
-    """
+    """Parse "mm,t,s": the units of length, mass and time of a finite-element model; ValueError if it names others."""
     names = [name.strip() for name in text.split(",")]
     if len(names) != 3 or names[0] not in LENGTH_UNITS or names[1] not in MASSES or names[2] != "s":
         raise ValueError(

@@ -54,11 +54,7 @@ class Panel:
 
 
 def panel_of_phrase(text: str) -> Panel:
-    """Parse "10 Hz 800 kg 4 %": frequency alone, mass, damping ratio, and a direction where it is not z.
-
-    Raises:
-        ValueError: a part is missing, unknown or said twice.
-    """
+    """Parse "10 Hz 800 kg 4 %": frequency alone, mass, damping ratio, and a direction where it is not z; or ValueError."""
     try:
         phrase = parse_phrase(text, words={})
         said = {name: len(phrase.quantities.get(name, ())) for name in ("frequency", "mass", "ratio")}

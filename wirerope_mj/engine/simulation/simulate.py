@@ -233,10 +233,9 @@ def check_direction(system: System, motion: BaseMotion) -> None:
 
 
 def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
-    """Return the simulated time [s]: as given, or until ten periods of the slowest mode after the motion, or a sweep's end.
+    """Return the simulated time [s]: as given, or ten periods of the slowest mode after the motion, or up to a sweep's end.
 
-    Raises:
-        ValueError: the motion has no end, or begins after the simulation.
+    A motion without an end, or that begins after the simulation, is a ValueError.
     """
     if duration is None:
         if not math.isfinite(motion.end):

@@ -45,8 +45,7 @@ class Stepwise:
     def advance(self, length: float, acceleration: ArrayLike, loads: Mapping[str, ArrayLike] | None = None) -> None:
         """Go on by a time [s] with the base's acceleration [m/s^2], (3,), and loads [N, N m], (6,) by site, held.
 
-        Raises:
-            SimulationError: a mount went to where its law does not hold, or the state is not valid any more.
+        A SimulationError if a mount went to where its law does not hold, or the state is not valid any more.
         """
         length = positive("length", length)
         held = np.asarray(acceleration, dtype=np.float64)

@@ -53,12 +53,7 @@ class Changes:
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> "Changes":
-        """Return the changes that `to_dict` stored.
-
-        Raises:
-            ModelError: an isolator is not what it must be.
-            ValueError: a factor or a shift is not.
-        """
+        """Return the changes that `to_dict` stored; ModelError or ValueError if one of them is not what it must be."""
         isolators = {
             mount: Isolator.from_dict(isolator, where=f"isolator of mount {mount!r}")
             for mount, isolator in content.get("isolators", {}).items()

@@ -13,10 +13,7 @@ _FOLDERS = ("assetdir", "meshdir", "texturedir")  # attributes of a `compiler` e
 def named_files(model: Path) -> Iterator[tuple[str, Path]]:
     """Yield what a model calls each file that it names (`include`, meshes, textures, models to attach), and where that is.
 
-    What included and attached files below the model's folder name follows in turn.
-
-    Raises:
-        ModelError: a file is not well-formed XML.
+    What files below the model's folder name follows in turn; one that is not well-formed XML is a ModelError.
     """
     for tree, folders in model_trees(model):
         for name, source, _ in _sources(tree, folders):

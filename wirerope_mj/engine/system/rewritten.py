@@ -10,8 +10,7 @@ from wirerope_mj.foundation.errors import ModelError
 def with_part(system: System, mounts: list[str], name: str) -> str:
     """Write the MJCF of a variant in which some mounts, all of one isolator, have it as isolators/NAME.toml.
 
-    Raises:
-        ModelError: the model names files beside it, or attaches parts whose sites do not stand in its own text.
+    A ModelError if the model names files beside it, or attaches parts whose sites do not stand in its own text.
     """
     plain = load_system(system.path or system.mjcf, isolators=system.isolators)
     root, model, before = model_root(system), system.model, plain.model
