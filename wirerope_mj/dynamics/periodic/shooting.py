@@ -25,10 +25,9 @@ SHIFT = 0.05
 UNCHANGED = 1e-3  # fraction of the shift by which a neutral motion may differ from a repetition
 # Excess over 1 that is still the noise of an undamped direction (a mount axis that does not move dissipates nothing).
 MARGIN = 1e-4
-# The difference quotients for multipliers are central and this many radians wide, over the steps of a period: so wide that
-# the reversals of the mounts, where the derivative jumps, move over more than a step. Narrow ones see a reversal stand
-# between two stages and are wrong by a fraction of a step: 3e-3 of a multiplier with 1280 steps, where wide ones are right to
-# 1e-5.
+# The difference quotients for multipliers are central and this many radians wide, over the steps of a period: so wide that the
+# reversals of the mounts, where the derivative jumps, move over more than a step. Narrow ones see a reversal stand between two
+# stages and are wrong by a fraction of a step: 3e-3 of a multiplier with 1280 steps, where wide ones are right to 1e-5.
 STEPS_MOVED = 10.0
 # Bounds of that width in units of the scales: below the first it gains nothing, above the second the map bends.
 NARROWEST, WIDEST = 3e-3, 3e-2

@@ -62,9 +62,8 @@ class Lawful:
         far, end = reached[row, number, index, side], law.travel_ends[side]
         went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
         raise SimulationError(
-            f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose "
-            f"law holds up to {end:.4g} m, where {law.travel_rule}. Shake more gently, or use an isolator with "
-            "more travel."
+            f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose law holds up to {end:.4g} m, where "
+            f"{law.travel_rule}. Shake more gently, or use an isolator with more travel."
         )
 
 

@@ -265,9 +265,8 @@ def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, roo
     old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
     new = isolators[old.name]
     return (
-        f"mount {old.name!r}: the laws of isolator {new.name!r} have {size(new)} parameters, those of "
-        f"{old.isolator.name!r} {size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. "
-        f"{_written(old)}"
+        f"mount {old.name!r}: the laws of isolator {new.name!r} have {size(new)} parameters, those of {old.isolator.name!r} "
+        f"{size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. {_written(old)}"
     )
 
 
