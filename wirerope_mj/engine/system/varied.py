@@ -82,7 +82,7 @@ def changed(system: System, changes: Changes) -> System:
             _move_sites(model, data, system, changes)
             mujoco.mj_setConst(model, data)
             mujoco.mj_resetData(model, data)
-            tables = _moved_tables(data, system, isolators)
+            tables = _moved_tables(model, data, system, isolators)
             positions = {name: data.site(mount.base_site).xpos.copy() for name, mount in system.mounts.items()}
     else:
         tables = with_laws(system.assembly.tables, isolators)
@@ -226,9 +226,11 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
     return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
 
 
-def _moved_tables(data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]) -> Tables:
-    """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`."""
-    model, old = data.model, system.assembly
+def _moved_tables(
+    model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]
+) -> Tables:
+    """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`, lent by another model's."""
+    old = system.assembly
     declared = [
         DeclaredMount(
             name=name, payload_site=payload, base_site=base, isolator_name=mount.isolator_name, isolator=isolators[name]
