@@ -20,7 +20,7 @@ SAME = 1e-9  # of the peaks: rounding alone parts the two, 1e-14 a step, and a s
 @pytest.fixture
 def mujoco_only(monkeypatch):
     """Return a function after which MuJoCo steps all cycles."""
-    return lambda: monkeypatch.setattr(cycles, "unsupported_system", lambda system: "MuJoCo is wanted")
+    return lambda: monkeypatch.setattr(cycles, "unsupported_run", lambda system, motion: "MuJoCo is wanted")
 
 
 def extremes(system, sweep, *, chunk, timestep):

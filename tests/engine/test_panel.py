@@ -10,7 +10,7 @@ from scipy.integrate import solve_ivp
 
 import wirerope_mj as wr
 from wirerope_mj.content.modes import modes_content
-from wirerope_mj.dynamics.modes.energy import strain_energy
+from wirerope_mj.dynamics.modes.rest import strain_energy
 from wirerope_mj.engine.flexible import Panel, panel_of_phrase
 from wirerope_mj.engine.simulation.engines import unsupported_system
 from wirerope_mj.engine.system import load_on_deck, on_deck

@@ -73,7 +73,7 @@ def calibrate(
     from rich.markup import escape
 
     from wirerope_mj.content.calibration import calibration_content
-    from wirerope_mj.engine.simulation.duration import duration_of
+    from wirerope_mj.engine.simulation.simulate import duration_of
     from wirerope_mj.foundation.arguments import integer
     from wirerope_mj.motions.spoken import motion_from_words
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration

@@ -120,7 +120,7 @@ def shock(
     """
     from wirerope_mj.cli.printed_run import run_and_print
     from wirerope_mj.engine.flexible import deck_of
-    from wirerope_mj.engine.simulation.duration import duration_of
+    from wirerope_mj.engine.simulation.simulate import duration_of
     from wirerope_mj.engine.system import load_system
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.runs.said_motion import said_motion

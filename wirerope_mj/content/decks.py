@@ -12,7 +12,7 @@ from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.simulation.decks import peaks_on_decks
+from wirerope_mj.engine.simulation.batch import peaks_on_decks
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 

@@ -11,7 +11,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.statics import HISTORIES, stability_blocks
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.dynamics.modes.carried import carried, reached_in, travel_utilisation
-from wirerope_mj.dynamics.modes.energy import SHARES, strain_energy
+from wirerope_mj.dynamics.modes.rest import SHARES, strain_energy
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table

@@ -24,12 +24,9 @@ SLOWEST = 1e-5
 ALONG_NEUTRAL = 10.0
 # Change of the parameter, in its unit of arclength, beyond which a correction leads nowhere; a step is 1 at the most.
 FARTHEST = 10.0
-# Corrections of one point.
-CORRECTIONS = 10
-# Ratio of two gaps above which the matrix is computed anew.
-SLOW = 0.5
-# Points that are computed to find where something vanishes.
-LOCATIONS = 12
+CORRECTIONS = 10  # corrections of one point
+SLOW = 0.5  # ratio of two gaps above which the matrix is computed anew
+LOCATIONS = 12  # points that are computed to find where something vanishes
 
 
 class Tried(Protocol):
@@ -78,29 +75,14 @@ def unit_tangent(matrix: Array, like: Array) -> Array:
 
 
 def corrected(
-    at: Callable[[Array], T],
-    matrix_at: Callable[[T, Array], Array],
-    matrix: Array,
-    move: Array,
-    row: Array,
-    wanted: float,
-    tolerance: float,
-) -> tuple[T, Array, int] | None:
-    """Correct a move until its gap vanishes under row . move = wanted; None where that does not come about.
+    at: Callable[[Array], T], matrix_at: Callable[[T, Array], Array], matrix: Array, move: Array, row: Array,
+    wanted: float, tolerance: float,
+) -> tuple[T, Array, int] | None:  # fmt: skip
+    """Correct a predicted move, (n + 1,), until its gap vanishes under row . move = wanted; None where it does not.
 
-    The matrix is brought up to date by Broyden's formula, and computed anew once where a correction leaves most of the gap.
-
-    Args:
-        at: where a move, (n + 1,), leads.
-        matrix_at: the matrix there.
-        matrix: at the last point, (n, n + 1).
-        move: predicted, (n + 1,).
-        row: of the constraint, (n + 1,).
-        wanted: value of the constraint.
-        tolerance: largest residual.
-
-    Returns:
-        Where it leads, the move and the number of corrections.
+    The matrix, (n, n + 1), given at the last point, is brought up to date by Broyden's formula, and computed anew by
+    `matrix_at` once where a correction leaves most of the gap. `at` says where a move leads; `tolerance` is the largest
+    residual. Returns where it leads, the move and the number of corrections.
     """
     n, fresh = matrix.shape[0], False
     system, now = np.vstack([matrix, row]), at(move)
@@ -129,14 +111,10 @@ def corrected(
 def crossing(
     step: Callable[[float], P | None], ends: tuple[P, P], length: float, test: Callable[[P], float], close: float
 ) -> P:
-    """Find where `test` vanishes between two points by the Illinois method.
+    """Find where `test` vanishes between two points, at which its signs differ, by the Illinois method.
 
-    Args:
-        step: the point at an arclength from the first; None if there is none.
-        ends: the points, at whose values of `test` the signs differ.
-        length: arclength between them.
-        test: of a point; the tangent's component of the parameter, for a fold.
-        close: distance in the parameter, in its unit of arclength, to which it is located.
+    `step` makes the point at an arclength from the first, if there is one; `length` is that between both. `test` of a fold is
+    the tangent's component of the parameter; it is located to a distance `close` in the parameter, in its unit of arclength.
     """
     left, right, f_left, f_right = 0.0, length, test(ends[0]), test(ends[1])
     best, least = min(((end, abs(test(end))) for end in reversed(ends)), key=lambda pair: pair[1])

@@ -11,7 +11,7 @@ from typing import Any
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.numbers import title_of
 from wirerope_mj.engine.simulation import simulate
-from wirerope_mj.engine.simulation.duration import RING_DOWN
+from wirerope_mj.engine.simulation.simulate import RING_DOWN
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes

@@ -9,7 +9,7 @@ from typing import Any
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
-from wirerope_mj.engine.simulation.duration import duration_of
+from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text

@@ -10,7 +10,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, COMBINED, RATTLE_SPACE, STATIC_LOAD, TRAVEL
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
-from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
+from wirerope_mj.engine.simulation.engines import unsupported_run
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.lanes import WIDTH
@@ -131,7 +131,7 @@ class Race:
     def _batch(self, case: str, names: Sequence[str], step: float) -> Sequence[BatchResult | BatchFailure]:
         systems, motion = [self._systems[name] for name in names], self._cases[case]
         samples = needs_samples(systems[0])
-        kernel = not unsupported_system(systems[0]) and not unsupported_motion(systems[0], motion)
+        kernel = not unsupported_run(systems[0], motion)
         return simulate_batch(
             systems, motion, duration=motion.end + _SWINGS * max(self._periods[name] for name in names), timestep=step,
             initial=self._initial, sample_rate=_RATE if samples else _SAMPLES, threads=1,

@@ -1,7 +1,5 @@
 """Frequency responses of a system at several levels: branches of periodic motions, sweeps, and what they say together."""
 
 from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse as FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.result import Level as Level
-from wirerope_mj.dynamics.frequency_response.result import Method as Method
 from wirerope_mj.dynamics.frequency_response.result import ResponseOptions as ResponseOptions
 from wirerope_mj.dynamics.frequency_response.solve import frequency_response as frequency_response

@@ -10,10 +10,8 @@ from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, Booleans, Integers
 
-# Intervals between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart.
-BETWEEN = 16
-# Fractions of the highest amplitude at which motions are shown on either side of it.
-FRACTIONS = (0.35, 0.7)
+BETWEEN = 16  # intervals between two neighbouring points: at steps of 2 % in frequency, an eighth of a percent apart
+FRACTIONS = (0.35, 0.7)  # fractions of the highest amplitude at which motions are shown on either side of it
 
 
 @dataclass(frozen=True, kw_only=True)

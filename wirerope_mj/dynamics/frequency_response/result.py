@@ -33,34 +33,24 @@ BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
 
 @dataclass(frozen=True, kw_only=True)
 class ResponseOptions:
-    """Levels, method and range of a frequency response; `checked` fills in what is left open.
+    """Levels, method and range of a frequency response; `checked` fills in what is left open."""
 
-    Attributes:
-        accelerations: levels of the base's acceleration [m/s^2].
-        method: "continuation", "sweep" or "both".
-        payload: body whose acceleration is the amplitude; None: the first payload.
-        response_direction: along which it is taken; None: that of the base.
-        start, stop: range [Hz]; None: from the system's natural frequencies.
-        rate: of the sweeps [octaves/min].
-        periods: of the base after which the motions repeat themselves.
-        largest_step, smallest_step: of the continuation, relative to the frequency.
-        smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; None: as they are.
-        range_from: origin of the range as text; set by `checked`.
-    """
-
-    accelerations: tuple[float, ...]
-    method: Method = "continuation"
+    accelerations: tuple[float, ...]  # levels of the base's acceleration [m/s^2]
+    method: Method = "continuation"  # "continuation", "sweep" or "both"
     direction: Direction = "z"
-    payload: str | None = None
-    response_direction: Direction | None = None
+    payload: str | None = None  # body whose acceleration is the amplitude; None: the first payload
+    response_direction: Direction | None = None  # along which it is taken; None: that of the base
+    # start, stop: range [Hz]; None: from the system's natural frequencies
     start: float | None = None
     stop: float | None = None
-    rate: float = 1.0
-    periods: int = 1
+    rate: float = 1.0  # of the sweeps [octaves/min]
+    periods: int = 1  # of the base after which the motions repeat themselves
+    # largest_step, smallest_step: of the continuation, relative to the frequency
     largest_step: float = 0.02
     smallest_step: float = 1e-5
+    # fraction of the mounts' largest velocity over which the continuation smooths the laws; None: as they are
     smoothing: float | None = None
-    range_from: str = "given"
+    range_from: str = "given"  # origin of the range as text; set by `checked`
 
     def checked(self, system: System) -> "ResponseOptions":
         """Return the same options with nothing left open.
@@ -136,19 +126,14 @@ def _range(system: System, start: float | None, stop: float | None) -> tuple[flo
 
 @dataclass(frozen=True, kw_only=True)
 class Level:
-    """The response to one level of the base's acceleration.
+    """The response to one level of the base's acceleration."""
 
-    Attributes:
-        acceleration: amplitude of the base's acceleration [m/s^2].
-        branch: periodic motions over frequency; None if the method is "sweep".
-        up, down: envelopes of a sweep up and of one down from its final state; None if the method is "continuation".
-        branch_seconds, sweep_seconds: their computing times.
-    """
-
-    acceleration: float
-    branch: Branch | None = None
+    acceleration: float  # amplitude of the base's acceleration [m/s^2]
+    branch: Branch | None = None  # periodic motions over frequency; None if the method is "sweep"
+    # up, down: envelopes of a sweep up and of one down from its final state; None if the method is "continuation"
     up: FrequencySweep | None = None
     down: FrequencySweep | None = None
+    # branch_seconds, sweep_seconds: their computing times
     branch_seconds: float = 0.0
     sweep_seconds: float = 0.0
 

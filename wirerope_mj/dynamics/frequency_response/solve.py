@@ -51,13 +51,9 @@ def frequency_response(
 
 
 def _level(
-    system: System,
-    options: ResponseOptions,
-    acceleration: float,
-    report: Callable[[str], None],
-    keep: Path | None,
+    system: System, options: ResponseOptions, acceleration: float, report: Callable[[str], None], keep: Path | None,
     progress: bool,
-) -> Level:
+) -> Level:  # fmt: skip
     (start, stop), payload, along = options.range, options.payload, options.response_direction
     assert payload is not None
     assert along is not None

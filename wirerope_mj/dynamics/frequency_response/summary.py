@@ -16,15 +16,12 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import json_values
 
-# Highest harmonic that is looked for in a motion.
-HARMONICS = 9
+HARMONICS = 9  # highest harmonic that is looked for in a motion
 # Orders whose own harmonic is looked for near that fraction of the highest peak: the whole amplitude may have no peak there.
 ORDERS, NEAR = (2, 3), 0.15
 SEEN = 0.01  # that harmonic over the fundamental from which on it is listed; a step may pass its narrow top
-# Relative distance from a fold within which a sweep jumps and is not compared.
-AWAY = 0.05
-# Speed of a shaft [1/min], and order, at the most: ten times what turns and shakes.
-FASTEST = 1e6
+AWAY = 0.05  # relative distance from a fold within which a sweep jumps and is not compared
+FASTEST = 1e6  # speed of a shaft [1/min], and order, at the most: ten times what turns and shakes
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -71,9 +68,8 @@ def _superharmonics(branch: Branch, top: float, listed: Sequence[float]) -> Iter
 
 
 def _content(branch: Branch, point: int) -> HarmonicContent:
-    return harmonic_content(
-        branch.orbit(point), payload=branch.payload, direction=branch.response_direction, highest=HARMONICS
-    )
+    along = branch.response_direction
+    return harmonic_content(branch.orbit(point), payload=branch.payload, direction=along, highest=HARMONICS)
 
 
 def _peak(branch: Branch, point: int, frequency: float, amplitude: float, at_edge: bool) -> ResonancePeak:
@@ -172,9 +168,7 @@ class LevelSummary:
     @cached_property
     def comparisons(self) -> dict[str, SweepComparison]:
         """Comparisons of the sweeps with the branch, by their direction."""
-        return {
-            direction: compare(sweep, self.level.branch, self.curve) for direction, sweep in self.level.sweeps.items()
-        }
+        return {name: compare(sweep, self.level.branch, self.curve) for name, sweep in self.level.sweeps.items()}
 
 
 def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
@@ -205,10 +199,8 @@ def plain_summary(summary: LevelSummary) -> dict[str, Any]:
     for direction, sweep in level.sweeps.items():
         content[f"sweep_{direction}"] = asdict(summary.comparisons[direction]) | {
             "jumps": [[jump.fold, jump.frequency] for jump in summary.comparisons[direction].jumps],
-            "cycles": int(sweep.frequency.size),
-            "model_steps": sweep.model_steps,
-            "warnings": list(sweep.warnings),
-        }
+            "cycles": int(sweep.frequency.size), "model_steps": sweep.model_steps, "warnings": list(sweep.warnings),
+        }  # fmt: skip
     if level.sweeps:
         content["sweep_seconds"] = round(level.sweep_seconds, 3)
     plain: dict[str, Any] = json_values(content)
@@ -230,11 +222,7 @@ class OrderBand:
 
 
 def order_bands(orders: Sequence[float], speed_rpm: Sequence[float]) -> tuple[OrderBand, ...]:
-    """Return the bands of orders at speeds [1/min], one or the ends of a range.
-
-    Raises:
-        ValueError: a number is not positive, or there are not one or two speeds.
-    """
+    """Return the bands of orders at speeds [1/min], one or the ends of a range; ValueError unless there are, all above zero."""
     if len(speed_rpm) not in (1, 2):
         raise ValueError(f"`--speed-rpm` takes one speed or two, the lowest and the highest, got {len(speed_rpm)}.")
     speeds = sorted(_within("--speed-rpm", speed) / 60.0 for speed in speed_rpm)

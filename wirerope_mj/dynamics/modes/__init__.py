@@ -2,5 +2,4 @@
 
 from wirerope_mj.dynamics.modes.find import modes as modes
 from wirerope_mj.dynamics.modes.result import Modes as Modes
-from wirerope_mj.dynamics.modes.result import PayloadShape as PayloadShape
 from wirerope_mj.dynamics.modes.result import TippingStability as TippingStability

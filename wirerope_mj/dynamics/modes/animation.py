@@ -15,14 +15,10 @@ from wirerope_mj.engine.simulation.recorder import scene_of
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 
-# Rows of a period: ten degrees each.
-ROWS = 36
-# Periods that each mode is shown, one second long each.
-PERIODS = 2
-# Fraction of the height of the lowest mount by which the mount that moves most deflects in the picture.
-FRACTION = 0.5
-# That deflection where no height is known [m].
-_FLAT = 0.05
+ROWS = 36  # rows of a period: ten degrees each
+PERIODS = 2  # periods that each mode is shown, one second long each
+FRACTION = 0.5  # fraction of the height of the lowest mount by which the mount that moves most deflects in the picture
+_FLAT = 0.05  # that deflection where no height is known [m]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,9 +38,8 @@ def animated_modes(system: System, modes: Modes) -> ModeAnimation:
     known = [height for height in heights if height is not None]
     amplitude = FRACTION * min(known) if known else _FLAT
     subjects = system.assembly.subjects
-    plan = ColumnPlan(
-        bodies=subjects.body_names, points=subjects.point_names, mounts=[(name, ()) for name in system.mounts]
-    )
+    mounted = [(name, ()) for name in system.mounts]
+    plan = ColumnPlan(bodies=subjects.body_names, points=subjects.point_names, mounts=mounted)
     values = _values(system, modes, rest, plan, amplitude)
     samples = MemorySamples(names=plan.names, values=values)
     parts = plan.parts(samples)

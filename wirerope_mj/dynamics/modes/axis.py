@@ -8,12 +8,10 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.laws.kernels import evaluate
 
-# Samples of a closed cycle: the area of a loop with sharp tips is then right to 1e-6.
-SAMPLES = 256
+SAMPLES = 256  # samples of a closed cycle: the area of a loop with sharp tips is then right to 1e-6
 # Step [m] of the elastic part's central difference: its error is below 1e-9 of the slope for travels of millimetres.
 _STEP = 1e-6
-# Step [m/s] of the derivative by the rate: far below any velocity over which a law smooths its friction.
-_SPEED = 1e-9
+_SPEED = 1e-9  # step [m/s] of the derivative by the rate: far below any velocity over which a law smooths its friction
 
 
 def one_sided_tangents(law: Law, deflection: float, states: Array) -> tuple[float, float]:

@@ -18,8 +18,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 
-# Relative distance of eigenvalues whose shapes may turn into one another.
-CLOSE = 1e-6
+CLOSE = 1e-6  # relative distance of eigenvalues whose shapes may turn into one another
 # Relative change of the eigenvalue at which an iterated mode is found, and at which it leads on to the next amplitude.
 TOLERANCE, LEADING = 1e-9, 1e-3
 # Iterations of a mode, those in which its shape may change, and those that are not damped.
@@ -86,14 +85,7 @@ def iterate(
 
 
 def stability_of(system: System, rest: AtRest, tangent: Array, loading: Array) -> TippingStability:
-    """Return the stability of a system.
-
-    Args:
-        system: the system.
-        rest: where it rests.
-        tangent: stiffness of the mounts that holds, (n, n): in small cycles, or what lasts.
-        loading: their stiffness on further loading, (n, n).
-    """
+    """Return the stability by the stiffness of the mounts that holds, in small cycles or what lasts, and on further loading."""
     stiffness = rest.other + rest.weight + tangent
     values, _ = solve(stiffness, rest.mass)
     return TippingStability(

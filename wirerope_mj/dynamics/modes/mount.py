@@ -151,9 +151,8 @@ class MountAtRest:
         if coupled is not None:
             axes = list(self.isolator.coupled_axes)
             z = np.concatenate([self.states[axis] for axis in axes])
-            loading[np.ix_(axes, axes)], unloading[np.ix_(axes, axes)] = plane_tangents(
-                coupled, self.deflection[axes], z
-            )
+            both = np.ix_(axes, axes)
+            loading[both], unloading[both] = plane_tangents(coupled, self.deflection[axes], z)
         return loading, unloading
 
     def lasting(self) -> Array:

@@ -1,4 +1,4 @@
-"""A system linearised where it rests, and how its payloads move in a mode."""
+"""A system linearised where it rests, how its payloads move in a mode, and what holds its strain energy."""
 
 from dataclasses import dataclass
 
@@ -6,21 +6,22 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.dynamics.modes.mount import MountAtRest
-from wirerope_mj.dynamics.modes.result import PayloadShape
+from wirerope_mj.dynamics.modes.result import Modes, PayloadShape
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.mounts import righting_torque
 from wirerope_mj.engine.statics import Equilibrium
-from wirerope_mj.engine.statics.payloads import Payload, movers_of, payloads_of
-from wirerope_mj.engine.system import System, shapes_at
+from wirerope_mj.engine.statics.payloads import Payload, carriers, movers_of, payloads_of
+from wirerope_mj.engine.system import System, mount_rates, shapes_at
 from wirerope_mj.foundation.arrays import Array, Integers
 
 # Step [m or rad] of central differences: their error and that of rounding are both near 1e-9 of the stiffness.
 STEP = 1e-6
 STATE = mujoco.mjtState.mjSTATE_INTEGRATION
-# Fraction of the kinetic energy from which a component of the motion is named.
-NAMED = 0.15
+NAMED = 0.15  # fraction of the kinetic energy from which a component of the motion is named
 # Fraction of the model's mass below which what can move along an axis is rounding.
 _NOTHING = 1e-9
+SHARES = ("mounts", "deck", "equipment")
+_SPRUNG = (mujoco.mjtJoint.mjJNT_SLIDE, mujoco.mjtJoint.mjJNT_HINGE)
 _TRANSLATIONS = ("sway x", "sway y", "bounce z")
 _ROTATIONS = ("rocking about x", "rocking about y", "yaw about z")
 
@@ -53,11 +54,11 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
     mass = mass[np.ix_(free, free)]
-    loaded = _held(system, model, data, equilibrium, free)
-    mounts = {name: _mount(system, model, data, equilibrium, name, free) for name in system.mounts}
+    loaded = _held(system, data, equilibrium, free)
+    mounts = _mounts(system, data, equilibrium, free)
     gravity = model.opt.gravity.copy()
     model.opt.gravity[:] = 0.0
-    other = _held(system, model, data, None, free)
+    other = _held(system, data, None, free)
     model.opt.gravity[:] = gravity
     return AtRest(
         free=free, mass=mass, other=other, weight=loaded - other, damping=np.diag(model.dof_damping[free]), mounts=mounts,
@@ -65,9 +66,7 @@ def linearise(system: System, equilibrium: Equilibrium) -> AtRest:
     )  # fmt: skip
 
 
-def _held(
-    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers
-) -> Array:
+def _held(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None, free: Integers) -> Array:
     """Return -d(force)/dq with mount forces that stay as they are in the mounts' axes (None: without forces).
 
     Torques of mounts that resist turning follow the motion, as joint springs do.
@@ -75,7 +74,7 @@ def _held(
     Generalised forces, not M times accelerations: without weight a loaded joint spring accelerates what it holds, and then
     the mass matrix, which changes with position, would pass for stiffness.
     """
-    rest = data.qpos.copy()
+    model, rest = data.model, data.qpos.copy()
 
     def forces(dof: int, step: float) -> Array:
         velocity = np.zeros(model.nv)
@@ -83,20 +82,21 @@ def _held(
         data.qpos[:] = rest
         mujoco.mj_integratePos(model, data.qpos, velocity, 1.0)
         data.qvel[:] = 0.0
-        _push(system, model, data, equilibrium)
+        _push(system, data, equilibrium)
         mujoco.mj_forward(model, data)
         return np.asarray((data.qfrc_smooth + data.qfrc_constraint)[free])
 
     columns = [(forces(int(dof), STEP) - forces(int(dof), -STEP)) / (2.0 * STEP) for dof in free]
     data.qpos[:] = rest
-    _push(system, model, data, equilibrium)
+    _push(system, data, equilibrium)
     mujoco.mj_forward(model, data)
     stiffness = -np.stack(columns, axis=1)
     return np.asarray(0.5 * (stiffness + stiffness.T))
 
 
-def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
+def _push(system: System, data: mujoco.MjData, equilibrium: Equilibrium | None) -> None:
     """Apply the mounts' forces at rest, turned with their axes, their torques of this position, and hold the base."""
+    model = data.model
     mujoco.mj_fwdPosition(model, data)
     mujoco.mj_fwdVelocity(model, data)
     data.qfrc_applied[:] = 0.0
@@ -120,25 +120,16 @@ def _push(system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibriu
     data.qfrc_applied[driven] = data.qfrc_bias[driven] - data.qfrc_passive[driven]
 
 
-def _mount(
-    system: System, model: mujoco.MjModel, data: mujoco.MjData, equilibrium: Equilibrium, name: str, free: Integers
-) -> MountAtRest:
-    mount, load = system.mounts[name], equilibrium.mounts[name]
-    point = data.site(mount.payload_site).xpos
-    payload, base, unused = (np.zeros((3, model.nv)) for _ in range(3))
-    mujoco.mj_jac(model, data, payload, unused, point, int(model.site(mount.payload_site).bodyid[0]))
-    mujoco.mj_jac(model, data, base, unused, point, int(model.site(mount.base_site).bodyid[0]))
-    for site, rates in ((mount.payload_site, payload), (mount.base_site, base)):
-        own = data.site(site)
-        for dof, shape in shapes_at(system, int(own.id)):
-            rates[:, dof] += own.xmat.reshape(3, 3) @ shape
-    axes = data.site(mount.base_site).xmat.reshape(3, 3)
-    first = system.assembly.activation
-    states = [data.act[first + part.start : first + part.stop].copy() for part in mount.states]
-    return MountAtRest(
-        isolator=mount.isolator, deflection=load.deflection, states=(states[0], states[1], states[2]),
-        jacobian=axes.T @ (payload - base)[:, free],
-    )  # fmt: skip
+def _mounts(system: System, data: mujoco.MjData, equilibrium: Equilibrium, free: Integers) -> dict[str, MountAtRest]:
+    mounts, first = {}, system.assembly.activation
+    for (name, mount), (moves, _) in zip(system.mounts.items(), mount_rates(system, data), strict=True):
+        axes = data.site(mount.base_site).xmat.reshape(3, 3)
+        roll, shear, axial = (data.act[first + part.start : first + part.stop].copy() for part in mount.states)
+        mounts[name] = MountAtRest(
+            isolator=mount.isolator, deflection=equilibrium.mounts[name].deflection, states=(roll, shear, axial),
+            jacobian=axes.T @ moves[:, free],
+        )  # fmt: skip
+    return mounts
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -246,3 +237,27 @@ def _inertia(model: mujoco.MjModel, rest: AtRest, payload: Payload) -> Array:
         steiner = model.body_mass[body] * (arm @ arm * np.eye(3) - np.outer(arm, arm))
         total += _body_inertia(data, model, body) + steiner
     return total
+
+
+def strain_energy(system: System, modes: Modes) -> Array | None:
+    """Compute the shares of `SHARES` in the strain energy of each mode, (n_modes, 3); None where mounts alone are elastic.
+
+    Of a spring on a coordinate q it is k q^2 over omega^2 phi^T M phi, which is all of it; mounts have the rest, with what
+    weight and contacts do. What stands between base and mounts is deck; NaN of modes that do not swing.
+    """
+    model, base = system.model, system.base
+    of_part = {mode.dof: mode.part for mode in system.assembly.subjects.modes}
+    springs = np.zeros((modes.frequencies.size, 2))
+    for joint in range(model.njnt):
+        dof, stiffness = int(model.jnt_dofadr[joint]), float(model.jnt_stiffness[joint])
+        if stiffness > 0.0 and mujoco.mjtJoint(model.jnt_type[joint]) in _SPRUNG and dof in modes.free:
+            parents = {model.body(body).name for body in carriers(model, int(model.jnt_bodyid[joint]))}
+            deck = of_part[dof] == base if dof in of_part else base in parents
+            springs[:, 0 if deck else 1] += stiffness * modes.shapes[dof] ** 2
+    if not springs.any():
+        return None
+    free = modes.shapes[modes.free]
+    total = (2.0 * np.pi * modes.frequencies) ** 2 * np.einsum("nj,nk,kj->j", free, modes.mass, free)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        shares = np.where(total > 0.0, springs.T / total, np.nan).T
+    return np.column_stack([1.0 - shares.sum(axis=1), shares])

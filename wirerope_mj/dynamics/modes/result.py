@@ -11,8 +11,7 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.summary import Summarised, json_values, quantity
 
 _FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far
-# Gravity factor from which a payload stands safely; less is called slender.
-AMPLE = 3.0
+AMPLE = 3.0  # gravity factor from which a payload stands safely; less is called slender
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,19 +20,15 @@ class TippingStability:
 
     About the virgin position these are those of small cycles. About the relaxed one they are those of the elastic parts alone:
     under lasting vibration the hysteretic forces leak away, and what they hold up keeps sinking.
-
-    Attributes:
-        smallest_eigenvalue: of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it.
-        gravity_factor: times the weight, preload included, at which it tips over; infinite if it never does.
-        rise: by which the centre of mass of a payload, or of a part of it that is jointed, could stand higher before it tips
-            over [m], the smallest of all; infinite if none can, 0 if it does. What stands on a part counts with it.
-        softest: the gravity factor with the mounts' tangents on further loading instead of small cycles.
     """
 
+    # of stiffness over mass [(rad/s)^2]; below zero the payload tips over, at zero nothing holds it
     smallest_eigenvalue: float
-    gravity_factor: float
+    gravity_factor: float  # times the weight, preload included, at which it tips over; infinite if it never does
+    # by which the centre of mass of a payload, or of a part of it that is jointed, could stand higher before it tips over [m],
+    # the smallest of all; infinite if none can, 0 if it does. What stands on a part counts with it
     rise: float
-    softest: float
+    softest: float  # the gravity factor with the mounts' tangents on further loading instead of small cycles
 
     @property
     def stable(self) -> bool:
@@ -76,19 +71,12 @@ class TippingStability:
 
 @dataclass(frozen=True, kw_only=True)
 class PayloadShape:
-    """Motion of a payload in every mode, on the scale of `Modes.shapes`.
+    """Motion of a payload in every mode, on the scale of `Modes.shapes`."""
 
-    Attributes:
-        centre: centre of mass at rest [m], world frame, (3,).
-        mass: of all that stands on the payload's root body [kg].
-        translation: of the centre of mass [m], world frame, (n_modes, 3).
-        rotation: of the root body [rad], world frame, (n_modes, 3).
-    """
-
-    centre: Array
-    mass: float
-    translation: Array
-    rotation: Array
+    centre: Array  # centre of mass at rest [m], world frame, (3,)
+    mass: float  # of all that stands on the payload's root body [kg]
+    translation: Array  # of the centre of mass [m], world frame, (n_modes, 3)
+    rotation: Array  # of the root body [rad], world frame, (n_modes, 3)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -97,46 +85,34 @@ class Modes(Summarised):
 
     Shapes are scaled so that the largest deflection of any mount is 1 m (without such, the largest coordinate 1): times the
     amplitude they are the motion. Unless an amplitude is given everything is the limit of small amplitude.
-
-    Attributes:
-        frequencies: [Hz], (n_modes,); 0 for a motion that nothing holds, of all that tip over too if the equilibrium
-            names a motion that no mount resists; else NaN where the weight wins over the mounts and the system tips over.
-        damping_ratio: of the closed cycles and of dampers, (n_modes,).
-        loading, unloading: frequencies with every mount's tangent on further loading and on unloading from its history [Hz],
-            (n_modes,): the first quarter cycle feels the one or the other. Those of small cycles lie between them where
-            beta >= gamma; with gamma > beta both tangents are softer than alpha.
-        shapes: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still.
-        payloads: motion of every payload.
-        mounts: deflection of every mount in its axes, (n_modes, 3).
-        participation: fraction of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1, or
-            to 0 where joints let nothing move along it.
-        moving_mass: what can move along x, y and z [kg], (3,).
-        descriptions: of each mode, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does.
-        history: which equilibrium it is about.
-        amplitude: largest deflection of any mount [m]; None: vanishing.
-        stability: against tipping over.
-        free: velocity coordinates of MuJoCo that can move, (n,).
-        mass, stiffness: of these, (n, n); the stiffness is that of small closed cycles.
-        equilibrium: where the system rests.
     """
 
+    #: [Hz], (n_modes,); 0 for a motion that nothing holds, of all that tip over too if the equilibrium names a motion that no
+    #: mount resists; else NaN where the weight wins over the mounts and the system tips over
     frequencies: Array
-    damping_ratio: Array
+    damping_ratio: Array  #: of the closed cycles and of dampers, (n_modes,)
+    #: loading, unloading: frequencies with every mount's tangent on further loading and on unloading from its history [Hz],
+    #: (n_modes,): the first quarter cycle feels the one or the other. Those of small cycles lie between them where beta >=
+    #: gamma; with gamma > beta both tangents are softer than alpha
     loading: Array
     unloading: Array
-    shapes: Array
-    payloads: dict[str, PayloadShape]
-    mounts: dict[str, Array]
+    shapes: Array  #: velocity coordinates of MuJoCo as columns, (n_v, n_modes); the driven base stands still
+    payloads: dict[str, PayloadShape]  #: motion of every payload
+    mounts: dict[str, Array]  #: deflection of every mount in its axes, (n_modes, 3)
+    #: fraction of the moving mass that takes part along x, y and z, (n_modes, 3); each column sums to 1, or to 0 where joints
+    #: let nothing move along it
     participation: Array
-    moving_mass: Array
+    moving_mass: Array  #: what can move along x, y and z [kg], (3,)
+    #: of each mode, such as "rocking about y + sway x"; "(free)" or "(tips over)" ends it where it does
     descriptions: tuple[str, ...]
-    history: History
-    amplitude: float | None
-    stability: TippingStability
-    free: Integers
+    history: History  #: which equilibrium it is about
+    amplitude: float | None  #: largest deflection of any mount [m]; None: vanishing
+    stability: TippingStability  #: against tipping over
+    free: Integers  #: velocity coordinates of MuJoCo that can move, (n,)
+    #: mass, stiffness: of these, (n, n); the stiffness is that of small closed cycles
     mass: Array
     stiffness: Array
-    equilibrium: Equilibrium
+    equilibrium: Equilibrium  #: where the system rests
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {

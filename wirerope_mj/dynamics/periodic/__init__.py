@@ -1,10 +1,7 @@
 """Periodic motions of a system: shooting, branches, stability."""
 
-from wirerope_mj.dynamics.periodic.branch import Backbone as Backbone
-from wirerope_mj.dynamics.periodic.branch import Bifurcation as Bifurcation
 from wirerope_mj.dynamics.periodic.branch import Branch as Branch
 from wirerope_mj.dynamics.periodic.branch import Jump as Jump
-from wirerope_mj.dynamics.periodic.branch import Resonance as Resonance
 from wirerope_mj.dynamics.periodic.branch import backbone as backbone
 from wirerope_mj.dynamics.periodic.branch import resonances as resonances
 from wirerope_mj.dynamics.periodic.follow import follow_branch as follow_branch

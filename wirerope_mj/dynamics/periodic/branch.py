@@ -19,31 +19,22 @@ from wirerope_mj.foundation.summary import Summarised, quantity, span
 ALIKE = 0.01
 Parameter = Literal["frequency", "acceleration"]
 Kind = Literal["fold", "period doubling", "Neimark-Sacker", "symmetry breaking"]
-# Ratio of a peak to the higher of its two adjacent valleys from which on it is one.
-PROMINENT = 1.02
+PROMINENT = 1.02  # ratio of a peak to the higher of its two adjacent valleys from which on it is one
 
 
 @dataclass(frozen=True, kw_only=True)
 class Bifurcation:
-    """A point at which a branch turns back or its stability changes.
+    """A point at which a branch turns back or its stability changes."""
 
-    Attributes:
-        kind: "fold" (the branch turns back; a multiplier passes 1), "period doubling" (one passes -1), "Neimark-Sacker" (a pair
-            leaves the unit circle), "symmetry breaking" (one passes 1 without a fold: another branch crosses this one).
-        frequency: of the base [Hz].
-        acceleration: of the base [m/s^2].
-        amplitude: of the payload [m/s^2].
-        index: of its point in the branch.
-        multiplier: the one that passes the unit circle.
-        before, after: number of multipliers outside the unit circle on either side.
-    """
-
+    # "fold" (the branch turns back; a multiplier passes 1), "period doubling" (one passes -1), "Neimark-Sacker" (a pair leaves
+    # the unit circle), "symmetry breaking" (one passes 1 without a fold: another branch crosses this one)
     kind: Kind
-    frequency: float
-    acceleration: float
-    amplitude: float
-    index: int
-    multiplier: complex
+    frequency: float  # of the base [Hz]
+    acceleration: float  # of the base [m/s^2]
+    amplitude: float  # of the payload [m/s^2]
+    index: int  # of its point in the branch
+    multiplier: complex  # the one that passes the unit circle
+    # before, after: number of multipliers outside the unit circle on either side
     before: int
     after: int
 
@@ -64,88 +55,60 @@ class Bifurcation:
 
 @dataclass(frozen=True, kw_only=True)
 class SideBranch:
-    """A stretch over which two motions exist that are as good as one.
+    """A stretch over which two motions exist that are as good as one."""
 
-    Attributes:
-        start, stop: frequencies [Hz] or accelerations [m/s^2] between which it was seen, whichever was followed.
-        difference: of the payload's amplitudes, relative.
-    """
-
+    # start, stop: frequencies [Hz] or accelerations [m/s^2] between which it was seen, whichever was followed
     start: float
     stop: float
-    difference: float
+    difference: float  # of the payload's amplitudes, relative
 
 
 @dataclass(frozen=True, kw_only=True)
 class Jump:
-    """A fold at which a slow sweep leaves a branch, and the motion on which it lands.
+    """A fold at which a slow sweep leaves a branch, and the motion on which it lands."""
 
-    Attributes:
-        parameter: frequency [Hz] or acceleration [m/s^2] of the fold, whichever was followed.
-        rising: whether a sweep with rising parameter jumps there; a falling one jumps at the others.
-        amplitude: at the fold [m/s^2].
-        landing: amplitude of the stable motion of the branch at the same parameter [m/s^2]; NaN if it has none there.
-    """
-
-    parameter: float
-    rising: bool
-    amplitude: float
+    parameter: float  # frequency [Hz] or acceleration [m/s^2] of the fold, whichever was followed
+    rising: bool  # whether a sweep with rising parameter jumps there; a falling one jumps at the others
+    amplitude: float  # at the fold [m/s^2]
+    # amplitude of the stable motion of the branch at the same parameter [m/s^2]; NaN if it has none there
     landing: float
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Branch(Summarised):
-    """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed.
-
-    Attributes:
-        parameter: the one that was followed, "frequency" or "acceleration".
-        frequency: of the base [Hz], (n,).
-        acceleration: amplitude of the base's acceleration [m/s^2], (n,).
-        amplitude: largest absolute acceleration of the payload along `response_direction` over a period [m/s^2], (n,).
-        stable: whether no multiplier lies outside the unit circle, or what settles is the motion within the accuracy, (n,).
-        floquet_multipliers: by falling modulus without the neutral ones, padded with NaN, (n, m).
-        neutral: number of neutral directions, (n,).
-        bifurcations: folds and changes of stability in the order of the branch, without those of side branches.
-        side_branches: stretches with two motions within 1 % of each other, past which the branch goes on.
-        payload: body whose acceleration is the amplitude.
-        direction: along which the base moves.
-        response_direction: along which the amplitude is taken.
-        periods: of the base after which the motions repeat themselves.
-        smoothing_width: velocity over which the laws were smoothed [m/s], 0 for the laws as they are, (n,).
-        unknowns: state at phase 0 relative to the equilibrium carried along, (n, n_x).
-        steps: model steps of each motion, (n,).
-        tangents: component of the parameter in the branch's unit tangent, positive where it rises, (n,).
-        residual: how far each motion is from repeating itself, relative to its ranges, (n,).
-        history: equilibrium about which the motions are.
-        complete: whether `stop` was reached.
-        gaps: values of the parameter between which the branch could not be followed and was taken up again.
-        model_steps: of all integrations.
-        message: why it ended.
-    """
+    """Periodic motions of a system along the frequency or the level of its base's sine, in the order they were followed."""
 
     system: System = field(repr=False)
-    parameter: Parameter
-    frequency: Array
-    acceleration: Array
+    parameter: Parameter  #: the one that was followed, "frequency" or "acceleration"
+    frequency: Array  #: of the base [Hz], (n,)
+    acceleration: Array  #: amplitude of the base's acceleration [m/s^2], (n,)
+    #: largest absolute acceleration of the payload along `response_direction` over a period [m/s^2], (n,)
     amplitude: Array
+    #: whether no multiplier lies outside the unit circle, or what settles is the motion within the accuracy, (n,)
     stable: Booleans
+    #: by falling modulus without the neutral ones, padded with NaN, (n, m)
     floquet_multipliers: ComplexArray = field(repr=False)
-    neutral: Integers = field(repr=False)
+    neutral: Integers = field(repr=False)  #: number of neutral directions, (n,)
+    #: folds and changes of stability in the order of the branch, without those of side branches
     bifurcations: tuple[Bifurcation, ...]
-    payload: str
-    direction: Direction
-    response_direction: Direction
-    periods: int
+    payload: str  #: body whose acceleration is the amplitude
+    direction: Direction  #: along which the base moves
+    response_direction: Direction  #: along which the amplitude is taken
+    periods: int  #: of the base after which the motions repeat themselves
+    #: velocity over which the laws were smoothed [m/s], 0 for the laws as they are, (n,)
     smoothing_width: Array = field(repr=False)
-    unknowns: Array = field(repr=False)
-    steps: Integers = field(repr=False)
+    unknowns: Array = field(repr=False)  #: state at phase 0 relative to the equilibrium carried along, (n, n_x)
+    steps: Integers = field(repr=False)  #: model steps of each motion, (n,)
+    #: component of the parameter in the branch's unit tangent, positive where it rises, (n,)
     tangents: Array = field(repr=False)
-    residual: Array = field(repr=False)
-    history: History
-    complete: bool
+    residual: Array = field(repr=False)  #: how far each motion is from repeating itself, relative to its ranges, (n,)
+    history: History  #: equilibrium about which the motions are
+    complete: bool  #: whether `stop` was reached
+    #: values of the parameter between which the branch could not be followed and was taken up again
     gaps: tuple[tuple[float, float], ...]
-    model_steps: int
-    message: str
+    model_steps: int  #: of all integrations
+    message: str  #: why it ended
+    #: stretches with two motions within 1 % of each other, past which the branch goes on
     side_branches: tuple[SideBranch, ...] = ()
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -221,19 +184,12 @@ class Branch(Summarised):
 
 @dataclass(frozen=True, kw_only=True)
 class Resonance:
-    """A peak of a branch over the frequency.
+    """A peak of a branch over the frequency."""
 
-    Attributes:
-        index: of the point with the largest amplitude.
-        frequency: of the peak [Hz], by the parabola through three points.
-        amplitude: of the payload [m/s^2].
-        ratio: frequency of the highest peak over this one's: near n for the superharmonic resonance of order n.
-    """
-
-    index: int
-    frequency: float
-    amplitude: float
-    ratio: float
+    index: int  # of the point with the largest amplitude
+    frequency: float  # of the peak [Hz], by the parabola through three points
+    amplitude: float  # of the payload [m/s^2]
+    ratio: float  # frequency of the highest peak over this one's: near n for the superharmonic resonance of order n
 
 
 @dataclass(frozen=True, kw_only=True)

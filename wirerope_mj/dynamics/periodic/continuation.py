@@ -25,12 +25,9 @@ from wirerope_mj.dynamics.periodic.shooting import (
 )
 from wirerope_mj.foundation.arrays import Array
 
-# Change of the motion relative to its ranges that counts as one unit of arclength.
-CHANGE = 0.25
-# Component of a unit tangent whose sign may change between two points.
-UNCLEAR = 0.1
-# Relative distance in the parameter to which events are located.
-CLOSE = 1e-6
+CHANGE = 0.25  # change of the motion relative to its ranges that counts as one unit of arclength
+UNCLEAR = 0.1  # component of a unit tangent whose sign may change between two points
+CLOSE = 1e-6  # relative distance in the parameter to which events are located
 # Fraction of the branch's tolerance to which folds are corrected: where a branch is steep, a residual of 1e-6 moves the
 # parameter by 1e-5.
 TIGHTER = 1e-2

@@ -1,6 +1,7 @@
 """Searching for a periodic motion of a system whose base follows a sine: settling, shooting, judging."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -32,27 +33,20 @@ from wirerope_mj.foundation.state import State
 # Steps per period of the base for an error of 1e-4 of accelerations and deflections: measured on one mass from a seventh of
 # its resonance to twice it, superharmonic resonances included, and on a floor. The kinks at reversals leave order 2.
 STEPS = 128
-# Steps per period of the system's fastest motion: between reversals RK4 has its order 4.
-NATURAL = 32
-# Accuracy for which these numbers hold.
-REFERENCE = 1e-4
-# Fraction of the stability limit that a step may have.
-STABLE = 0.9
+NATURAL = 32  # steps per period of the system's fastest motion: between reversals RK4 has its order 4
+REFERENCE = 1e-4  # accuracy for which these numbers hold
+STABLE = 0.9  # fraction of the stability limit that a step may have
 # Decay of a hysteretic state near its bound over a step at the most: beyond 2.785 RK4 makes it grow, two coupled ones sooner.
 SETTLED = 2.0
-# Relative change of the largest such rate for which the steps are not changed.
-SAME_RATE = 0.1
+SAME_RATE = 0.1  # relative change of the largest such rate for which the steps are not changed
 # Periods that are simulated before Newton's method starts, and more of them each time it fails.
 SETTLING = (20, 60, 240)
-# Newton iterations of one attempt: four times what a smooth start takes.
-ITERATIONS = 20
+ITERATIONS = 20  # Newton iterations of one attempt: four times what a smooth start takes
 # Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and
 # turn has 12 without its mounts' states.
 MANY = 13
-# Times that the width of smoothed laws is set by the motion that was found with the last one.
-WIDTHS = 4
-# Relative change of that width that no longer matters: the motion depends on its square.
-SAME_WIDTH = 0.01
+WIDTHS = 4  # times that the width of smoothed laws is set by the motion that was found with the last one
+SAME_WIDTH = 0.01  # relative change of that width that no longer matters: the motion depends on its square
 
 
 class Steps:
@@ -77,12 +71,7 @@ class Steps:
 
 
 class OrbitSearch:
-    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped.
-
-    Attributes:
-        scaled: whether derivatives and multipliers are those of the variational equation, see `ScaledStates.serve`.
-        variational: the variational equation along a motion; None where a system of few unknowns does without.
-    """
+    """Search for periodic motions of one system: its unknowns, and copies of it that are stepped."""
 
     def __init__(
         self, system: System, *, direction: Direction, history: History, accuracy: float, smoothing: float | None = None
@@ -92,7 +81,7 @@ class OrbitSearch:
         self.smoothing = None if smoothing is None else positive("smoothing", smoothing)
         stepped = system if smoothing is None else smoothed(system, 1.0)  # the width follows the motion, see `adapt`
         self.flow = flow_of(self.coordinates, stepped)
-        self.scaled = ScaledStates(stepped).serve
+        self.scaled = ScaledStates(stepped).serve  # whether derivatives and multipliers are of the variational equation
         self._yield_rates = yield_rates(system, steep=not isinstance(self.flow, KernelFlow) or smoothing is not None)
         self.variational = variational_of(self.flow) if self.scaled or self.coordinates.size >= MANY else None
 
@@ -172,10 +161,7 @@ class OrbitSearch:
 
     def _settled(self, x: Array, drive: Drive, number: int) -> Array:
         """Return the unknowns after a number of the base's periods."""
-        per_period = drive.steps // drive.periods
-        long = Drive(
-            frequency=drive.frequency, acceleration=drive.acceleration, periods=number, steps=number * per_period
-        )
+        long = replace(drive, periods=number, steps=number * (drive.steps // drive.periods))
         end = self.flow.ends(x[np.newaxis], long)[0]
         if not np.isfinite(end).all():
             self._explain(x, long)

@@ -31,23 +31,18 @@ from wirerope_mj.motions import Sine
 STATE_PARTS = ("qpos", "qvel", "act")
 # Copies that there are at least: Newton's trial steps need them; the columns of a matrix need one for each unknown.
 COPIES = 8
-# Place of the deflection's rate in a mount's record, behind deflection and force.
-RATE = 6
+RATE = 6  # place of the deflection's rate in a mount's record, behind deflection and force
 
 
 class Flow(ABC):
-    """The map from the unknowns at phase 0 to those some periods later.
-
-    Attributes:
-        system: what is stepped: that of the coordinates, or one with the same states and smoothed laws.
-        width: velocity over which its laws are smoothed [m/s]; 0 for laws as they are.
-        taken: model steps taken so far, of all copies.
-        passes: single forward passes in addition; a step has four.
-    """
+    """The map from the unknowns at phase 0 to those some periods later."""
 
     def __init__(self, coordinates: Coordinates, system: System) -> None:
-        self.coordinates, self.system, self.model = coordinates, system, system.model
-        self.width, self.taken, self.passes = 0.0, 0, 0
+        self.coordinates = coordinates
+        # That of the coordinates, or one with the same states and smoothed laws.
+        self.system, self.model = system, system.model
+        self.width = 0.0  # velocity over which its laws are smoothed [m/s]; 0 for laws as they are
+        self.taken, self.passes = 0, 0  # model steps of all copies so far, and single forward passes; a step has four
 
     @property
     def steps(self) -> int:
@@ -64,12 +59,7 @@ class Flow(ABC):
 
     @abstractmethod
     def ends(self, starts: Array, drive: Drive) -> Array:
-        """Return the unknowns at the end of each copy's periods, (n, n_x); NaN where a copy went astray.
-
-        Args:
-            starts: unknowns at phase 0, (n, n_x).
-            drive: the sine.
-        """
+        """Return the unknowns at the end of each copy's periods from those at its start, (n, n_x); NaN where it went astray."""
 
     @abstractmethod
     def follow(self, start: Array, drive: Drive) -> Track:
@@ -150,9 +140,8 @@ class MujocoFlow(Flow):
     def _place(self, n: int, motion: Sine, step: float, done: int) -> None:
         times = step * (done + 0.5 * np.arange(2 * self._table_steps + 1))
         table = self.system.assembly.tables.drive
-        self._qpos[:n, self._driven_qpos] = (
-            self.model.qpos0[self._driven_qpos] + table @ motion.displacement(times[:1])[0]
-        )
+        origin = self.model.qpos0[self._driven_qpos]
+        self._qpos[:n, self._driven_qpos] = origin + table @ motion.displacement(times[:1])[0]
         self._qvel[:n, self._dofs] = table @ motion.velocity(times[:1])[0]
         user = self._user[:n]
         user[:, at.STAGE_POINTS], user[:, at.STAGE_START], user[:, at.STAGE_RATE] = times.size, times[0], 2.0 / step
@@ -178,6 +167,7 @@ class KernelFlow(Flow):
     def __init__(self, coordinates: Coordinates, system: System) -> None:
         super().__init__(coordinates, system)
         self._equations: Equations = equations(system)
+        self._axes = self._equations.rows(kernel.AXES, kernel.AXIS_COLUMNS, 3 * len(system.mounts))
         self._beyond: MujocoFlow | None = None
         self._within = ExitStack()
         self._carried = self._steep(ScaledStates(system))
@@ -191,12 +181,8 @@ class KernelFlow(Flow):
     def smooth(self, width: float) -> None:
         """Smooth the laws over a velocity [m/s]."""
         super().smooth(width)
-        lay, num = self._equations.lay, self._equations.num.copy()
-        axes = lay[lay[kernel.AXES] :][: 3 * kernel.AXIS_COLUMNS * lay[kernel.N_MOUNTS]].reshape(
-            -1, kernel.AXIS_COLUMNS
-        )
-        first = int(lay[kernel.PARAMETERS])
-        num[first + widths_of(axes[:, :2], num[first:])] = width
+        num, first = self._equations.num.copy(), int(self._equations.lay[kernel.PARAMETERS])
+        num[first + widths_of(self._axes[:, :2], num[first:])] = width
         self._equations = replace(self._equations, num=num)
         if self._beyond is not None:
             self._beyond.smooth(width)
@@ -233,14 +219,9 @@ class KernelFlow(Flow):
     def look_around(self, track: Track, moves: Array, wanted: Integers, factors: Array, out: Array) -> bool:
         """Write how accelerations, rates and deflections change beside a motion at the start of every step.
 
-        False if some of these states touch something or stand at a limit.
-
-        Args:
-            track: the motion.
-            moves: displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a).
-            wanted: `addresses` of those that are, (n_wanted,).
-            factors: of their changes, (n_wanted,).
-            out: takes the changes in its last rows and first columns, (n_t, n_rows, n or more).
+        `moves` are displacements in the tangent space of configuration, velocities and internal states, (n, 2 nv + n_a);
+        `wanted` the `addresses` of what is kept, with factors, (n_wanted,); `out` takes the changes in its last rows and first
+        columns, (n_t, n_rows, n or more). False if some of these states touch something or stand at a limit.
         """
         places = np.column_stack([track.qpos, track.qvel, track.act])
         lanes = np.zeros((out.shape[2], moves.shape[1]))
@@ -268,12 +249,9 @@ class KernelFlow(Flow):
 
     def _records(self, states: Integers) -> tuple[Integers, Integers]:
         """Return for some states where the deflection of their axis is recorded, and where its parameters begin, (n,) each."""
-        lay = self._equations.lay
-        axes = lay[lay[kernel.AXES] :][: 3 * kernel.AXIS_COLUMNS * lay[kernel.N_MOUNTS]].reshape(
-            -1, kernel.AXIS_COLUMNS
-        )
-        owner = np.repeat(np.arange(len(axes)), np.where(axes[:, 0] >= 0, axes[:, 3], 0))
-        firsts = np.repeat(axes[:, 2], np.where(axes[:, 0] >= 0, axes[:, 3], 0))
+        lay, axes = self._equations.lay, self._axes
+        sizes = np.where(axes[:, 0] >= 0, axes[:, 3], 0)
+        owner, firsts = np.repeat(np.arange(len(axes)), sizes), np.repeat(axes[:, 2], sizes)
         within = np.arange(owner.size) - np.searchsorted(owner, owner)
         row = np.empty(owner.size, dtype=np.int64)
         row[firsts + within] = owner

@@ -28,18 +28,14 @@ from wirerope_mj.dynamics.periodic.storage import (
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 
-# First step in units of the largest.
-FIRST = 0.2
-# Corrector iterations that the step length is steered to.
-AIM = 4
+FIRST = 0.2  # first step in units of the largest
+AIM = 4  # corrector iterations that the step length is steered to
 # Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
 LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
-# Distance of two folds in units of the accuracy within which they may be the steps': three were seen.
-RIPPLE = 5.0
+RIPPLE = 5.0  # distance of two folds in units of the accuracy within which they may be the steps': three were seen
 # Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
-# Seconds between two looks at the disk: what a killed process loses.
-SAVE_EVERY = 2.0
+SAVE_EVERY = 2.0  # seconds between two looks at the disk: what a killed process loses
 
 
 class GrowingBranch:
@@ -134,10 +130,7 @@ class GrowingBranch:
         event = self.path.event(a, b, length)
         assert event is not None
         fold, towards = event.point, 1.0 if a.tangent[-1] > 0.0 else -1.0
-        passed = pass_by(
-            self.path, self.options, unknowns=fold.shot.x, parameter=fold.parameter,
-            amplitude=self._row(fold).amplitude, towards=towards,
-        )  # fmt: skip
+        passed = pass_by(self.path, self.options, self._row(fold), towards)
         if passed is None:
             return None
         self._add(fold)
@@ -151,10 +144,7 @@ class GrowingBranch:
             return None
         row = self.rows[farthest]
         value = self.options.followed(row)
-        passed = pass_by(
-            self.path, self.options, unknowns=row.unknowns, parameter=value, amplitude=row.amplitude,
-            towards=self.options.sign,
-        )  # fmt: skip
+        passed = pass_by(self.path, self.options, row, self.options.sign)
         if passed is None:  # the needle of a resonance, whose two sides are as near
             self._jump = farthest
             return None
@@ -278,9 +268,8 @@ class GrowingBranch:
         multipliers = np.full((len(rows), max(row.multipliers.size for row in rows)), np.nan + 0.0j)
         for i, row in enumerate(rows):
             multipliers[i, : row.multipliers.size] = row.multipliers
-        values: dict[str, Any] = {
-            name: np.array([getattr(row, name) for row in rows]) for name in (*COLUMNS, "unknowns")
-        }
+        names = (*COLUMNS, "unknowns")
+        values: dict[str, Any] = {name: np.array([getattr(row, name) for row in rows]) for name in names}
         values["tangents"] = values.pop("tangent")
         kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values |= {name: getattr(options, name) for name in kept}

@@ -36,16 +36,11 @@ from wirerope_mj.mounts.laws.smoothed import with_width
 # Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
 # is infinite, a millionth of it is what stays in the equation.
 SMALL = 1e-6
-# Fraction of a state's largest value below which its power is not differentiated.
-NEAREST = 1e-12
+NEAREST = 1e-12  # fraction of a state's largest value below which its power is not differentiated
 
 
 def smoothed(system: System, width: float) -> System:
-    """Return the system with every law that can be smoothed over the velocity `width` [m/s].
-
-    Raises:
-        ValueError: none of its laws can be smoothed.
-    """
+    """Return the system with its laws smoothed over the velocity `width` [m/s]; ValueError if none of them can be."""
     if all(_smoothed(mount.isolator, width) == mount.isolator for mount in system.mounts.values()):
         raise ValueError(
             "`smoothing` has nothing to smooth: no axis of this system has a law with one hysteretic state, or several such."
@@ -105,16 +100,7 @@ class Slopes:
 
 
 class ScaledStates:
-    """The states of a system that follow Bouc-Wen's equation, each alone, and their numbers along a motion.
-
-    Attributes:
-        states: their indices among the internal states, (n,).
-        mounts, axes: where their deflections are, (n,).
-        alpha: their slopes at zero [N/m], (n,).
-        offsets: where their parameters begin among those of their axis, (n,).
-        steep: which of them have n < 1, (n,).
-        smoothed: which of them belong to smoothed laws, (n,).
-    """
+    """The states of a system that follow Bouc-Wen's equation, each alone, and their numbers along a motion."""
 
     def __init__(self, system: System) -> None:
         rows, parameters, smoothed, offsets = [], [], [], []
@@ -132,9 +118,11 @@ class ScaledStates:
                         offsets.append(offset)
                     state, offset = state + part.n_states, offset + part.kernel_parameters().size
         self._system = system
+        # Indices among the internal states, and where their deflections are, (n,) each, as all that follow.
         self.states, self.mounts, self.axes = np.array(rows, dtype=np.int64).reshape(-1, 3).T
         self.alpha, self._beta, self._gamma, self._n = np.array(parameters, dtype=np.float64).reshape(-1, 4).T
-        self.offsets, self.smoothed = np.array(offsets, dtype=np.int64), np.array(smoothed, dtype=bool)
+        self.offsets = np.array(offsets, dtype=np.int64)  # where their parameters begin among those of their axis
+        self.smoothed = np.array(smoothed, dtype=bool)  # whether they belong to smoothed laws
         self.steep = self._n < 1.0
 
     @property

@@ -25,11 +25,6 @@ class Coordinates:
 
     Configuration and velocity are those of the free coordinates relative to the equilibrium carried along by the base, the
     configuration in the tangent space of MuJoCo's. The base is prescribed and not among them.
-
-    Attributes:
-        size: number of unknowns, 2 n_free + n_a.
-        configuration, velocity, internal: indices of these among the unknowns.
-        moving: indices of qpos, qvel and act among the values of an engine's state.
     """
 
     def __init__(self, system: System, *, direction: str | tuple[float, float, float], history: History) -> None:
@@ -41,13 +36,13 @@ class Coordinates:
         self._carry = moving_with_base(system, slow, rest).values - self._rest.values
         self.free = np.setdiff1d(np.arange(self.model.nv), system.assembly.driven_dofs)
         n = self.free.size
-        self.size = 2 * n + self.model.na
+        self.size = 2 * n + self.model.na  # number of unknowns
         self.configuration, self.velocity, self.internal = slice(0, n), slice(n, 2 * n), slice(2 * n, self.size)
         parts = (mujoco.mjtState.mjSTATE_TIME, mujoco.mjtState.mjSTATE_QPOS, mujoco.mjtState.mjSTATE_QVEL)
         time, nq, nv = (mujoco.mj_stateSize(self.model, part) for part in parts)
         self._qpos, self._qvel = slice(time, time + nq), slice(time + nq, time + nq + nv)
         self._act = slice(time + nq + nv, time + nq + nv + self.model.na)
-        self.moving = slice(self._qpos.start, self._act.stop)
+        self.moving = slice(self._qpos.start, self._act.stop)  # qpos, qvel and act among the values of a state
 
     def rest(self) -> Array:
         """Return the unknowns of the equilibrium moving with the base, (n_x,)."""

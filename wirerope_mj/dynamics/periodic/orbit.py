@@ -20,41 +20,25 @@ from wirerope_mj.motions import Sine
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class PeriodicOrbit(Summarised):
-    """A motion that repeats itself after an integer number of the base's periods.
-
-    Attributes:
-        frequency: of the base [Hz].
-        acceleration: amplitude of the base's acceleration [m/s^2].
-        direction: along which the base moves.
-        periods: number of the base's periods after which the motion repeats itself; above 1 for a subharmonic.
-        smoothing_width: velocity over which the laws were smoothed [m/s]; 0 for the laws as they are.
-        state: at phase 0 of the base's sine.
-        steps: model steps in the whole motion.
-        floquet_multipliers: by falling modulus, without the neutral ones.
-        neutral: number of neutral directions: those along which the motion can be shifted and still repeats itself (the offset
-            of a law without an elastic part, the state of an axis that does not move).
-        stable: whether no multiplier lies outside the unit circle.
-        residual: largest difference of end and start, relative to the ranges of deflections, rates and states.
-        iterations: of Newton's method.
-        model_steps: of all integrations that finding it took.
-        message: residual, iterations and transient.
-    """
+    """A motion that repeats itself after an integer number of the base's periods."""
 
     system: System = field(repr=False)
-    frequency: float
-    acceleration: float
-    direction: Direction
-    periods: int
-    smoothing_width: float
-    state: State = field(repr=False)
-    steps: int
-    floquet_multipliers: ComplexArray
+    frequency: float  #: of the base [Hz]
+    acceleration: float  #: amplitude of the base's acceleration [m/s^2]
+    direction: Direction  #: along which the base moves
+    periods: int  #: number of the base's periods after which the motion repeats itself; above 1 for a subharmonic
+    smoothing_width: float  #: velocity over which the laws were smoothed [m/s]; 0 for the laws as they are
+    state: State = field(repr=False)  #: at phase 0 of the base's sine
+    steps: int  #: model steps in the whole motion
+    floquet_multipliers: ComplexArray  #: by falling modulus, without the neutral ones
+    #: number of neutral directions: those along which the motion can be shifted and still repeats itself (the offset of a law
+    #: without an elastic part, the state of an axis that does not move)
     neutral: int
-    stable: bool
-    residual: float
-    iterations: int
-    model_steps: int
-    message: str
+    stable: bool  #: whether no multiplier lies outside the unit circle
+    residual: float  #: largest difference of end and start, relative to the ranges of deflections, rates and states
+    iterations: int  #: of Newton's method
+    model_steps: int  #: of all integrations that finding it took
+    message: str  #: residual, iterations and transient
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         largest = float(np.abs(self.floquet_multipliers).max(initial=0.0))
@@ -89,19 +73,12 @@ class PeriodicOrbit(Summarised):
 
 @dataclass(frozen=True, kw_only=True)
 class HarmonicContent:
-    """Harmonics of a payload's acceleration over a periodic motion.
+    """Harmonics of a payload's acceleration over a periodic motion."""
 
-    Attributes:
-        order: multiples of the base's frequency, fractions for subharmonics, (n,).
-        frequency: [Hz], (n,).
-        amplitude: [m/s^2], (n,).
-        phase: of a cosine at phase 0 of the base's sine [rad], (n,).
-    """
-
-    order: tuple[Fraction, ...]
-    frequency: Array
-    amplitude: Array
-    phase: Array
+    order: tuple[Fraction, ...]  # multiples of the base's frequency, fractions for subharmonics, (n,)
+    frequency: Array  # [Hz], (n,)
+    amplitude: Array  # [m/s^2], (n,)
+    phase: Array  # of a cosine at phase 0 of the base's sine [rad], (n,)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -13,10 +13,8 @@ from wirerope_mj.foundation.arrays import Array, ComplexArray, Integers
 # Step of the difference quotients in units of the scales: far above the rounding of positions of metres (1e-16 m against 1e-5
 # of 1e-5 m), far below what bends the map.
 DIFFERENCE = 1e-5
-# Step lengths 1, 1/2, 1/4, 1/8 of Newton's method that are tried at once.
-TRIALS = 4
-# Longest step in units of the scales: beyond it the linear map is no guide.
-LONGEST = 2.0
+TRIALS = 4  # step lengths 1, 1/2, 1/4, 1/8 of Newton's method that are tried at once
+LONGEST = 2.0  # longest step in units of the scales: beyond it the linear map is no guide
 # Residual accepted where rounding or a contact's own iteration stops Newton's method before the tolerance.
 ACCEPTED = 1e-6
 # Multipliers so near to 1 may be neutral: a double one splits by the root of the difference quotients' noise of 1e-6.
@@ -24,14 +22,12 @@ NEAR_ONE = 1e-3
 # Finite shift along a direction that may be neutral, in units of the scales: a fold's direction is neutral for small shifts
 # only.
 SHIFT = 0.05
-# Fraction of the shift by which a neutral motion may differ from a repetition.
-UNCHANGED = 1e-3
+UNCHANGED = 1e-3  # fraction of the shift by which a neutral motion may differ from a repetition
 # Excess over 1 that is still the noise of an undamped direction (a mount axis that does not move dissipates nothing).
 MARGIN = 1e-4
-# The difference quotients for multipliers are central and this many radians wide, over the steps of a period: so wide that
-# the reversals of the mounts, where the derivative jumps, move over more than a step. Narrow ones see a reversal stand
-# between two stages and are wrong by a fraction of a step: 3e-3 of a multiplier with 1280 steps, where wide ones are right to
-# 1e-5.
+# The difference quotients for multipliers are central and this many radians wide, over the steps of a period: so wide that the
+# reversals of the mounts, where the derivative jumps, move over more than a step. Narrow ones see a reversal stand between two
+# stages and are wrong by a fraction of a step: 3e-3 of a multiplier with 1280 steps, where wide ones are right to 1e-5.
 STEPS_MOVED = 10.0
 # Bounds of that width in units of the scales: below the first it gains nothing, above the second the map bends.
 NARROWEST, WIDEST = 3e-3, 3e-2
@@ -39,22 +35,13 @@ NARROWEST, WIDEST = 3e-3, 3e-2
 
 @dataclass(frozen=True, kw_only=True)
 class Shot:
-    """A motion over one shooting interval and how far it is from repeating itself.
+    """A motion over one shooting interval and how far it is from repeating itself."""
 
-    Attributes:
-        x: unknowns at its start, (n_x,).
-        track: from there on.
-        scale: unit of every unknown, (n_x,).
-        residual: largest difference of end and start in these units.
-        iterations: of Newton's method.
-        drifts: whether what is left of its gap lies along directions in which nothing changes.
-    """
-
-    x: Array
-    track: Track
-    scale: Array
-    iterations: int = 0
-    drifts: bool = False
+    x: Array  # unknowns at its start, (n_x,)
+    track: Track  # from there on
+    scale: Array  # unit of every unknown, (n_x,)
+    iterations: int = 0  # of Newton's method
+    drifts: bool = False  # whether what is left of its gap lies along directions in which nothing changes
 
     @property
     def gap(self) -> Array:
@@ -93,13 +80,9 @@ def monodromy(flow: Flow, at: Shot) -> Array:
 
 
 def close(
-    flow: Flow,
-    first: Shot,
-    *,
-    tolerance: float,
-    iterations: int,
+    flow: Flow, first: Shot, *, tolerance: float, iterations: int,
     derivative: Callable[[Flow, Shot], Array] = monodromy,
-) -> Shot:
+) -> Shot:  # fmt: skip
     """Return the periodic motion near `first`, or the best that was found."""
     now = first
     for iteration in range(iterations):

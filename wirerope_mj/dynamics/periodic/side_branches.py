@@ -21,8 +21,7 @@ from wirerope_mj.foundation.arrays import Array
 
 # Steps beyond a fold, in units of the largest, at which the motion that may lie there is looked for.
 LEAPS = (0.1, 0.25, 0.5, 1.0)
-# Periods after which Newton's method is tried again beyond a fold.
-SETTLE = 60
+SETTLE = 60  # periods after which Newton's method is tried again beyond a fold
 # Periods over which an unstable motion is left to itself, and those of them at whose end its amplitude is read.
 SETTLING, SEEN = 300, 8
 # Fraction of the ranges by which it is moved before: a multiplier of 1.03 makes it as large as the motion in these periods.
@@ -37,15 +36,13 @@ class Passed:
     difference: float
 
 
-def pass_by(
-    path: Continuation, options: BranchOptions, *, unknowns: Array, parameter: float, amplitude: float, towards: float
-) -> Passed | None:
+def pass_by(path: Continuation, options: BranchOptions, farthest: Row, towards: float) -> Passed | None:
     """Find the motion beyond a fold if the branch that leads there is within 1 % of the fold's; None if it is a jump.
 
-    `unknowns`, `parameter` and `amplitude` are those of the motion that reaches farthest; `towards` is 1 if the parameter rose
-    up to there, else -1.
+    `farthest` is the motion that reaches farthest; `towards` is 1 if the parameter rose up to there, else -1.
     """
-    for value, beyond in _beyond(path, options, unknowns, parameter, towards):
+    parameter, amplitude = options.followed(farthest), farthest.amplitude
+    for value, beyond in _beyond(path, options, farthest.unknowns, parameter, towards):
         back = path.closed(beyond.x, parameter)
         if back is None:
             continue
@@ -66,9 +63,8 @@ def _beyond(
             continue
         drive, x = path.drive(further), unknowns
         if settling:
-            x = path.flow.ends(
-                x[np.newaxis], replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
-            )[0]
+            long = replace(drive, periods=settling * drive.periods, steps=settling * drive.steps)
+            x = path.flow.ends(x[np.newaxis], long)[0]
         motion = path.closed(x, further)
         if motion is not None:
             yield further, motion

@@ -86,19 +86,10 @@ class BranchOptions:
 
 
 def branch_options(
-    system: System,
-    *,
-    acceleration: float | None,
-    frequency: float | None,
-    direction: str | Sequence[float],
-    payload: str,
-    response_direction: str | Sequence[float] | None,
-    periods: int,
-    most_points: int,
-    history: History,
-    smoothing: float | None,
-    **numbers: float,
-) -> BranchOptions:
+    system: System, *, acceleration: float | None, frequency: float | None, direction: str | Sequence[float],
+    payload: str, response_direction: str | Sequence[float] | None, periods: int, most_points: int, history: History,
+    smoothing: float | None, **numbers: float,
+) -> BranchOptions:  # fmt: skip
     """Return the options of `follow_branch`; an argument that is out of range is a ValueError."""
     if (acceleration is None) == (frequency is None):
         raise ValueError(
@@ -113,9 +104,8 @@ def branch_options(
     one_of("payload", payload, observed_bodies(system))
     moved = checked_direction(direction)
     parameter: Parameter = "frequency" if frequency is None else "acceleration"
-    other = (
-        positive("acceleration", acceleration) if acceleration is not None else positive("frequency", frequency or 0.0)
-    )
+    held = "acceleration" if frequency is None else "frequency"
+    other = positive(held, acceleration if frequency is None else frequency)
     check_direction(system, Sine(frequency=1.0, acceleration=1.0, direction=moved))
     along = moved if response_direction is None else checked_direction(response_direction, "response_direction")
     return BranchOptions(
@@ -181,11 +171,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
 
 
 def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bifurcation], dict[str, Any]] | None:
-    """Return the points of a branch that was begun in `folder`, None if there is none.
-
-    Raises:
-        RecordError: what stands there is the branch of another system or of other arguments.
-    """
+    """Return the points of a branch begun in `folder`, None if there is none; RecordError if it is that of another question."""
     path = folder / FILE
     if not path.exists():
         return None

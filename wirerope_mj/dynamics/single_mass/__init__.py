@@ -2,12 +2,7 @@
 
 from wirerope_mj.dynamics.single_mass.balance import HarmonicOrbit as HarmonicOrbit
 from wirerope_mj.dynamics.single_mass.balance import harmonic_balance as harmonic_balance
-from wirerope_mj.dynamics.single_mass.equivalent import SimplifiedPeak as SimplifiedPeak
 from wirerope_mj.dynamics.single_mass.equivalent import simplified_peak as simplified_peak
 from wirerope_mj.dynamics.single_mass.harmonic_branch import HarmonicBranch as HarmonicBranch
-from wirerope_mj.dynamics.single_mass.harmonic_branch import HarmonicFold as HarmonicFold
 from wirerope_mj.dynamics.single_mass.harmonic_branch import follow_harmonic_balance as follow_harmonic_balance
-from wirerope_mj.dynamics.single_mass.linearisation import EquivalentLinear as EquivalentLinear
-from wirerope_mj.dynamics.single_mass.linearisation import LinearisedOrbit as LinearisedOrbit
 from wirerope_mj.dynamics.single_mass.linearisation import equivalent_linear as equivalent_linear
-from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits as linearised_orbits

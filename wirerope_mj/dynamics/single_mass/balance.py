@@ -129,49 +129,29 @@ def newton(balance: Balance, u: Array, omega: float, acceleration: float, tolera
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class HarmonicOrbit(Summarised):
-    """A periodic motion by harmonic balance; phase 0 of the sine at the first sample, the last one period later.
+    """A periodic motion by harmonic balance; phase 0 of the sine at the first sample, the last one period later."""
 
-    Attributes:
-        law: of the isolator axis.
-        mass: [kg].
-        frequency: [Hz].
-        acceleration: amplitude of the base [m/s^2].
-        gravity: [m/s^2].
-        coefficients: c_k of the deflection [m], (harmonics + 1,), complex; the mean first.
-        time: [s], (n_t,).
-        deflection: [m], (n_t,).
-        rate: [m/s], (n_t,).
-        force: [N], (n_t,).
-        hysteretic_state: [N], (n_t,).
-        amplitude: largest |absolute acceleration| of the mass over the period [m/s^2].
-        smallest_deflection: [m].
-        largest_deflection: [m].
-        largest_hysteretic_state: largest |z| [N].
-        dissipated_energy: work done on the law in the period [J].
-        residual: largest |R_k| of the retained harmonics over m a.
-        truncation: root mean square of the force's harmonics that are not retained, over m a: what they leave unbalanced.
-        iterations: Newton steps taken.
-    """
-
-    law: Law
-    mass: float
-    frequency: float
-    acceleration: float
-    gravity: float
+    law: Law  #: of the isolator axis
+    mass: float  #: [kg]
+    frequency: float  #: [Hz]
+    acceleration: float  #: amplitude of the base [m/s^2]
+    gravity: float  #: [m/s^2]
+    #: c_k of the deflection [m], (harmonics + 1,), complex; the mean first
     coefficients: ComplexArray = field(repr=False)
-    time: Array = field(repr=False)
-    deflection: Array = field(repr=False)
-    rate: Array = field(repr=False)
-    force: Array = field(repr=False)
-    hysteretic_state: Array = field(repr=False)
-    amplitude: float
-    smallest_deflection: float
-    largest_deflection: float
-    largest_hysteretic_state: float
-    dissipated_energy: float
-    residual: float
+    time: Array = field(repr=False)  #: [s], (n_t,)
+    deflection: Array = field(repr=False)  #: [m], (n_t,)
+    rate: Array = field(repr=False)  #: [m/s], (n_t,)
+    force: Array = field(repr=False)  #: [N], (n_t,)
+    hysteretic_state: Array = field(repr=False)  #: [N], (n_t,)
+    amplitude: float  #: largest |absolute acceleration| of the mass over the period [m/s^2]
+    smallest_deflection: float  #: [m]
+    largest_deflection: float  #: [m]
+    largest_hysteretic_state: float  #: largest |z| [N]
+    dissipated_energy: float  #: work done on the law in the period [J]
+    residual: float  #: largest |R_k| of the retained harmonics over m a
+    #: root mean square of the force's harmonics that are not retained, over m a: what they leave unbalanced
     truncation: float
-    iterations: int
+    iterations: int  #: Newton steps taken
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         return f"HarmonicOrbit of {self.mass:.4g} kg on {type(self.law).__name__}", {

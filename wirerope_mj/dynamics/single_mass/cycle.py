@@ -17,10 +17,8 @@ from wirerope_mj.mounts.laws.power import ORDER
 from wirerope_mj.mounts.laws.steady import carry, next_start
 from wirerope_mj.mounts.laws.timed import follow_time
 
-# Cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two.
-_ROUNDS = 200
-# Share of the largest state by which it may differ after a cycle: rounding.
-_CLOSED = 4e-16
+_ROUNDS = 200  # cycles after which the states are taken as they are; the secant needs fewer than ten, sliders two
+_CLOSED = 4e-16  # share of the largest state by which it may differ after a cycle: rounding
 
 
 @njit
@@ -199,13 +197,8 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
     """Return the steady force [N], (n_t,), along one cycle; NaN where it leaves the finite numbers.
 
     A rate-independent law is followed exactly along the path, from the unloaded state at zero deflection on until its cycle
-    closes; one that depends on the rate along the cubic through deflections and rates.
-
-    Args:
-        law: the law, none that wears.
-        deflection: uniform samples over one period, the last the first again [m], (n_t,).
-        rate: deflection rate at the samples [m/s], (n_t,).
-        period: duration of the cycle [s].
+    closes; one that depends on the rate along the cubic through deflections [m] and rates [m/s], (n_t,), uniform samples over
+    one `period` [s], the last the first again. No law that wears has such a cycle.
     """
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:
@@ -216,11 +209,7 @@ def cycle_force(law: Law, deflection: Array, rate: Array, *, period: float) -> A
 
 
 def steady_cycle(law: Law, deflection: Array, rate: Array, *, period: float) -> ClosedCycle:
-    """Return all of the same cycle, its work included; the arguments are those of `cycle_force`.
-
-    Raises:
-        ValueError: the force leaves the finite numbers along the path.
-    """
+    """Return all of the same cycle, its work included; ValueError if the force leaves the finite numbers on the way."""
     p, n = law.kernel_parameters(), law.n_states
     if law.rate_independent:
         path, indices = path_between(deflection, rate, period / (deflection.size - 1))

@@ -22,10 +22,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law
 
-# Samples of a cycle: the area of a loop with a sharp tip is then right to 1e-6.
-SAMPLES = 256
-# Amplitudes tried: about 30 bring a smooth spectrum to ten digits.
-_ITERATIONS = 200
+SAMPLES = 256  # samples of a cycle: the area of a loop with a sharp tip is then right to 1e-6
+_ITERATIONS = 200  # amplitudes tried: about 30 bring a smooth spectrum to ten digits
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -67,11 +65,7 @@ def require_oscillator(law: Law, *, mass: float, frequency: float, acceleration:
 def oscillator_at(law: Law, amplitude: float, *, frequency: float, weight: float = 0.0) -> EquivalentOscillator:
     """Return spring and damper of the law's closed loop at an amplitude [m], about the deflection whose mean force is -weight.
 
-    Args:
-        law: the law.
-        amplitude: D [m].
-        frequency: [Hz]; it does not matter to a rate-independent law.
-        weight: [N], towards compression; a law without an elastic part carries none.
+    The frequency [Hz] does not matter to a rate-independent law; a law without an elastic part carries no weight [N].
     """
     angle = 2.0 * np.pi * np.arange(SAMPLES + 1) / SAMPLES
     omega = 2.0 * np.pi * frequency
@@ -115,23 +109,14 @@ def _offset(excess: Callable[[float], float], law: Law, amplitude: float, weight
 
 @dataclass(frozen=True, kw_only=True)
 class SimplifiedPeak:
-    """Peak response of one mass on one isolator axis by an equivalent linear oscillator.
+    """Peak response of one mass on one isolator axis by an equivalent linear oscillator."""
 
-    Attributes:
-        deflection: D [m].
-        acceleration: K D / m of the mass [m/s^2].
-        stiffness: secant stiffness K at D [N/m].
-        damping_ratio: of the loop at D [-].
-        period: of the equivalent oscillator, 2 pi sqrt(m / K) [s].
-        iterations: amplitudes tried.
-    """
-
-    deflection: float
-    acceleration: float
-    stiffness: float
-    damping_ratio: float
-    period: float
-    iterations: int
+    deflection: float  # D [m]
+    acceleration: float  # K D / m of the mass [m/s^2]
+    stiffness: float  # secant stiffness K at D [N/m]
+    damping_ratio: float  # of the loop at D [-]
+    period: float  # of the equivalent oscillator, 2 pi sqrt(m / K) [s]
+    iterations: int  # amplitudes tried
 
 
 def simplified_peak(

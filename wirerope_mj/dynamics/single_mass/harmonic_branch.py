@@ -24,12 +24,9 @@ from wirerope_mj.mounts.laws import Law
 
 # Arclength of the first step and of the shortest; 1 is the whole deflection, or a factor e in frequency.
 _FIRST, _SMALLEST = 0.02, 1e-6
-# Corrections that the step length is steered to: Broyden's formula needs five to eight to reach 1e-10.
-_AIM = 7
-# Relative distance in the frequency to which folds are located.
-_CLOSE = 1e-9
-# Points after which a branch that does not arrive is going round in circles.
-_MOST = 4000
+_AIM = 7  # corrections that the step length is steered to: Broyden's formula needs five to eight to reach 1e-10
+_CLOSE = 1e-9  # relative distance in the frequency to which folds are located
+_MOST = 4000  # points after which a branch that does not arrive is going round in circles
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -43,35 +40,20 @@ class HarmonicFold:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class HarmonicBranch(Summarised):
-    """Periodic motions followed over frequency by harmonic balance.
+    """Periodic motions followed over frequency by harmonic balance."""
 
-    Attributes:
-        law: of the isolator axis.
-        mass: [kg].
-        acceleration: amplitude of the base [m/s^2].
-        gravity: [m/s^2].
-        frequency: [Hz], (n,), along the branch; it turns back at folds.
-        amplitude: largest |absolute acceleration| of the mass [m/s^2], (n,).
-        smallest_deflection: [m], (n,).
-        largest_deflection: [m], (n,).
-        coefficients: of the deflection [m], (n, harmonics + 1), complex.
-        samples: of one period.
-        folds: where the branch turns back in frequency; the fold itself is one of the n points.
-        message: why it ended.
-    """
-
-    law: Law
-    mass: float
-    acceleration: float
-    gravity: float
-    frequency: Array = field(repr=False)
-    amplitude: Array = field(repr=False)
-    smallest_deflection: Array = field(repr=False)
-    largest_deflection: Array = field(repr=False)
-    coefficients: ComplexArray = field(repr=False)
-    samples: int
-    folds: tuple[HarmonicFold, ...]
-    message: str
+    law: Law  #: of the isolator axis
+    mass: float  #: [kg]
+    acceleration: float  #: amplitude of the base [m/s^2]
+    gravity: float  #: [m/s^2]
+    frequency: Array = field(repr=False)  #: [Hz], (n,), along the branch; it turns back at folds
+    amplitude: Array = field(repr=False)  #: largest |absolute acceleration| of the mass [m/s^2], (n,)
+    smallest_deflection: Array = field(repr=False)  #: [m], (n,)
+    largest_deflection: Array = field(repr=False)  #: [m], (n,)
+    coefficients: ComplexArray = field(repr=False)  #: of the deflection [m], (n, harmonics + 1), complex
+    samples: int  #: of one period
+    folds: tuple[HarmonicFold, ...]  #: where the branch turns back in frequency; the fold itself is one of the n points
+    message: str  #: why it ended
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         peak = int(np.argmax(self.amplitude))

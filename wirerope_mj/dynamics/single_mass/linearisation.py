@@ -36,22 +36,13 @@ class LinearisedOrbit:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class EquivalentLinear(Brief):
-    """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first.
+    """Response curve by equivalent linearisation: one column for each amplitude that a frequency has, the smallest first."""
 
-    Attributes:
-        frequency: [Hz], (n_f,).
-        deflection: amplitude of the deflection D [m], (n_f, 3); NaN where there are fewer solutions.
-        amplitude: largest |absolute acceleration| of the mass [m/s^2], (n_f, 3).
-        stiffness: K [N/m], (n_f, 3).
-        damping_ratio: of the loop [-], (n_f, 3).
-        solutions: how many there are, (n_f,).
-    """
-
-    frequency: Array
-    deflection: Array
-    amplitude: Array
-    stiffness: Array
-    damping_ratio: Array
+    frequency: Array  # [Hz], (n_f,)
+    deflection: Array  # amplitude of the deflection D [m], (n_f, 3); NaN where there are fewer solutions
+    amplitude: Array  # largest |absolute acceleration| of the mass [m/s^2], (n_f, 3)
+    stiffness: Array  # K [N/m], (n_f, 3)
+    damping_ratio: Array  # of the loop [-], (n_f, 3)
 
     @property
     def solutions(self) -> Integers:
@@ -114,12 +105,9 @@ def _oscillators(law: Law, weight: float) -> Callable[[float, float], Equivalent
 
 
 def _solutions(
-    law: Law,
-    oscillator: Callable[[float, float], EquivalentOscillator],
-    mass: float,
-    frequency: float,
+    law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float,
     acceleration: float,
-) -> list[EquivalentOscillator]:
+) -> list[EquivalentOscillator]:  # fmt: skip
     """Return the oscillators consistent with their own amplitude at a frequency, the smallest first."""
     omega = 2.0 * np.pi * frequency
 

@@ -11,8 +11,7 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_reached
 from wirerope_mj.mounts.laws.law import ROUNDING
 
-# Finite travels beyond which a deflection is but the overflow of a law that has ended.
-RAN_AWAY = 10.0
+RAN_AWAY = 10.0  # finite travels beyond which a deflection is but the overflow of a law that has ended
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -63,9 +62,8 @@ class Lawful:
         far, end = reached[row, number, index, side], law.travel_ends[side]
         went = f"reached {far:.4g} m" if far < RAN_AWAY * end else "ran away"
         raise SimulationError(
-            f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose "
-            f"law holds up to {end:.4g} m, where {law.travel_rule}. Shake more gently, or use an isolator with "
-            "more travel."
+            f"at {frequency[row]:.5g} Hz mount {name!r} {went} on its {axis} axis, whose law holds up to {end:.4g} m, where "
+            f"{law.travel_rule}. Shake more gently, or use an isolator with more travel."
         )
 
 

@@ -10,8 +10,8 @@ from wirerope_mj.dynamics.sweep.channels import Channels, Lawful
 from wirerope_mj.dynamics.sweep.engines import ByKernel, ByMujoco
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
-from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
-from wirerope_mj.engine.simulation.grid import Grid
+from wirerope_mj.engine.simulation.engines import unsupported_run
+from wirerope_mj.engine.simulation.grid import Grid, divided
 from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -22,16 +22,13 @@ from wirerope_mj.motions import Sine, Sweep
 # Fewest steps in a cycle: the parabola through three of them meets the crest of a sine within 1e-5, of its third harmonic
 # within 1e-3.
 STEPS_PER_CYCLE = 40
-# Cycles before which nothing is judged: four in each quarter.
-FEWEST = 16
-# A look is taken whenever the cycles have grown by one part in this.
-LOOK_EVERY = 4
+FEWEST = 16  # cycles before which nothing is judged: four in each quarter
+LOOK_EVERY = 4  # a look is taken whenever the cycles have grown by one part in this
 # Looks that must agree: a slow beat may stand still at one of them. Of 1500 transients with decays of 1e-3 to 1 per cycle and
 # beats of every length 0.6 % were still taken for settled too early, those that turn once within a decay and begin where they
 # stand still; the wait was 1.7 times the shortest possible.
 IN_A_ROW = 2
-# Amplitudes smaller than this fraction of the largest are judged relative to that fraction.
-SMALL = 1e-3
+SMALL = 1e-3  # amplitudes smaller than this fraction of the largest are judged relative to that fraction
 # Blocks that a decay may still take. Steady amplitudes repeat within some 1e-12, which is then at most 1e-6.
 SLOWEST = 1e6
 
@@ -55,19 +52,14 @@ class Cycles:
     The peak tracker of the simulation is read and emptied after every cycle: it sees every step and refines an extreme by the
     parabola through three of them, so that a cycle costs memory for its extremes alone. An extreme in the last half step of a
     cycle is found by the first step of the next and belongs to it.
-
-    Attributes:
-        steps: number of steps so far.
-        largest_step: largest of them [s].
-        why: why it is not the kernel that steps, "" as long as it is.
     """
 
     def __init__(self, system: System, motion: Sine | Sweep, start: State, timestep: float, engines: ExitStack) -> None:
-        self.steps, self.largest_step = 0, 0.0
+        self.steps, self.largest_step = 0, 0.0  # so far [1, s]
         self._motion, self._timestep, self._engines = motion, timestep, engines
         self._lawful, self._mounts = Lawful(system), Channels.of(system).mounts
         self._n_channels = system.assembly.tables.channels.size
-        self.why = unsupported_system(system) or unsupported_motion(system, motion)
+        self.why = unsupported_run(system, motion)  # why it is not the kernel that steps, "" as long as it is
         self._by = self._stepped(ByMujoco(system, motion, start)) if self.why else ByKernel(system, motion, start)
 
     def run(self, instants: Array) -> Extremes:
@@ -116,20 +108,10 @@ def cycle_grid(instants: Array, timestep: float) -> tuple[Grid, Integers]:
 
     Each cycle is cut into equal steps of at most `timestep` [s], at least `STEPS_PER_CYCLE`.
     """
-    length = np.diff(instants)
-    steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), STEPS_PER_CYCLE).astype(np.int64)
-    intervals = -(-steps // at.MAX_STEPS)
-    steps = -(-steps // intervals)
-    ends = np.cumsum(intervals)
-    cycle = np.repeat(np.arange(length.size), intervals)
-    number = np.arange(cycle.size) - (ends - intervals)[cycle]
-    start = instants[cycle] + length[cycle] * (number / intervals[cycle])
-    grid = Grid(
-        start=start, stop=np.append(start[1:], instants[1:][-1:]), steps=steps[cycle],
-        sampled=np.zeros(cycle.size, dtype=bool), event=np.full(cycle.size, at.SMOOTH),
-        corner_after=np.zeros(cycle.size, dtype=bool),
-    )  # fmt: skip
-    return grid, ends - 1
+    start, stop, steps, cycle = divided(instants, timestep, least=STEPS_PER_CYCLE)
+    none, smooth = np.zeros(cycle.size, dtype=bool), np.full(cycle.size, at.SMOOTH)
+    grid = Grid(start=start, stop=stop, steps=steps, sampled=none, event=smooth, corner_after=none)
+    return grid, np.flatnonzero(np.diff(cycle, append=-1))
 
 
 def at_start(system: System, motion: Sine | Sweep, state: State) -> State:

@@ -81,14 +81,12 @@ class ByKernel:
     """A system that the kernel steps through cycles, until it fails.
 
     The kernel follows no channel that is fixed to the base: its acceleration is followed beside them.
-
-    Attributes:
-        time: end of the last cycles that went well [s].
     """
 
     def __init__(self, system: System, motion: Sine | Sweep, start: State) -> None:
         tables = system.assembly.tables
-        self._system, self._motion, self._start, self.time = system, motion, start, start.time
+        self._system, self._motion, self._start = system, motion, start
+        self.time = start.time  # end of the last cycles that went well [s]
         self._tables = StageTables(motion, tables.drive)
         self._group = group_of([equations(system)], start.values[moving(system)][np.newaxis], [0])
         self._base = np.zeros(at.CHANNEL_MEMORY)

@@ -27,21 +27,15 @@ _KIND = "a table that `FrequencySweep.save` wrote"
 _REMEDY = "Copy it again, or compute the sweep again."
 _FIRST = ("frequency", "base_amplitude", "cycles", "remaining", "settled")
 _PLAIN = ("payload", "response_direction", "excitation", "timestep", "estimated_error", "model_steps")
-# Rows that are kept before a block is written to disk.
-STREAM_ROWS = 4096
+STREAM_ROWS = 4096  # rows that are kept before a block is written to disk
 
 
 @dataclass(frozen=True, kw_only=True)
 class BodyEnvelope:
-    """Largest acceleration of a body's centre of mass over frequency.
+    """Largest acceleration of a body's centre of mass over frequency."""
 
-    Attributes:
-        acceleration: largest absolute acceleration along x, y and z [m/s^2], (n, 3).
-        transmissibility: that over the base's amplitude in the same cycle, (n, 3).
-    """
-
-    acceleration: Array
-    transmissibility: Array
+    acceleration: Array  # largest absolute acceleration along x, y and z [m/s^2], (n, 3)
+    transmissibility: Array  # that over the base's amplitude in the same cycle, (n, 3)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,45 +48,30 @@ class MountEnvelope:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class FrequencySweep(Summarised):
-    """Envelopes over frequency of a system shaken by a sweep, cycle by cycle, or by one steady sine after another.
+    """Envelopes over frequency of a system shaken by a sweep, cycle by cycle, or by one steady sine after another."""
 
-    Attributes:
-        frequency: of the excitation [Hz], (n,): in the middle of every cycle of a sweep, or of every steady sine.
-        base_amplitude: largest absolute acceleration of the base along the excitation's direction [m/s^2], (n,).
-        payload: the body that `amplitude` and `transmissibility` belong to.
-        response_direction: the axis along which they are taken, "x", "y" or "z".
-        envelopes: of every body that moves relative to the base, by name, payloads first.
-        mounts: of every mount, by name.
-        cycles: cycles of the excitation behind every frequency, (n,); 1 each for a sweep.
-        remaining: estimated distance of the amplitudes from their limits in a steady sine, relative to them, (n,); NaN for a
-            sweep, which does not wait.
-        settled: whether they were within the tolerance, (n,); False for a sweep.
-        excitation: the excitation as plain values.
-        timestep: largest step [s].
-        estimated_error: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given.
-        model_steps: steps of all that was simulated for the result, a lead-in included, the pilots that chose the step not.
-        initial_state: state in which the first cycle began, after the lead-in of a sweep; `simulate` gives the whole history
-            from it: `simulate(system, r.sweep, duration=r.final_state.time, initial=r.initial_state, out=folder)`.
-        final_state: state at the end of the last cycle, from which another sweep may go on.
-        warnings: rated travels that were exceeded, and what did not settle, one sentence each.
-    """
-
-    frequency: Array
-    base_amplitude: Array
-    payload: str
-    response_direction: str
-    envelopes: Mapping[str, BodyEnvelope]
-    mounts: Mapping[str, MountEnvelope]
-    cycles: Array
+    frequency: Array  #: of the excitation [Hz], (n,): in the middle of every cycle of a sweep, or of every steady sine
+    base_amplitude: Array  #: largest absolute acceleration of the base along the excitation's direction [m/s^2], (n,)
+    payload: str  #: the body that `amplitude` and `transmissibility` belong to
+    response_direction: str  #: the axis along which they are taken, "x", "y" or "z"
+    envelopes: Mapping[str, BodyEnvelope]  #: of every body that moves relative to the base, by name, payloads first
+    mounts: Mapping[str, MountEnvelope]  #: of every mount, by name
+    cycles: Array  #: cycles of the excitation behind every frequency, (n,); 1 each for a sweep
+    #: estimated distance of the amplitudes from their limits in a steady sine, relative to them, (n,); NaN for a sweep, which
+    #: does not wait
     remaining: Array
-    settled: Booleans
-    excitation: dict[str, Any]
-    timestep: float
+    settled: Booleans  #: whether they were within the tolerance, (n,); False for a sweep
+    excitation: dict[str, Any]  #: the excitation as plain values
+    timestep: float  #: largest step [s]
+    #: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given
     estimated_error: float
+    #: steps of all that was simulated for the result, a lead-in included, the pilots that chose the step not
     model_steps: int
+    #: state in which the first cycle began, after the lead-in of a sweep; `simulate` gives the whole history from it:
+    #: `simulate(system, r.sweep, duration=r.final_state.time, initial=r.initial_state, out=folder)`
     initial_state: State = field(repr=False)
-    final_state: State = field(repr=False)
-    warnings: tuple[str, ...]
+    final_state: State = field(repr=False)  #: state at the end of the last cycle, from which another sweep may go on
+    warnings: tuple[str, ...]  #: rated travels that were exceeded, and what did not settle, one sentence each
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         peak = int(np.argmax(self.amplitude))
@@ -217,9 +196,7 @@ def load_frequency_sweep(folder: str | Path) -> FrequencySweep:
 def column_names(bodies: Sequence[str], mounts: Sequence[str]) -> list[str]:
     """Return the names of the table's columns."""
     names = [*_FIRST, *(f"bodies/{body}/acceleration/{c}" for body in bodies for c in AXES)]
-    return names + [
-        f"mounts/{m}/{extreme}/{c}" for m in mounts for extreme in ("lowest", "highest") for c in MOUNT_AXES
-    ]
+    return names + [f"mounts/{m}/{end}/{c}" for m in mounts for end in ("lowest", "highest") for c in MOUNT_AXES]
 
 
 class Collector:

@@ -125,15 +125,9 @@ def _track_contacts(v: Any, data: mujoco.MjData) -> None:
 def installed(model: mujoco.MjModel, data: mujoco.MjData, kind: Kind = "native") -> Iterator[Kind]:
     """Make the mounts of every system act for as long as the block runs; what was installed before comes back after it.
 
-    MuJoCo's warnings are not printed meanwhile: their counters in `data.warning` are what a caller has to look at.
-
-    Args:
-        model: model of a system.
-        data: data whose memory the native callback is verified with before it is installed.
-        kind: "native", or "python" for callbacks in the interpreter.
-
-    Yields:
-        The kind that is installed: "python" where the native callback cannot be verified (with a RuntimeWarning).
+    MuJoCo's warnings are not printed meanwhile: their counters in `data.warning` are what a caller has to look at. With the
+    memory of `data` the native callback is verified before it is installed; where it cannot be, "python" is yielded, with a
+    RuntimeWarning.
 
     Raises:
         SimulationError: another thread steps with the other kind, or MuJoCo could not go on within the block.

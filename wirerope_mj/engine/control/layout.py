@@ -53,8 +53,7 @@ STAGES = 8
 # steps that one stage table serves: long enough that Python between tables costs nothing, short enough to copy
 MAX_STEPS = 64
 
-# values of userdata[EVENT] at the first step of a stage table
-SMOOTH, CORNER, JUMP = 0.0, 1.0, 2.0
+SMOOTH, CORNER, JUMP = 0.0, 1.0, 2.0  # values of userdata[EVENT] at the first step of a stage table
 
 # sensor values
 KINEMATICS = 19  # position 3, orientation 4, velocity 3, angular velocity 3, acceleration 3, angular acceleration 3

@@ -33,11 +33,9 @@ AXIAL = 2  # index of the axial axis
 def product(a0, a1, a2, a3, b0, b1, b2, b3):
     """Return the product of two quaternions."""
     return (
-        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3,
-        a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
-        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1,
-        a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
-    )
+        a0 * b0 - a1 * b1 - a2 * b2 - a3 * b3, a0 * b1 + a1 * b0 + a2 * b3 - a3 * b2,
+        a0 * b2 - a1 * b3 + a2 * b0 + a3 * b1, a0 * b3 + a1 * b2 - a2 * b1 + a3 * b0,
+    )  # fmt: skip
 
 
 @njit
@@ -117,10 +115,8 @@ def point_velocity(cvel, body, subtree_com, root, px, py, pz):
     rx, ry, rz = px - subtree_com[r], py - subtree_com[r + 1], pz - subtree_com[r + 2]
     wx, wy, wz = cvel[b], cvel[b + 1], cvel[b + 2]
     return (
-        cvel[b + 3] + wy * rz - wz * ry,
-        cvel[b + 4] + wz * rx - wx * rz,
-        cvel[b + 5] + wx * ry - wy * rx,
-    )
+        cvel[b + 3] + wy * rz - wz * ry, cvel[b + 4] + wz * rx - wx * rz, cvel[b + 5] + wx * ry - wy * rx,
+    )  # fmt: skip
 
 
 @inlined
@@ -199,25 +195,9 @@ def push_modes(lay, k, r, site_xmat, qfrc_applied, fx, fy, fz):
 
 @inlined
 def apply_mounts(
-    lay,
-    i,
-    par,
-    q,
-    u,
-    w,
-    act,
-    a,
-    site_xpos,
-    site_xmat,
-    site_xquat,
-    subtree_com,
-    cvel,
-    xipos,
-    xfrc,
-    qpos,
-    qvel,
+    lay, i, par, q, u, w, act, a, site_xpos, site_xmat, site_xquat, subtree_com, cvel, xipos, xfrc, qpos, qvel,
     qfrc_applied,
-):
+):  # fmt: skip
     """Write every mount's deflection, force and state rates to userdata and its wrenches to `xfrc`.
 
     `lay[i:]` is the layout, `par[q:]` the laws' parameters, `u[w:]` the system's userdata, `act[a:]` its states.

@@ -38,12 +38,10 @@ _SCALARS = {
 
 ANY_SIZE = 1 << 40  # nominal length of an array behind a pointer: the kernels index by the model's own tables
 ACCELERATION_STAGE = 3  # mjSTAGE_ACC: the sensor callback is called once per stage and acts in the last
-
 CONTROL_FIELDS = (
     "userdata", "qfrc_applied", "qfrc_bias", "qfrc_passive", "act", "site_xpos", "site_xmat", "site_xquat", "subtree_com",
     "cvel", "xipos", "xfrc_applied", "qpos", "qvel",
 )  # fmt: skip
-
 SENSOR_FIELDS = (
     "userdata", "act", "sensordata", "site_xpos", "site_xquat", "xipos", "xquat", "subtree_com", "cvel", "cdof", "cdof_dot",
     "qvel", "qacc", "site_xmat", "qpos",

@@ -21,12 +21,9 @@ def import_part(
 ) -> tuple[FlexiblePart, Array | None]:
     """Read a part from a finite-element program's files, and the mass of all its modes along x, y, z [kg] if they say it.
 
-    Args:
-        files: OP4 files of Craig-Bampton matrices; or a universal or punch file of eigenvectors, perhaps with a table of modes;
-            or tables of modes and shapes; or a folder of tables.
-        points: table of points; that of the folder unless it is given.
-        units: of the finite-element model.
-        damping: ratio where the files state none.
+    The files are OP4 files of Craig-Bampton matrices; or a universal or punch file of eigenvectors, perhaps with a table of
+    modes; or tables of modes and shapes; or a folder of tables, whose table of points counts unless `points` is given.
+    `damping` is the ratio where they state none.
 
     Raises:
         ValueError: the files are not one of these.

@@ -29,11 +29,7 @@ class Reduced:
 
 
 def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
-    """Read K and M of Craig and Bampton's form from OP4 files and check that they are that.
-
-    Raises:
-        RecordError: a file is damaged, or a matrix missing, not symmetric, or in another form.
-    """
+    """Read K and M of Craig and Bampton's form from OP4 files; RecordError unless they are there, whole and in that form."""
     found: dict[str, Array] = {}
     for path in paths:
         found |= _op4(path)
@@ -115,9 +111,8 @@ def part_of_matrices(
     resists = np.abs(reduced.stiffness @ rigid).max(axis=0)
     against = (np.abs(reduced.stiffness) @ np.abs(rigid)).max(axis=0)
     if (resists > _ROUND * against).any():
-        axis = ("x", "y", "z", "a turn about x", "a turn about y", "a turn about z")[
-            int(np.argmax(resists / (against + 1e-300)))
-        ]
+        axes = ("x", "y", "z", "a turn about x", "a turn about y", "a turn about z")
+        axis = axes[int(np.argmax(resists / (against + 1e-300)))]
         raise RecordError(
             f"{where}: K resists a rigid motion along {axis}: the part is grounded inside, or order, places or units of "
             "the points are not those of the matrices."

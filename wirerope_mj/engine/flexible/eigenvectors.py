@@ -16,7 +16,6 @@ from wirerope_mj.foundation.regular_files import regular
 
 UNIVERSAL, PUNCH = (".unv", ".uff", ".uf"), (".pch", ".pun", ".punch")
 RIGID = 0.05  # frequency below which a mode of a deck or a machine is a rigid-body motion and its rounding [Hz]
-
 _NORMAL, _COMPLEX, _DISPLACEMENT = 2, (3, 7), 8  # analyses and kind of data of dataset 55
 _COORDINATES = (15, 2411)  # datasets of nodes
 _SAME = 1e-3  # of a frequency, by which two files of one analysis may differ
@@ -35,11 +34,7 @@ class Eigenvectors:
 
 
 def read_eigenvectors(path: Path) -> Eigenvectors:
-    """Read the modes of a universal file or a punch file.
-
-    Raises:
-        RecordError: the file is damaged, or holds none, complex ones, or other quantities than displacements.
-    """
+    """Read the modes of a universal or a punch file; RecordError unless it holds real ones, as displacements."""
     found = _universal(path) if path.suffix.lower() in UNIVERSAL else _punched(path)
     low = np.flatnonzero(found.frequencies < RIGID) + 1
     if low.size:
@@ -59,15 +54,10 @@ def read_eigenvectors(path: Path) -> Eigenvectors:
 def part_of_eigenvectors(
     found: Eigenvectors, path: Path, points: Path, units: Units, *, damping: float, modes: Path | None
 ) -> FlexiblePart:
-    """Build a part from eigenvectors at the nodes that a table of points names.
+    """Build a part from eigenvectors, read from `path`, at the nodes that a table of points names.
 
-    Args:
-        found: read from `path`.
-        path: of the eigenvectors, for messages.
-        points: table with point, x, y, z, and the node of each where it is not called as its point.
-        units: of all files.
-        damping: ratio where neither file states one.
-        modes: table of modes with damping and participation of a deck; None of equipment.
+    The table has point, x, y, z, and the node of each where it is not called as its point; `modes` is a table with damping and
+    participation of a deck, None of equipment, `damping` the ratio where neither file states one, `units` those of all files.
 
     Raises:
         RecordError: a node is missing or elsewhere, or the table of modes is another analysis'.

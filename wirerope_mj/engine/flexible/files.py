@@ -31,9 +31,7 @@ def save_flexible(part: FlexiblePart, folder: str | Path, *, force: bool = False
         [number, float(f), float(d), *map(float, gamma)]
         for number, (f, d, gamma) in enumerate(zip(part.frequencies, part.damping, part.participation, strict=True), 1)
     ]
-    shapes = [
-        [name, number, *map(float, row)] for name, shape in part.shapes.items() for number, row in enumerate(shape, 1)
-    ]
+    shapes = [[name, n, *map(float, row)] for name, shape in part.shapes.items() for n, row in enumerate(shape, 1)]
     points = [[name, *map(float, place)] for name, place in part.points.items()]
     with atomic_folder(Path(folder), force=force, kind=KIND, marks=(MODES, SHAPES, POINTS)) as temporary:
         for file, header, rows in ((MODES, MODE_COLUMNS, modes), (SHAPES, _SHAPES, shapes), (POINTS, _POINTS, points)):
@@ -50,11 +48,7 @@ class Units:
 
 
 def units_in(text: str) -> Units:
-    """Parse "mm,t,s": the units of length, mass and time in which a finite-element model was written.
-
-    Raises:
-        ValueError: it names others than are known.
-    """
+    """Parse "mm,t,s": the units of length, mass and time of a finite-element model; ValueError if it names others."""
     names = [name.strip() for name in text.split(",")]
     if len(names) != 3 or names[0] not in LENGTH_UNITS or names[1] not in MASSES or names[2] != "s":
         raise ValueError(
@@ -81,13 +75,9 @@ def load_flexible(path: str | Path) -> FlexiblePart:
 
 
 def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) -> FlexiblePart:
-    """Read a flexible part from tables as `load_flexible` describes them.
+    """Read a flexible part from tables as `load_flexible` describes them, in `units`; x_m, y_m, z_m are metres in any case.
 
-    Args:
-        modes: table of the modes, participations in the root of the unit of mass.
-        shapes: table of the shapes, normalised to a modal mass of one unit of mass.
-        points: table of the points; x_m, y_m, z_m are metres in any case, x, y, z in the unit of length.
-        units: of the tables.
+    Shapes are normalised to a modal mass of one unit of mass, participations in its root.
 
     Raises:
         RecordError: as `load_flexible`.

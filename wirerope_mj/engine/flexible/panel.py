@@ -4,8 +4,6 @@ import math
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
-import numpy as np
-
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction, unit_vector
@@ -14,9 +12,7 @@ from wirerope_mj.motions.phrases import parse_phrase
 
 EXAMPLE = "10 Hz 800 kg 4 %"
 NAME = "deck_panel"
-
-# damping ratio where none is said: a welded deck with what is bolted to it
-DAMPING = 0.02
+DAMPING = 0.02  # damping ratio where none is said: a welded deck with what is bolted to it
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,18 +21,12 @@ class Panel:
 
     Alone on the base it swings at `frequency`: k = m (2 pi f)^2, c = 2 zeta m 2 pi f. Its own weight is carried before it is
     drawn; what stands on it makes it sag.
-
-    Attributes:
-        frequency: natural frequency alone [Hz].
-        mass: that moves [kg].
-        damping: damping ratio [-].
-        direction: along which it moves; "z", the deck's normal, unless said.
     """
 
-    frequency: float
-    mass: float
-    damping: float = DAMPING
-    direction: Direction = "z"
+    frequency: float  # natural frequency alone [Hz]
+    mass: float  # that moves [kg]
+    damping: float = DAMPING  # damping ratio [-]
+    direction: Direction = "z"  # along which it moves; "z", the deck's normal, unless said
 
     def __post_init__(self) -> None:
         positive("frequency", self.frequency, unit="Hz")
@@ -64,11 +54,7 @@ class Panel:
 
 
 def panel_of_phrase(text: str) -> Panel:
-    """Parse "10 Hz 800 kg 4 %": frequency alone, mass, damping ratio, and a direction where it is not z.
-
-    Raises:
-        ValueError: a part is missing, unknown or said twice.
-    """
+    """Parse "10 Hz 800 kg 4 %": frequency alone, mass, damping ratio, and a direction where it is not z; or ValueError."""
     try:
         phrase = parse_phrase(text, words={})
         said = {name: len(phrase.quantities.get(name, ())) for name in ("frequency", "mass", "ratio")}
@@ -87,16 +73,10 @@ def panel_of_phrase(text: str) -> Panel:
 
 
 def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity: Array) -> None:
-    """Put a panel between a model's base and all that stands on it, in place.
+    """Put a panel between the driven body `base` of a model and all that stands on it, in place; gravity [m/s^2], (3,).
 
     The base keeps its driven slides; sites, geoms and bodies on it move to the panel, a body of its own on one more slide.
-
-    Args:
-        root: of an MJCF document.
-        panel: to be put in.
-        base: name of the driven body.
-        axes: of that body in the modelled geometry, as columns, world frame, (3, 3).
-        gravity: of the model [m/s^2], (3,).
+    `axes` are those of the base in the modelled geometry, as columns, world frame, (3, 3).
 
     Raises:
         ModelError: the base does not stand in this document.
@@ -108,11 +88,12 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
             "the mounts. Write the body there instead of including or attaching it."
         )
     direction = unit_vector(panel.direction)
+    along = " ".join(repr(float(value)) for value in axes.T @ direction)
     carried = [one for one in body if one.tag not in ("joint", "inertial", "freejoint")]
     inertial = body.find("inertial")
     inner = ET.Element("body", name=NAME)
     ET.SubElement(
-        inner, "joint", name=NAME, type="slide", axis=_numbers(axes.T @ direction), stiffness=repr(panel.stiffness),
+        inner, "joint", name=NAME, type="slide", axis=along, stiffness=repr(panel.stiffness),
         damping=repr(panel.damper), springref=repr(-panel.mass * float(gravity @ direction) / panel.stiffness),
     )  # fmt: skip
     size = repr(panel.mass)
@@ -129,7 +110,3 @@ def add_panel(root: ET.Element, panel: Panel, *, base: str, axes: Array, gravity
                 exclude.set(key, NAME)
     for keyframe in root.findall("keyframe"):  # of a state with one coordinate less
         root.remove(keyframe)
-
-
-def _numbers(values: Array) -> str:
-    return " ".join(repr(float(value)) for value in np.asarray(values))

@@ -19,19 +19,13 @@ class FlexiblePart:
 
     q'' + 2 zeta omega q' + omega^2 q = Phi^T f - Gamma a_base (Craig and Bampton 1968, fixed interface; of equipment free-free
     modes about mean axes, with Gamma = 0). Shapes are displacements, so that mounts with rotational stiffness do not bend it.
-
-    Attributes:
-        frequencies: natural frequencies [Hz], (m,).
-        damping: damping ratios [-], (m,).
-        shapes: Phi by point, x, y, z in the part's axes [1/sqrt(kg)], (m, 3).
-        points: where the points are in the part's axes [m], (3,).
-        participation: Gamma = Phi^T M r along x, y, z [sqrt(kg)], (m, 3); zero of what is free in space.
     """
 
-    frequencies: Array
-    damping: Array
-    shapes: Mapping[str, Array]
-    points: Mapping[str, Array]
+    frequencies: Array  #: natural frequencies [Hz], (m,)
+    damping: Array  #: damping ratios [-], (m,)
+    shapes: Mapping[str, Array]  #: Phi by point, x, y, z in the part's axes [1/sqrt(kg)], (m, 3)
+    points: Mapping[str, Array]  #: where the points are in the part's axes [m], (3,)
+    #: Gamma = Phi^T M r along x, y, z [sqrt(kg)], (m, 3); zero of what is free in space
     participation: Array = field(default_factory=lambda: np.zeros((0, 3)))
 
     def __post_init__(self) -> None:
@@ -99,13 +93,8 @@ def add_part(
 ) -> None:
     """Add a flexible part to a model, in place: its modes as bodies of 1 kg on slides, its shapes as numbers.
 
-    Args:
-        root: of an MJCF document.
-        part: to be added.
-        name: of the part in the model.
-        body: that bends, in whose axes the shapes are.
-        sites: point of the part for each site on it.
-        gravity: of the model [m/s^2], (3,); the slides are across it, so that modes have no weight.
+    The shapes are in the axes of the `body` that bends, `sites` names the part's point for each site on it, and the slides are
+    across gravity [m/s^2], (3,), so that modes have no weight.
     """
     world, custom = root.find("worldbody"), root.find("custom")
     if world is None or custom is None:

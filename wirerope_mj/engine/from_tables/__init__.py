@@ -2,10 +2,6 @@
 
 from wirerope_mj.engine.from_tables.layout import Layout as Layout
 from wirerope_mj.engine.from_tables.layout import Mass as Mass
-from wirerope_mj.engine.from_tables.layout import MassProperties as MassProperties
-from wirerope_mj.engine.from_tables.layout import Placed as Placed
-from wirerope_mj.engine.from_tables.layout import Point as Point
 from wirerope_mj.engine.from_tables.layout import StopLaw as StopLaw
-from wirerope_mj.engine.from_tables.layout import combined as combined
 from wirerope_mj.engine.from_tables.mjcf import mjcf_of as mjcf_of
 from wirerope_mj.engine.from_tables.read import read_layout as read_layout

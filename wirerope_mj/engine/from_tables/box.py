@@ -11,9 +11,8 @@ from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.mounts.vendor_parts import VendorPart
 
 NAME = "equipment"  # of the model and of its payload
-_INSET = (
-    0.125  # from the edges of the box to its mounts, in its sizes: a mount must stand below it with its whole width
-)
+# from the edges of the box to its mounts, in its sizes: a mount must stand below it with its whole width
+_INSET = 0.125
 _COUNTS = re.compile(r"(\d+)(?:\+(\d+))?")
 _CUBE = 0.5  # side of the box where none is said [m]: its mounts are at the height of its centre, and it does not turn
 

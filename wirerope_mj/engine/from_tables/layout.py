@@ -13,10 +13,8 @@ from wirerope_mj.mounts.vendor_parts import VendorPart
 
 # by how much of the largest principal moment another may miss a bound: a plate lies on it, but for rounding
 TOLERANCE = 1e-9
-
 _SAME = 1e-3  # closer than this no two mounts can stand [m]
 _LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
-
 # radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
 _FAR = 20.0
 
@@ -131,9 +129,8 @@ class Layout:
     stops: tuple[Placed, ...] = ()
     points: tuple[Point, ...] = ()
     forces: tuple[Point, ...] = ()  # points at which forces may act on the payload
-    envelope: tuple[
-        Box, ...
-    ] = ()  # of the payload, whose corners its clearances hold for; else boxes of the masses' inertia
+    # of the payload, whose corners its clearances hold for; else boxes of the masses' inertia
+    envelope: tuple[Box, ...] = ()
     # files, or parts of the vendors' tables, that mounts and stops name, by name
     isolators: Mapping[str, Path | VendorPart] = field(default_factory=dict)
 

@@ -113,9 +113,8 @@ def _add_subassembly(payload: ET.Element, mass: Mass, sprung: Sprung) -> None:
         damping=_numbers([2.0 * sprung.damping * own.mass * omega]),
         springref=_numbers([STANDARD_GRAVITY * axis[2] / omega**2]),
     )  # fmt: skip
-    inertia = own.inertia + (0.0 if own.inertia.any() else 1e-4 * own.mass) * np.eye(
-        3
-    )  # of a point mass a centimetre's
+    least = 0.0 if own.inertia.any() else 1e-4 * own.mass  # of a point mass a centimetre's
+    inertia = own.inertia + least * np.eye(3)
     ET.SubElement(
         body, "inertial", pos="0 0 0", mass=_numbers([own.mass]),
         fullinertia=_numbers([inertia[i, j] for i, j in ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))]),

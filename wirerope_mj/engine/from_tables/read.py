@@ -103,12 +103,12 @@ def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
 def _mass(row: Row, sign: float) -> Mass:
     name, mass = row.text("name"), row.number("mass")
     if mass <= 0.0:
-        raise RecordError(f'{row.location}: column "mass" of "{short(name)}" must be > 0, got {row.cells["mass"]}.')
+        raise row.error(f'column "mass" of "{short(name)}" must be > 0, got {row.cells["mass"]}.')
     given = [column for column in (*_MOMENTS, *_PRODUCTS) if row.has(column)]
     missing = [column for column in _MOMENTS if column not in given]
     if given and missing:
-        raise RecordError(
-            f'{row.location}: column "{missing[0]}" of "{short(name)}" is empty though "{given[0]}" is given; fill in '
+        raise row.error(
+            f'column "{missing[0]}" of "{short(name)}" is empty though "{given[0]}" is given; fill in '
             "ixx, iyy and izz, or size_x, size_y and size_z of a box, or leave all empty: then it is a point mass."
         )
     tensor = np.zeros((3, 3))
@@ -119,8 +119,8 @@ def _mass(row: Row, sign: float) -> Mass:
         for column, (i, j) in zip(_PRODUCTS, ((0, 1), (0, 2), (1, 2)), strict=True):
             tensor[i, j] = tensor[j, i] = sign * row.number(column, 0.0)
     if why := why_impossible(tensor):
-        raise RecordError(
-            f'{row.location}: no body has the inertia in columns "ixx" to "iyz" of "{short(name)}": {why}. It is taken '
+        raise row.error(
+            f'no body has the inertia in columns "ixx" to "iyz" of "{short(name)}": {why}. It is taken '
             "about the part's own centre of mass."
         )
     return Mass(name, MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor), _sprung(row, name))
@@ -130,36 +130,30 @@ def _sprung(row: Row, name: str) -> Sprung | None:
     """Return how a subassembly stands in the payload; None of a mass that is part of it."""
     if not row.has("frequency"):
         if given := [column for column in ("damping", "along") if row.has(column)]:
-            raise RecordError(
-                f'{row.location}: "{short(name)}" has a {given[0]} and no "frequency"; fill in both or none.'
-            )
+            raise row.error(f'"{short(name)}" has a {given[0]} and no "frequency"; fill in both or none.')
         return None
     frequency, damping = row.number("frequency"), row.number("damping", DAMPING)
     axis = row.text("along") if row.has("along") else "z"
     if frequency <= 0.0 or not 0.0 <= damping < 1.0 or axis not in ("x", "y", "z"):
-        raise RecordError(
-            f'{row.location}: a subassembly has a "frequency" > 0, a "damping" from 0 to below 100 % and moves "along" x, y or '
+        raise row.error(
+            f'a subassembly has a "frequency" > 0, a "damping" from 0 to below 100 % and moves "along" x, y or '
             f"z; got {frequency:g} Hz, {100.0 * damping:g} % and {short(axis)}."
         )
     if "/" in name or any(character.isspace() for character in name) or name == "deck":
-        raise RecordError(
-            f'{row.location}: "{short(name)}" is a body of its own and needs a name without spaces and "/".'
-        )
+        raise row.error(f'"{short(name)}" is a body of its own and needs a name without spaces and "/".')
     return Sprung(frequency, damping, axis)
 
 
 def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
     """Return the tensor of inertia of a box that is filled evenly [kg m^2]."""
     if moments:
-        raise RecordError(
-            f'{row.location}: columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.'
+        raise row.error(
+            f'columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.'
         )
     sizes = np.array([row.number(column) for column in _SIZES])
     for column, size in zip(_SIZES, sizes, strict=True):
         if size < 0.0:
-            raise RecordError(
-                f'{row.location}: column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.'
-            )
+            raise row.error(f'column "{column}" of "{short(name)}" must be >= 0, got {row.cells[column]}.')
     return np.diag(mass / 12.0 * (sizes @ sizes - sizes**2))
 
 
@@ -178,7 +172,7 @@ def _read_mounts(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[P
             if bracket is not None:
                 replace(load_isolator(isolators[isolator]), bracket=bracket)
         except (ModelError, ValueError) as error:
-            raise RecordError(f'{row.location}: column "bracket_{next(iter(stiff))}": {error}') from None
+            raise row.error(f'column "bracket_{next(iter(stiff))}": {error}') from None
         mounts.append(Placed(name, _position(row), _axes(row), isolator, row.location, bracket=bracket))
     return tuple(mounts)
 
@@ -194,8 +188,8 @@ def _read_stops(path: Path, isolators: dict[str, Path | VendorPart]) -> tuple[Pl
         name = _site_name(row)
         if row.has("isolator"):
             if given := [column for column in figures if row.has(column)]:
-                raise RecordError(
-                    f'{row.location}: "{short(name)}" has an isolator and a {given[0]}; the isolator\'s file says '
+                raise row.error(
+                    f'"{short(name)}" has an isolator and a {given[0]}; the isolator\'s file says '
                     f'all of it. Leave column "isolator" or column "{given[0]}" empty.'
                 )
             law, isolator = None, _isolator(row, path, isolators)
@@ -215,7 +209,7 @@ def _stop_law(row: Row) -> StopLaw:
     ):  # fmt: skip
         if not fine:
             least = ">" if column in {"stiffness", "rounding"} else ">="
-            raise RecordError(f'{row.location}: column "{column}" must be {least} 0, got {value:g} in SI units.')
+            raise row.error(f'column "{column}" must be {least} 0, got {value:g} in SI units.')
     return StopLaw(gap, stiffness, damping, rounding)
 
 
@@ -235,11 +229,11 @@ def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
     for row in read_sheet(tables["envelope"], kind="table of the envelope", needed=needed, further=places):
         size = np.array(row.vector(*_SIZES))
         if not (size > 0.0).all():
-            raise RecordError(f'{row.location}: columns "size_x", "size_y", "size_z" must be > 0.')
+            raise row.error('columns "size_x", "size_y", "size_z" must be > 0.')
         centred, cornered = (any(row.has(column) for column in columns) for columns in (_CENTRE, _CORNER))
         if centred == cornered:
-            raise RecordError(
-                f'{row.location}: a box stands where "centre_x", "centre_y", "centre_z" or "corner_x", "corner_y", "corner_z" '
+            raise row.error(
+                f'a box stands where "centre_x", "centre_y", "centre_z" or "corner_x", "corner_y", "corner_z" '
                 f"say, one of the two; {'both are' if centred else 'none is'} filled in."
             )
         centre = np.array(row.vector(*_CENTRE)) if centred else np.array(row.vector(*_CORNER)) + 0.5 * size
@@ -250,8 +244,8 @@ def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
 def _site_name(row: Row) -> str:
     name = row.text("name")
     if "/" in name or any(character.isspace() for character in name):
-        raise RecordError(
-            f'{row.location}: column "name": "{short(name)}" holds a space or "/", which names in a model cannot. Write "_".'
+        raise row.error(
+            f'column "name": "{short(name)}" holds a space or "/", which names in a model cannot. Write "_".'
         )
     return name
 
@@ -265,27 +259,23 @@ def _axes(row: Row) -> Array:
     vector = [column for column in ("direction_x", "direction_y", "direction_z") if row.has(column)]
     angles = [column for column in ("inclination", "azimuth") if row.has(column)]
     if vector and angles:
-        raise RecordError(
-            f'{row.location}: columns "{vector[0]}" and "{angles[0]}" both say the direction; leave one empty.'
-        )
+        raise row.error(f'columns "{vector[0]}" and "{angles[0]}" both say the direction; leave one empty.')
     axial = np.array([0.0, 0.0, 1.0])
     if vector:
         axial = np.array(row.vector("direction_x", "direction_y", "direction_z"))
         if not axial.any():
-            raise RecordError(f'{row.location}: columns "direction_x" to "direction_z" are all zero.')
+            raise row.error('columns "direction_x" to "direction_z" are all zero.')
     elif angles:
         inclination, azimuth = row.number("inclination"), row.number("azimuth", 0.0)
         if not 0.0 <= inclination <= math.pi * (1.0 + 1e-12):
-            raise RecordError(f'{row.location}: column "inclination" must lie between 0 and 180 degrees.')
+            raise row.error('column "inclination" must lie between 0 and 180 degrees.')
         flat = math.sin(inclination)
         axial = np.array([flat * math.cos(azimuth), flat * math.sin(azimuth), math.cos(inclination)])
     if not any(row.has(column) for column in ("bars_x", "bars_y", "bars_z")):
         return axes_along(axial)
     bars = np.array(row.vector("bars_x", "bars_y", "bars_z"))
     if np.linalg.norm(np.cross(bars, axial)) <= 1e-3 * np.linalg.norm(bars) * np.linalg.norm(axial):
-        raise RecordError(
-            f'{row.location}: columns "bars_x" to "bars_z" are zero or along the direction, not across it.'
-        )
+        raise row.error('columns "bars_x" to "bars_z" are zero or along the direction, not across it.')
     return axes_along(axial, bars)
 
 
@@ -302,7 +292,7 @@ def _isolator(row: Row, path: Path, isolators: dict[str, Path | VendorPart]) -> 
         if any(character.isspace() for character in name):
             raise ModelError(f"{found}: the file's name holds a space, which names in a model cannot. Rename the file.")
     except (ModelError, ConvergenceError) as error:
-        raise RecordError(f'{row.location}: column "isolator": {error}') from None
+        raise row.error(f'column "isolator": {error}') from None
     if (first := isolators.setdefault(name, found)) != found:
-        raise RecordError(f'{row.location}: column "isolator": {found} and {first} have one name. Rename one of them.')
+        raise row.error(f'column "isolator": {found} and {first} have one name. Rename one of them.')
     return name

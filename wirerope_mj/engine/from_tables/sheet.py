@@ -24,7 +24,6 @@ from wirerope_mj.foundation.units import LENGTH_UNITS, UNITS, in_si
 from wirerope_mj.foundation.xlsx_rows import xlsx_rows
 
 PURE, TEXT = "number", "text"  # kinds of columns that need no unit
-
 _MASS = {"grams": 1e-3, "kilograms": 1.0, "pounds": UNITS["mass"]["lb"]}
 _LENGTH = {"millimeters": 1e-3, "centimeters": 1e-2, "meters": 1.0, "inches": LENGTH_UNITS["in"]}
 _NUMBER = r"([-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?)"
@@ -40,6 +39,10 @@ class Row:
     kinds: Mapping[str, str]  # of quantity, by column
     factors: Mapping[str, float]  # of the columns' units, in SI
 
+    def error(self, text: str) -> RecordError:
+        """Make the error of this row, which says where it stands."""
+        return RecordError(f"{self.location}: {text}")
+
     def has(self, column: str) -> bool:
         """Return whether the cell is there and not empty."""
         return bool(self.cells.get(column, ""))
@@ -48,9 +51,9 @@ class Row:
         """Return the text of a cell; RecordError if it is empty or holds what cannot be seen."""
         text = self.cells.get(column, "")
         if not text:
-            raise RecordError(f'{self.location}: column "{column}" is empty.')
+            raise self.error(f'column "{column}" is empty.')
         if plain(text) != text:
-            raise RecordError(f'{self.location}: column "{column}" holds characters that cannot be seen.')
+            raise self.error(f'column "{column}" holds characters that cannot be seen.')
         return text
 
     def number(self, column: str, default: float | None = None) -> float:
@@ -58,7 +61,7 @@ class Row:
         if not self.has(column):
             if default is not None:
                 return default
-            raise RecordError(f'{self.location}: column "{column}" is empty; a number is needed.')
+            raise self.error(f'column "{column}" is empty; a number is needed.')
         value = number_in(self.location, column, self.cells[column])
         if self.kinds[column] == "angle":  # to twelve digits, as `in_si` rounds, a right angle would not be one
             return value * self.factors[column]
@@ -71,13 +74,10 @@ class Row:
 
 
 def read_sheet(path: Path, *, kind: str, needed: Mapping[str, str], further: Mapping[str, str]) -> list[Row]:
-    """Return the rows of a table; their names are checked to be there once each.
+    """Return the rows of a table, whose names must be there once each; of a workbook the sheet of the last word of `kind`.
 
-    Args:
-        path: CSV file, or XLSX file whose sheet of the kind's last word is read, "mounts", else its first.
-        kind: of the table, for messages: "table of mounts".
-        needed: kind of quantity of each column that must be there: a key of `UNITS`, "number" or "text".
-        further: the same of columns that may be there.
+    `needed` and `further` say the kind of quantity of each column that must and may be there: a key of `UNITS`, "number" or
+    "text".
 
     Raises:
         RecordError: says file, row and column that are wrong.
@@ -129,7 +129,7 @@ def _require_distinct(rows: list[Row]) -> None:
     for row in rows:
         name = row.text("name")
         if name in seen:
-            raise RecordError(f'{row.location}: the name "{short(name)}" is given twice, first in {seen[name]}.')
+            raise row.error(f'the name "{short(name)}" is given twice, first in {seen[name]}.')
         seen[name] = row.location
 
 
@@ -161,9 +161,7 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
 def read_cad_text(path: Path, *, sign: float) -> MassProperties:
     """Return the mass properties in a text as SolidWorks writes it, about the centre of mass, in the output coordinate system.
 
-    Args:
-        path: of the text.
-        sign: 1 if the text's products are elements of the tensor, -1 if they are +sum x y dm.
+    `sign` is 1 if the text's products are elements of the tensor, -1 if they are +sum x y dm.
 
     Raises:
         RecordError: something is missing, in unknown units, or not said in the way above.

@@ -61,10 +61,10 @@ class Bodies:
         self.link = [numbers.get(int(body), len(self.links)) for body in model.body_weldid]
         self.pose: list[Pose] = []
         for body in range(model.nbody):
-            over = HERE if moving[body] or not body else self.pose[int(model.body_parentid[body])]
-            self.pose.append(
-                HERE if moving[body] or not body else over.then(model.body_pos[body], model.body_quat[body])
-            )
+            own = HERE
+            if body and not moving[body]:
+                own = self.pose[int(model.body_parentid[body])].then(model.body_pos[body], model.body_quat[body])
+            self.pose.append(own)
 
     def on_parent(self, body: int) -> tuple[int, Pose]:
         """Return the link that a link's body hangs on, and its pose there."""

@@ -20,7 +20,6 @@ from wirerope_mj.mounts.laws.path import advance
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
 
 NEVER = 1e300  # length after which a state comes to zero that never does [m]
-
 # longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
 STEP = 0.08
 MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one

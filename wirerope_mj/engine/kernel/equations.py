@@ -21,10 +21,8 @@ from wirerope_mj.mounts.laws.stop_kernels import LOSS, N_POINTS
 
 # places of a table's number of knots among its parameters, and of a loop's energy among those of coupled axes
 KNOTS = 4
-
 Integers = npt.NDArray[np.int64]
 _FREE, _SLIDE = mujoco.mjtJoint.mjJNT_FREE, mujoco.mjtJoint.mjJNT_SLIDE
-
 _ENABLED = mujoco.mjtEnableBit.mjENBL_ENERGY | mujoco.mjtEnableBit.mjENBL_FWDINV
 
 
@@ -39,6 +37,10 @@ class Equations:
     rest: Array
     # integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel
     counts: tuple[int, ...] = ()
+
+    def rows(self, table: int, columns: int, count: int) -> Integers:
+        """Return a table of the structure, whose address stands in the header's entry `table`, a view, (count, columns)."""
+        return self.lay[self.lay[table] :][: columns * count].reshape(count, columns)
 
     @property
     def n_values(self) -> int:
@@ -71,7 +73,7 @@ def equations_of(system: System) -> Equations:
     lay[at.DRIVEN] = fix.put([[*row, mass] for row, mass in zip(tables.drive, masses, strict=True)])
     lay[at.PARAMETERS] = num.put(tables.parameters)
     axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
-    stops, trees = _stops(tables, axes), _trees(model, bodies, kinds, dofs, num)
+    stops, trees = _stops(tables, axes), _trees(bodies, kinds, dofs, num)
     tracked = tables.channels[tables.tracked]
     parts: list[Any] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
@@ -96,12 +98,9 @@ def equations_of(system: System) -> Equations:
         lay[entry] = number
     _sections(lay, largest=max((row[2] for row in trees), default=0))
     return Equations(
-        lay=np.concatenate([lay, *flat]),
-        fix=np.array(fix.numbers),
-        num=np.array(num.numbers),
-        rest=_rest(bodies, kinds),
-        counts=_counts(tables, axes),
-    )
+        lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers),
+        rest=_rest(bodies, kinds), counts=_counts(tables, axes),
+    )  # fmt: skip
 
 
 def _sections(lay: Integers, *, largest: int) -> None:
@@ -191,9 +190,8 @@ def _limits(model: mujoco.MjModel, joint: int) -> Array:
     return model.jnt_range[joint] + model.jnt_margin[joint] * np.array([1.0, -1.0])
 
 
-def _trees(
-    model: mujoco.MjModel, bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer
-) -> list[list[int]]:
+def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer) -> list[list[int]]:
+    model = bodies.model
     trees = model.body_treeid[bodies.links]
     rows = []
     for tree in range(model.ntree):

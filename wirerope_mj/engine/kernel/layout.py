@@ -51,8 +51,7 @@ PAIR_COLUMNS = 3
 # values of FAILED, other than 0: the state is none, a joint stands at its limit, geoms may touch
 WILD, LIMITED, TOUCHING = 1.0, 2.0, 3.0
 
-# payload link, base link, number of mounts between them that follow each other
-RUN_COLUMNS = 3
+RUN_COLUMNS = 3  # payload link, base link, number of mounts between them that follow each other
 
 # base takes the reaction, points in `num` (payload 3, base 3, turning 3, rated travel 4), frames in `fix`, coupling among the
 # parameters (-1), partner, resists turning, axes are those of its base's link, shapes at the payload's and at the base's site
@@ -63,15 +62,13 @@ MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED, BENT, BENT_BASE = r
 # of the memory: deflection, force, rate of the deflection, arm (3 each)
 RECORD_SIZE = 12
 
-# law number (-1), first parameter in `num`, first state, number of states; three rows per mount
-AXIS_COLUMNS = 4
+AXIS_COLUMNS = 4  # law number (-1), first parameter in `num`, first state, number of states; three rows per mount
 
 # link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point
 # in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked, shapes (0: on no flexible part)
 FRAME_COLUMNS = 9
 
-# of a channel: its last three vectors with their norms, in turn
-RECENT_SIZE = 12
+RECENT_SIZE = 12  # of a channel: its last three vectors with their norms, in turn
 
 # of the motion of a link: origin, axes, quaternion, angular velocity, velocity, angular acceleration and acceleration without
 # those of the coordinates, the same with them

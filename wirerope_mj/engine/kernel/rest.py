@@ -19,10 +19,8 @@ from wirerope_mj.foundation.lanes import WIDTH, rows, table
 
 # what a lane evaluates next: its position, a column of the Jacobian to either side, a trial position, or nothing more
 BEGIN, ABOVE, BELOW, TRY, FOUND, LOST = range(6)
-
 # settings of the search, see `wirerope_mj.engine.statics.roots` and `wirerope_mj.engine.statics.loading`
 TOLERANCE, ACCEPTED, DIFFERENCE, LONGEST, SLOW, ITERATIONS, HALVINGS, MOST, SETTINGS = range(9)
-
 # pivot relative to the largest entry of its column below which a Jacobian is not inverted here, and its lane is lost
 SINGULAR = 1e-9
 

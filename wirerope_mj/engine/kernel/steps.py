@@ -32,7 +32,6 @@ from wirerope_mj.foundation.lanes import WIDTH, lane, rows, spread, table, where
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, hold_slips
 
 BEYOND = 1e10  # acceleration beyond which MuJoCo takes a state for invalid (mjMAXVAL), and so does this
-
 NO_SAMPLES = np.zeros((0, 0, 0))  # room for the samples that are not wanted
 
 

@@ -30,7 +30,6 @@ from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER
 
 # kernels none of whose parameters says how many there are or what is done with them: any values have the same structure
 _PLAIN = (*BOUC_WEN_LAWS, KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, VAIANA_ROSATI, BABER_NOORI, SCRAGGED_BOUC_WEN)
-
 NOTHING = np.zeros((0, 0, 0))  # room for the samples of no variant
 
 
@@ -46,27 +45,21 @@ class _Changed:
 
 
 class Numbers:
-    """Writes the numbers of variants of a system where they have its structure and its shared numbers.
-
-    Attributes:
-        equations: of the system.
-    """
+    """Writes the numbers of variants of a system where they have its structure and its shared numbers."""
 
     def __init__(self, system: System, equations: Equations) -> None:
         """Look up where the numbers of mounts, bodies and points stand."""
         model, tables, lay = system.model, system.assembly.tables, equations.lay
         self.equations, self._system = equations, system
         n = len(system.mounts)
-        rows = lay[lay[at.MOUNTS] :][: at.MOUNT_COLUMNS * n].reshape(n, at.MOUNT_COLUMNS)
+        rows = equations.rows(at.MOUNTS, at.MOUNT_COLUMNS, n)
         self._points = dict(zip(system.mounts, rows[:, at.POINTS].tolist(), strict=True))
         parameters = int(lay[at.PARAMETERS])
         axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * n).reshape(n, 3, control.AXIS_COLUMNS)
         self._laws = dict(zip(system.mounts, (parameters + axes[:, :, 1]).astype(int).tolist(), strict=True))
         self._couplings = dict(zip(system.mounts, (parameters + rows[:, at.COUPLING]).tolist(), strict=True))
         self._bodies = Bodies(model)
-        self._kinds = (
-            lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)[:, at.KIND].tolist()
-        )
+        self._kinds = equations.rows(at.LINKS, at.LINK_COLUMNS, lay[at.N_LINKS])[:, at.KIND].tolist()
         data = mujoco.MjData(model)
         mujoco.mj_kinematics(model, data)
         self._axes = data.xmat.reshape(-1, 3, 3).copy()
@@ -171,7 +164,7 @@ class Numbers:
             for part, site in enumerate(numbered[name]):
                 link, pose = bodies.site(site)
                 numbers[first + 3 * part : first + 3 * part + 3] = made.seen(bodies, self._kinds, link) @ pose.origin
-        frames = lay[lay[at.FRAMES] :][: at.FRAME_COLUMNS * lay[at.N_FRAMES]].reshape(-1, at.FRAME_COLUMNS).tolist()
+        frames = self.equations.rows(at.FRAMES, at.FRAME_COLUMNS, lay[at.N_FRAMES]).tolist()
         for row, body in zip(frames, system.assembly.subjects.bodies, strict=False):
             if body in touched:
                 centre = bodies.pose[body].then(arrays["body_ipos"][body], model.body_iquat[body]).origin
@@ -183,7 +176,7 @@ class Numbers:
         lay, model = self.equations.lay, self._system.model
         first = int(lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.INERTIA])
         numbers[first : first + at.INERTIA_SIZE] = made.inertia_of(bodies, link)
-        trees = lay[lay[at.TREES] :][: at.TREE_COLUMNS * lay[at.N_TREES]].reshape(-1, at.TREE_COLUMNS).tolist()
+        trees = self.equations.rows(at.TREES, at.TREE_COLUMNS, lay[at.N_TREES]).tolist()
         for number, (kind, _, size, first_link, _, inverse) in enumerate(trees):
             if kind == at.SLIDING_TREE and first_link == link:
                 own = np.flatnonzero(model.dof_treeid == number)
@@ -235,11 +228,9 @@ class Group:
         e = self.equations
         return e.lay, e.fix, self.numbers, self.states, self.memory, self.clock, self.which
 
-    def go(
-        self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array, sample: int
-    ) -> int:
-        """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`; returns the number of samples so far."""
-        return int(advance(*self._lanes, grid, positions, rates, table, ends, out, sample))
+    def go(self, grid: Array, positions: Array, rates: Array, table: Array, ends: Integers, out: Array) -> None:
+        """Step through segments, see `wirerope_mj.engine.kernel.steps.advance`."""
+        advance(*self._lanes, grid, positions, rates, table, ends, out, 0)
 
     def finish(self, time: float, positions: Array, rates: Array, table: Array, out: Array, sample: int) -> None:
         """Observe the last instant; `sample` is its number, -1 if it is none."""
@@ -254,11 +245,7 @@ def group_of(equations: Sequence[Equations], states: Array, which: Sequence[int]
     memory = np.zeros((int(first.lay[at.N_WORK]), WIDTH))
     memory[first.lay[at.KIN] : first.lay[at.KIN] + first.rest.size] = first.rest[:, np.newaxis]
     return Group(
-        equations=first,
-        numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
-        states=np.ascontiguousarray(states[lanes].T),
-        memory=memory,
-        clock=np.zeros(CLOCK_SIZE),
-        which=np.asarray(which, dtype=np.int64)[lanes],
-        size=size,
-    )
+        equations=first, numbers=np.ascontiguousarray(np.array([one.num for one in equations])[lanes].T),
+        states=np.ascontiguousarray(states[lanes].T), memory=memory, clock=np.zeros(CLOCK_SIZE),
+        which=np.asarray(which, dtype=np.int64)[lanes], size=size,
+    )  # fmt: skip

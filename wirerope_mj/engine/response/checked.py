@@ -76,12 +76,9 @@ def _check_peaks(peaks: Any, plan: ColumnPlan) -> None:
 
 def _check_scene(scene: Any, plan: ColumnPlan) -> None:
     _record(
-        Scene,
-        bodies=_list(_record(SceneBody, position=_numbers(3), orientation=_quaternion, geoms=_list(_geom))),
-        mounts=_list(_mount),
-        limits=_list(_limit),
-        areas=_values(_list(_text)),
-    )("scene", scene)
+        Scene, bodies=_list(_record(SceneBody, position=_numbers(3), orientation=_quaternion, geoms=_list(_geom))),
+        mounts=_list(_mount), limits=_list(_limit), areas=_values(_list(_text)),
+    )("scene", scene)  # fmt: skip
     bodies, mounts = ([entry["name"] for entry in scene[group]] for group in ("bodies", "mounts"))
     if not all(bodies.count(name) == 1 for name in plan.bodies):  # bodies without a name may be several
         raise ValueError(f"`scene.bodies` must name each of {', '.join(plan.bodies)} once, got {', '.join(bodies)}.")
@@ -250,11 +247,6 @@ def _shown(value: Any) -> str:
 
 
 _BY_TYPE: dict[Any, Check] = {
-    str: _text,
-    bool: _boolean,
-    int: finite,
-    float: finite,
-    float | None: _or_none(finite),
-    tuple[str, str]: _row(_text, _text),
-    Peak: _numbers(Peak.SIZE),
-}
+    str: _text, bool: _boolean, int: finite, float: finite, float | None: _or_none(finite),
+    tuple[str, str]: _row(_text, _text), Peak: _numbers(Peak.SIZE),
+}  # fmt: skip

@@ -15,25 +15,17 @@ from wirerope_mj.mounts.isolator import AXES
 
 # what limits the steps of a run whose error estimate is the spread of several steps
 SENSITIVE = "what it hits: the answer is sensitive, and finer steps do not agree better"
-
 # rows of samples that are handed on at once where a long response must not stand in memory as a whole
 BLOCK_ROWS = 1 << 16
 BLOCK_NUMBERS = 1 << 22  # numbers that are handed on at once: of hundreds of columns fewer rows
-
 _XYZ = ("x", "y", "z")
-
 _KINEMATICS = (
-    ("position", _XYZ),
-    ("orientation", ("w", "x", "y", "z")),
-    ("velocity", _XYZ),
-    ("angular_velocity", _XYZ),
-    ("acceleration", _XYZ),
-    ("angular_acceleration", _XYZ),
-)
+    ("position", _XYZ), ("orientation", ("w", "x", "y", "z")), ("velocity", _XYZ), ("angular_velocity", _XYZ),
+    ("acceleration", _XYZ), ("angular_acceleration", _XYZ),
+)  # fmt: skip
 _POINT = (*_KINEMATICS, ("relative_displacement", _XYZ))
 BASE = ("displacement", "velocity", "acceleration")
 CONTACT = ("force", "gap")
-
 _UNITS = {
     "position": "m", "velocity": "m/s", "acceleration": "m/s^2", "displacement": "m", "relative_displacement": "m",
     "angular_velocity": "rad/s", "angular_acceleration": "rad/s^2", "deflection": "m", "force": "N", "gap": "m",
@@ -88,9 +80,8 @@ class _Columns(Summarised):
     def _summary(self) -> tuple[str, dict[str, str]]:
         kinds = {name: part for one in reversed(type(self).__mro__) for name, part in vars(one).items()}
         parts = {name: part for name, part in kinds.items() if isinstance(part, cached_property)}
-        return type(self).__name__, {
-            name: str(part.__doc__).partition(":")[0].rstrip(".") for name, part in parts.items()
-        }
+        lines = {name: str(part.__doc__).partition(":")[0].rstrip(".") for name, part in parts.items()}
+        return type(self).__name__, lines
 
     def _part(self, offset: int, size: int) -> Array:
         return self.samples.columns(self.first + offset, self.first + offset + size)
@@ -264,9 +255,8 @@ class ColumnPlan:
         for (name, states), z in zip(self.mounts, self._hysteretic, strict=True):
             mounts[name] = MountResponse(samples, column, z, states)
             column += 6 + len(states)
-        contacts = {
-            name: ContactResponse(samples, column + k, len(self.contacts)) for k, name in enumerate(self.contacts)
-        }
+        n = len(self.contacts)
+        contacts = {name: ContactResponse(samples, column + k, n) for k, name in enumerate(self.contacts)}
         groups: dict[str, Any] = {"bodies": bodies, "points": points, "mounts": mounts, "contacts": contacts}
         return {"base": base} | {name: ByName(group) for name, group in groups.items()}
 
@@ -290,12 +280,9 @@ def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported
             yield list(block.T)
 
     return Exported(
-        names=names,
-        units=[unit_of(name) for name in names],
-        column=lambda number: samples.columns(number, number + 1)[:, 0],
-        blocks=blocks,
-        about=about,
-    )
+        names=names, units=[unit_of(name) for name in names],
+        column=lambda number: samples.columns(number, number + 1)[:, 0], blocks=blocks, about=about,
+    )  # fmt: skip
 
 
 def unit_of(name: str) -> str:

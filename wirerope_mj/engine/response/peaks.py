@@ -58,31 +58,26 @@ class ContactPeak:
         return cls(**(content | pairs))
 
 
+def _part(numbers: slice, text: str) -> property:
+    """Make a property of a peak of some of its numbers; `text` is its docstring."""
+    return property(lambda peak: peak.numbers[numbers], doc=text)
+
+
 @dataclass(frozen=True, init=False, repr=False)
 class Peak:
-    """Largest norm of a vector quantity, and the extremes of its components.
-
-    Attributes:
-        numbers: value, time, vector, minimum, minimum_time, maximum and maximum_time behind each other, (17,): a run has a peak
-            for every channel, and few of them are looked at.
-    """
+    """Largest norm of a vector quantity, and the extremes of its components."""
 
     SIZE: ClassVar[int] = 17
     VECTOR, MINIMUM, MINIMUM_TIME, MAXIMUM, MAXIMUM_TIME = (slice(first, first + 3) for first in range(2, 17, 3))
 
+    #: value, time, vector, minimum, minimum_time, maximum and maximum_time behind each other, (17,): a run has a peak for
+    #: every channel, and few of them are looked at
     numbers: Array
 
     def __init__(
-        self,
-        *,
-        value: float,
-        time: float,
-        vector: Array,
-        minimum: Array,
-        minimum_time: Array,
-        maximum: Array,
+        self, *, value: float, time: float, vector: Array, minimum: Array, minimum_time: Array, maximum: Array,
         maximum_time: Array,
-    ) -> None:
+    ) -> None:  # fmt: skip
         numbers = np.hstack([value, time, vector, minimum, minimum_time, maximum, maximum_time]).astype(np.float64)
         object.__setattr__(self, "numbers", numbers)
 
@@ -103,30 +98,11 @@ class Peak:
         """Its instant [s]."""
         return self.numbers.item(1)
 
-    @property
-    def vector(self) -> Array:
-        """The vector at that instant, (3,)."""
-        return self.numbers[self.VECTOR]
-
-    @property
-    def minimum(self) -> Array:
-        """Smallest values of the components, (3,)."""
-        return self.numbers[self.MINIMUM]
-
-    @property
-    def minimum_time(self) -> Array:
-        """Their instants [s], (3,)."""
-        return self.numbers[self.MINIMUM_TIME]
-
-    @property
-    def maximum(self) -> Array:
-        """Largest values of the components, (3,)."""
-        return self.numbers[self.MAXIMUM]
-
-    @property
-    def maximum_time(self) -> Array:
-        """Their instants [s], (3,)."""
-        return self.numbers[self.MAXIMUM_TIME]
+    vector = _part(VECTOR, "The vector at that instant, (3,).")
+    minimum = _part(MINIMUM, "Smallest values of the components, (3,).")
+    minimum_time = _part(MINIMUM_TIME, "Their instants [s], (3,).")
+    maximum = _part(MAXIMUM, "Largest values of the components, (3,).")
+    maximum_time = _part(MAXIMUM_TIME, "Their instants [s], (3,).")
 
     def __repr__(self) -> str:
         parts = ("value", "time", "vector", "minimum", "minimum_time", "maximum", "maximum_time")
@@ -213,9 +189,7 @@ class Peaks(Brief):
     @property
     def struck(self) -> list[str]:
         """Names of the pairs and stops of `contacts` that came together during the run, the first to touch first."""
-        touches = {
-            name: contact.first_touch or 0.0 for name, contact in (self.contacts or {}).items() if contact.struck
-        }
+        touches = {name: one.first_touch or 0.0 for name, one in (self.contacts or {}).items() if one.struck}
         return sorted(touches, key=lambda name: touches[name])
 
     def same_as(self, other: "Peaks") -> bool:

@@ -31,48 +31,32 @@ from wirerope_mj.foundation.summary import Summarised, quantity
 
 FILE = "response.parquet"
 FORMAT = 1
-
 _ROUNDING = 1e-9  # what the sum of a start and a duration may be off by [s]
-
 PARTS = ("peaks", "scene", "motion", "events", "numerics", "initial_state", "final_state")  # all but the samples
 _AGAIN = "The file was damaged or edited: take it from another copy of the folder, or simulate the run again."
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Response(Exportable, Summarised):
-    """Response of a system to a base motion.
+    """Response of a system to a base motion."""
 
-    Attributes:
-        time: sample instants [s], (n_t,).
-        base: motion of the base.
-        bodies: motion of every moving body by name.
-        points: motion of every site `point/NAME` by NAME.
-        mounts: every mount by name.
-        contacts: every pair of geoms that the model declares, by name; what else touched has peaks alone.
-        peaks: peaks over every step, not only over the samples.
-        scene: what can be drawn.
-        motion: the base motion as plain values, as `BaseMotion.to_dict` wrote it.
-        events: instants [s] and texts that name what the motion does.
-        numerics: how it was computed.
-        initial_state, final_state: states from which a simulation may start again.
-        path: the Parquet file that holds the samples, None if they are in memory.
-    """
-
-    time: Array
-    base: BaseResponse
-    bodies: Mapping[str, BodyResponse]
-    points: Mapping[str, PointResponse]
-    mounts: Mapping[str, MountResponse]
+    time: Array  #: sample instants [s], (n_t,)
+    base: BaseResponse  #: motion of the base
+    bodies: Mapping[str, BodyResponse]  #: motion of every moving body by name
+    points: Mapping[str, PointResponse]  #: motion of every site `point/NAME` by NAME
+    mounts: Mapping[str, MountResponse]  #: every mount by name
+    #: every pair of geoms that the model declares, by name; what else touched has peaks alone
     contacts: Mapping[str, ContactResponse] = field(default_factory=dict)
-    peaks: Peaks
-    scene: Scene
-    motion: dict[str, Any]
-    events: tuple[tuple[float, str], ...]
-    numerics: Numerics
+    peaks: Peaks  #: peaks over every step, not only over the samples
+    scene: Scene  #: what can be drawn
+    motion: dict[str, Any]  #: the base motion as plain values, as `BaseMotion.to_dict` wrote it
+    events: tuple[tuple[float, str], ...]  #: instants [s] and texts that name what the motion does
+    numerics: Numerics  #: how it was computed
+    #: initial_state, final_state: states from which a simulation may start again
     initial_state: State
     final_state: State
     samples: SampledColumns
-    path: Path | None = None
+    path: Path | None = None  #: the Parquet file that holds the samples, None if they are in memory
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         peaks, last = self.peaks, float(self.time[-1])
@@ -123,11 +107,9 @@ class Response(Exportable, Summarised):
     @property
     def plan(self) -> ColumnPlan:
         """What the samples' columns mean."""
+        mounts = [(name, mount.state_names) for name, mount in self.mounts.items()]
         return ColumnPlan(
-            bodies=list(self.bodies),
-            points=list(self.points),
-            mounts=[(name, mount.state_names) for name, mount in self.mounts.items()],
-            contacts=list(self.contacts),
+            bodies=list(self.bodies), points=list(self.points), mounts=mounts, contacts=list(self.contacts)
         )
 
     def save(self, folder: str | Path) -> None:
@@ -151,18 +133,13 @@ def response_of(
 def response_metadata(plan: ColumnPlan, parts: Mapping[str, Any]) -> dict[str, Any]:
     """Write the `PARTS` of a response and its plan as plain values; floats survive bit by bit."""
     return {
-        "format": FORMAT,
-        "peaks": parts["peaks"].to_dict(),
-        "scene": scene_to_dict(parts["scene"]),
-        "motion": parts["motion"],
-        "events": [list(event) for event in parts["events"]],
+        "format": FORMAT, "peaks": parts["peaks"].to_dict(), "scene": scene_to_dict(parts["scene"]),
+        "motion": parts["motion"], "events": [list(event) for event in parts["events"]],
         "numerics": asdict(parts["numerics"]),
-        "states": [parts[state].to_plain() for state in ("initial_state", "final_state")],
-        "bodies": list(plan.bodies),
-        "points": list(plan.points),
-        "mounts": [[name, list(states)] for name, states in plan.mounts],
+        "states": [parts[state].to_plain() for state in ("initial_state", "final_state")], "bodies": list(plan.bodies),
+        "points": list(plan.points), "mounts": [[name, list(states)] for name, states in plan.mounts],
         "contacts": list(plan.contacts),
-    }
+    }  # fmt: skip
 
 
 @dataclass(frozen=True)

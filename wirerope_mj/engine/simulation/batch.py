@@ -12,17 +12,11 @@ import numpy as np
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control.install import Kind
+from wirerope_mj.engine.flexible import Panel
+from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import Response
-from wirerope_mj.engine.simulation.engines import (
-    Engine,
-    equations,
-    failure,
-    refused,
-    result_of,
-    unsupported_motion,
-    unsupported_system,
-)
+from wirerope_mj.engine.simulation.engines import Engine, equations, failure, refused, result_of, unsupported_run
 from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
@@ -36,9 +30,10 @@ from wirerope_mj.engine.simulation.simulate import (
     checked_step,
     numerics_of,
 )
+from wirerope_mj.engine.simulation.stability import stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import limit_of_given
-from wirerope_mj.engine.system import System
+from wirerope_mj.engine.system import System, on_deck, varied
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import SimulationError, WireRopeError
@@ -52,26 +47,17 @@ _OUTSIDE_THE_STATE = mujoco.mjtEnableBit.mjENBL_SLEEP | mujoco.mjtEnableBit.mjEN
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class BatchResult(Brief):
-    """Result of a variant that came to its end.
+    """Result of a variant that came to its end."""
 
-    Attributes:
-        peaks: peaks over every step.
-        initial_state, final_state: states at the start and at the end.
-        timestep: largest step [s].
-        steps: number of steps.
-        engine: "kernel" or "mujoco".
-        why: why it was not the kernel.
-        response: the whole response, if it was asked for.
-    """
-
-    peaks: Peaks
+    peaks: Peaks  #: peaks over every step
+    #: initial_state, final_state: states at the start and at the end
     initial_state: State
     final_state: State
-    timestep: float
-    steps: int
-    engine: str = "mujoco"
-    why: str = ""
-    response: Response | None = None
+    timestep: float  #: largest step [s]
+    steps: int  #: number of steps
+    engine: str = "mujoco"  #: "kernel" or "mujoco"
+    why: str = ""  #: why it was not the kernel
+    response: Response | None = None  #: the whole response, if it was asked for
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -190,12 +176,8 @@ def _together(
     variants: Sequence[_Variant], grid: TimeGrid, threads: int, responses: bool, engine: Engine
 ) -> dict[int, BatchResult | BatchFailure]:
     """Return the variants' results by number, all stepped through one grid, by the kernel as far as it holds them."""
-    why = {
-        v.number: "it was asked for"
-        if engine == "mujoco"
-        else unsupported_system(v.system) or unsupported_motion(v.system, v.motion)
-        for v in variants
-    }
+    asked = "it was asked for" if engine == "mujoco" else ""
+    why = {v.number: asked or unsupported_run(v.system, v.motion) for v in variants}
     results: dict[int, BatchResult | BatchFailure] = {}
     if fit := [variant for variant in variants if not why[variant.number]]:
         done, gave_up = _in_lanes(fit, grid, threads, responses)
@@ -273,19 +255,34 @@ def _recorders(variants: Sequence[_Variant], grid: TimeGrid, responses: bool) ->
     return [Recorder(one.system, one.motion, grid, None) for one in variants] if responses else []
 
 
-def _result(
-    variant: _Variant, grid: TimeGrid, done: RunResult, recorder: Recorder | None
-) -> BatchResult | BatchFailure:
+def _result(variant: _Variant, grid: TimeGrid, done: RunResult, kept: Recorder | None) -> BatchResult | BatchFailure:
     try:
         require_lawful(variant.system, done.peaks)
     except SimulationError as error:
         return BatchFailure(error=error)
     response = None
-    if recorder is not None:
+    if kept is not None:
         limit, none = limit_of_given(grid.timestep, grid.sample_rate), math.nan
         numerics = numerics_of(variant.system, variant.motion, done, accuracy=none, error=none, limited_by=limit)
-        response = recorder.finish(variant.start, done.final_state, done.peaks, numerics)
+        response = kept.finish(variant.start, done.final_state, done.peaks, numerics)
     return BatchResult(
         peaks=done.peaks, initial_state=variant.start, final_state=done.final_state, timestep=done.largest_step,
         steps=done.steps, engine=done.engine, why=done.why, response=response,
     )  # fmt: skip
+
+
+def peaks_on_decks(
+    system: System, motion: BaseMotion, panels: Sequence[Panel], *, duration: float, timestep: float, initial: str,
+    sample_rate: float,
+) -> list[Peaks | str]:  # fmt: skip
+    """Simulate a system of a rigid deck on panels, which differ in frequency alone: the peaks on each, or why there are none.
+
+    The other arguments are those of `simulate`; `timestep` is that of the run on the rigid deck.
+    """
+    first = on_deck(system, panels[0])
+    systems = [varied(first, tunings={NAME: panel.frequency / panels[0].frequency}) for panel in panels]
+    step = min(timestep, *map(stable_step, systems))
+    results = simulate_batch(
+        systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1
+    )
+    return [one.peaks if isinstance(one, BatchResult) else one.message for one in results]

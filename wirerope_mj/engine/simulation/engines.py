@@ -33,15 +33,12 @@ from wirerope_mj.motions import BaseMotion, Sine
 # largest difference from MuJoCo, relative to the scale of what is compared: far above the rounding of either, 1e-12
 AGREEMENT = 1e-9
 STATES = 104  # random states in which accelerations are compared: a hundred, and what fills the last lanes
-
 # random displacement [m], angle [rad] and rate [m/s, rad/s] of a coordinate: millimetres of a mount, degrees of a link
 PLACE, TURN, SPEED = 2e-3, 0.02, 0.2
 STEPS = 40  # steps of the short run
 FINER = 4  # steps that are tried, each a tenth of the one before
 UNJUDGED = "the native callback, with which it is compared, is not available"  # why a system is not judged
-
 _known: dict[bytes, str] = {}
-
 Engine = Literal["auto", "mujoco", "kernel"]
 
 # reasons why the kernel gives a run up
@@ -193,7 +190,7 @@ def compute(
     elif callback != "native":
         why = "the callback in Python is MuJoCo's"
     else:
-        why = unsupported_system(system) or unsupported_motion(system, motion)
+        why = unsupported_run(system, motion)
         done = why or _by_kernel(system, motion, grid, start, sink, progress)
         if isinstance(done, RunResult):
             return done
@@ -216,6 +213,11 @@ def unsupported_motion(system: System, motion: BaseMotion) -> str:
     if motion.velocity_jumps and (modes or riding_dofs(system.model, driven).size):
         return "the base's velocity jumps under what rides on it through joints or modes of its own"
     return ""
+
+
+def unsupported_run(system: System, motion: BaseMotion) -> str:
+    """Return why the kernel cannot compute a system under a motion, "" if it can."""
+    return unsupported_system(system) or unsupported_motion(system, motion)
 
 
 def failure(group: Group, number: int) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.motions import BaseMotion
 
 # instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it
@@ -24,7 +24,7 @@ class Grid:
 
     start: Array  # ends of every segment [s], (n_p,)
     stop: Array
-    steps: npt.NDArray[np.int64]  # number of steps in every segment, (n_p,)
+    steps: Integers  # number of steps in every segment, (n_p,)
     sampled: npt.NDArray[np.bool_]  # whether the segment starts at a sample instant, (n_p,)
     event: Array  # SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,)
     corner_after: npt.NDArray[np.bool_]  # whether the motion has a corner at the segment's end, (n_p,)
@@ -157,22 +157,26 @@ def _events(motion: BaseMotion, times: Array) -> Array:
 
 
 def _cut(at: _Breaks, timestep: float, motion: BaseMotion) -> Grid:
-    """Return the segments between breaks, long intervals divided so that one stage table serves each segment."""
-    breaks, sampled = at.times, at.sampled
-    length = np.diff(breaks)
+    """Return the segments between breaks."""
+    start, stop, steps, interval = divided(at.times, timestep)
+    event = _events(motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
+    is_first = np.diff(interval, prepend=-1) != 0
+    return Grid(
+        start=start, stop=stop, steps=steps, sampled=at.sampled[interval] & is_first, event=event[:-1],
+        corner_after=event[1:] != SMOOTH,
+    )  # fmt: skip
+
+
+def divided(instants: Array, timestep: float, *, least: int = 1) -> tuple[Array, Array, Integers, Integers]:
+    """Cut the intervals between instants [s] into equal steps, and long ones into segments that one stage table serves.
+
+    Returns start and stop [s], number of steps, and interval of every segment, (n_p,) each.
+    """
+    length = np.diff(instants)
     # One part in 1e9: a step that fits but for rounding must not cost another one.
-    steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), 1).astype(np.int64)
+    steps = np.maximum(np.ceil(length / timestep * (1.0 - 1e-9)), least).astype(np.int64)
     segments = -(-steps // MAX_STEPS)
-    steps_per_segment = -(-steps // segments)
     interval = np.repeat(np.arange(length.size), segments)
     number = np.arange(interval.size) - np.repeat(np.cumsum(segments) - segments, segments)
-    start = breaks[interval] + length[interval] * (number / segments[interval])
-    is_first, is_last = number == 0, number == segments[interval] - 1
-    stop = np.where(
-        is_last, breaks[interval + 1], breaks[interval] + length[interval] * ((number + 1) / segments[interval])
-    )
-    event = _events(motion, np.append(start, stop[-1:]))  # each but the last ends where the next one starts
-    return Grid(
-        start=start, stop=stop, steps=steps_per_segment[interval], sampled=sampled[interval] & is_first,
-        event=event[:-1], corner_after=event[1:] != SMOOTH,
-    )  # fmt: skip
+    start = instants[interval] + length[interval] * (number / segments[interval])
+    return start, np.append(start[1:], instants[1:][-1:]), (-(-steps // segments))[interval], interval

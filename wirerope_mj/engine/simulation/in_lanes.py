@@ -7,23 +7,23 @@ from functools import partial
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.kernel.equations import Equations
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
-from wirerope_mj.engine.simulation.grid import Grid, TimeGrid
-from wirerope_mj.engine.simulation.stages import Stages, StageTables, distinct_motions, events_key
+from wirerope_mj.engine.simulation.grid import TimeGrid
+from wirerope_mj.engine.simulation.stages import StageTables, distinct_motions, events_key
 from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
 from wirerope_mj.engine.system import System, once_per_system
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
 # takes the number of a variant, of the first of some samples, and these samples' sensor values, (n_samples, n_values)
 Sink = Callable[[int, int, Array], None]
+_ROWS, _MOVED = ("start", "stop", "steps", "sampled", "event"), ("positions", "rates", "accelerations")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -37,7 +37,7 @@ class InLanes:
     largest_step: float  # largest of them [s]
 
 
-def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> npt.NDArray[np.int64]:
+def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> Integers:
     """Return where a part of MuJoCo's state stands among the values of a `State`."""
     numbers = np.arange(mujoco.mj_stateSize(model, STATE), dtype=np.float64)
     found = np.empty(mujoco.mj_stateSize(model, part))
@@ -46,7 +46,7 @@ def indices(model: mujoco.MjModel, part: mujoco.mjtState) -> npt.NDArray[np.int6
 
 
 @once_per_system
-def moving(system: System) -> npt.NDArray[np.int64]:
+def moving(system: System) -> Integers:
     """Return where qpos, qvel and act stand among the values of a `State`."""
     kinds = mujoco.mjtState
     parts = (kinds.mjSTATE_QPOS, kinds.mjSTATE_QVEL, kinds.mjSTATE_ACT)
@@ -54,7 +54,7 @@ def moving(system: System) -> npt.NDArray[np.int64]:
 
 
 @once_per_system
-def _own(system: System) -> tuple[int, npt.NDArray[np.int64]]:
+def _own(system: System) -> tuple[int, Integers]:
     """Return where the instant stands among the values of a `State`, and the system's part of userdata."""
     time = indices(system.model, mujoco.mjtState.mjSTATE_TIME)
     user = indices(system.model, mujoco.mjtState.mjSTATE_USERDATA)
@@ -63,27 +63,13 @@ def _own(system: System) -> tuple[int, npt.NDArray[np.int64]]:
 
 
 def go_in_lanes(
-    equations: Sequence[Equations],
-    drive: Array,
-    motions: Sequence[BaseMotion],
-    states: Array,
-    grid: TimeGrid,
-    *,
-    threads: int = 1,
-    sink: Sink | None = None,
-    progress: Callable[[float], None] | None = None,
-) -> InLanes:
-    """Step variants through a grid.
+    equations: Sequence[Equations], drive: Array, motions: Sequence[BaseMotion], states: Array, grid: TimeGrid, *,
+    threads: int = 1, sink: Sink | None = None, progress: Callable[[float], None] | None = None,
+) -> InLanes:  # fmt: skip
+    """Step variants through a grid from qpos, qvel and act, (n, n_state); its corners count, and each motion's events.
 
-    Args:
-        equations: of each variant.
-        drive: slides from base vectors, (n_driven, 3).
-        motions: base motion of each variant.
-        states: qpos, qvel and act of each variant at the start, (n, n_state).
-        grid: whose corners count; the events are those of each variant's own motion.
-        threads: number of threads.
-        sink: takes the samples; None if they are not wanted.
-        progress: takes the simulated time [s] now and then.
+    `drive` makes slides from base vectors, (n_driven, 3); `sink` takes the samples if they are wanted, `progress` the simulated
+    time [s] now and then.
     """
     distinct, which = distinct_motions(motions)
     events = [events_key(motion) for motion in distinct]
@@ -95,41 +81,19 @@ def go_in_lanes(
         for block in grid.blocks():
             own = [block.with_events_of(motion) if motion is not grid.motion else block for motion in distinct]
             for stages in zip(*(table.blocks(one) for table, one in zip(tables, own, strict=True)), strict=True):
-                piece = _piece(own, stages)
-                list(run(partial(_advance, piece, done, sink), groups))
-                done += piece.samples
+                cut = slice(stages[0].first, stages[0].first + stages[0].ends.size)
+                grids = [np.array([getattr(grid, row)[cut] for row in _ROWS]) for grid in own]
+                moved = [np.array([getattr(one, part) for one in stages]) for part in _MOVED]
+                samples = int(own[0].sampled[cut].sum())
+                list(run(partial(_advance, grids, moved, stages[0].ends, samples, done, sink), groups))
+                done += samples
                 if progress is not None:
-                    progress(float(piece.grids[0][1, -1]))
+                    progress(float(grids[0][1, -1]))
             steps, largest = steps + int(block.steps.sum()), max(largest, block.largest_step)
             stop = float(block.stop[-1]) if block.stop.size else stop
     _finish(groups, distinct, drive, stop, done if done < grid.sample_times.size else -1, sink)
     return InLanes(
         groups=groups, base_peaks=[table.peak for table in tables], which=which, steps=steps, largest_step=largest
-    )  # fmt: skip
-
-
-@dataclass(frozen=True, kw_only=True)
-class _Piece:
-    """Segments for all variants: of every motion the grid's rows, (5, n_segments), and what its base does in them."""
-
-    grids: list[Array]
-    positions: Array
-    rates: Array
-    accelerations: Array
-    ends: npt.NDArray[np.int64]
-    samples: int
-
-
-def _piece(own: Sequence[Grid], stages: Sequence[Stages]) -> _Piece:
-    first = stages[0].first
-    cut = slice(first, first + stages[0].ends.size)
-    grids = [
-        np.array([grid.start[cut], grid.stop[cut], grid.steps[cut], grid.sampled[cut], grid.event[cut]]) for grid in own
-    ]
-    return _Piece(
-        grids=grids, positions=np.array([one.positions for one in stages]),
-        rates=np.array([one.rates for one in stages]), accelerations=np.array([one.accelerations for one in stages]),
-        ends=stages[0].ends, samples=int(own[0].sampled[cut].sum()),
     )  # fmt: skip
 
 
@@ -150,14 +114,17 @@ def _groups(
     return groups
 
 
-def _advance(piece: _Piece, sample: int, sink: Sink | None, group: tuple[Group, list[int]]) -> None:
-    own, numbers = group
-    out = np.empty((own.size, piece.samples, own.equations.n_values)) if sink is not None else NOTHING
-    grid = piece.grids[int(own.which[0])]
-    own.go(grid, piece.positions, piece.rates, piece.accelerations, piece.ends, out, 0)
+def _advance(
+    grids: Sequence[Array], moved: Sequence[Array], ends: Integers, samples: int, done: int, sink: Sink | None,
+    group: tuple[Group, list[int]],
+) -> None:  # fmt: skip
+    """Step a group through segments: of each motion the grid's rows, (5, n), and what its base does up to their ends."""
+    (own, numbers), (positions, rates, accelerations) = group, moved
+    out = np.empty((own.size, samples, own.equations.n_values)) if sink is not None else NOTHING
+    own.go(grids[int(own.which[0])], positions, rates, accelerations, ends, out)
     if sink is not None:
         for number, rows in zip(numbers, out, strict=True):
-            sink(number, sample, rows)
+            sink(number, done, rows)
 
 
 def _finish(

@@ -31,7 +31,6 @@ from wirerope_mj.motions import BaseMotion
 # beginnings of the names of fields that only name, describe or draw
 _WORDS = ("name", "text", "tuple", "tex_", "skin_", "vis_")
 _STEP = "opt.timestep"  # the option that belongs to the grid and not to a system
-
 Sink = Callable[[int, Array], None]
 
 
@@ -95,9 +94,8 @@ def _sizes() -> tuple[str, ...]:
 @cache
 def _expandable() -> tuple[str, ...]:
     """Return the names of the fields that act and of which every simulation of a batch may have its own."""
-    return tuple(
-        sorted(f for f in MODEL_FIELDS if f != _STEP and not f.startswith(_WORDS) and not f.endswith("pathadr"))
-    )
+    acting = (f for f in MODEL_FIELDS if f != _STEP and not f.startswith(_WORDS))
+    return tuple(sorted(f for f in acting if not f.endswith("pathadr")))
 
 
 @cache
@@ -110,14 +108,7 @@ def _fixed() -> tuple[str, ...]:
 
 
 class Lockstep:
-    """Systems of one layout that take the same steps, each as `run` would take them alone.
-
-    Attributes:
-        live: numbers of the systems that MuJoCo has not warned of so far, (n_live,).
-        errors: by number, what `run` raises for systems that are not live; not all are known.
-        steps: number of steps so far.
-        largest_step: largest of them [s].
-    """
+    """Systems of one layout that take the same steps, each as `run` would take them alone."""
 
     def __init__(
         self, systems: Sequence[System], motions: Sequence[BaseMotion], starts: Sequence[State], *, threads: int
@@ -128,9 +119,10 @@ class Lockstep:
         self._which = np.array(which)
         assembly = systems[0].assembly
         self._drive, self._force_sites = assembly.tables.drive, assembly.subjects.force_names
-        self._model, self.live = systems[0].model, np.arange(len(systems))
-        self.errors: dict[int, SimulationError] = {}
-        self.steps, self.largest_step = 0, 0.0
+        self._model = systems[0].model
+        self.live = np.arange(len(systems))  # numbers of the systems that MuJoCo has not warned of so far, (n_live,)
+        self.errors: dict[int, SimulationError] = {}  # what `run` raises for others, as far as it is known
+        self.steps, self.largest_step = 0, 0.0  # so far [1, s]
         self._batch = Batch(self._model, nsim=len(systems), nthread=min(threads, len(systems)))
         self._timestep = self._batch.expand("opt.timestep")
         expand_differences(self._batch, systems)

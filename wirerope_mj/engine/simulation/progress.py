@@ -9,8 +9,6 @@ from time import perf_counter
 from wirerope_mj.engine.simulation.grid import TimeGrid
 
 Update = Callable[[float, float], None]
-
-
 # time [s] and fraction between two lines where no bar can move, and before the first: at most a hundred of the longest run
 PATIENCE, PACE = 60.0, 0.01
 
@@ -19,20 +17,11 @@ PATIENCE, PACE = 60.0, 0.01
 def share_bar(
     word: str, unit: str, *, enabled: bool, begun: float = 0.0, total: int | None = None, parts: str = ""
 ) -> Iterator[Update]:
-    """Show a value, the fraction that is done and the time left on standard error while the block runs.
+    """Show a value with its unit, the fraction that is done and the time left on standard error while the block runs.
 
-    Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar.
-
-    Args:
-        word: what is going on, "simulating".
-        unit: of the value that is shown.
-        enabled: whether anything is shown at all.
-        begun: fraction that was done before.
-        total: number of parts of which the fraction that is done is counted, if it is.
-        parts: what they are called.
-
-    Yields:
-        What to call with the fraction that is done and the value.
+    Where standard error is no terminal, as in a batch job, it is a line now and then instead of a bar. `begun` is the fraction
+    that was done before; `total` the number of `parts` of which what is done is counted. Yields what to call with fraction and
+    value.
     """
     if not enabled:
         yield lambda fraction, value: None
@@ -49,12 +38,9 @@ def share_bar(
         yield _lines(word, text, began, begun)
         return
     columns = (
-        TextColumn(word),
-        BarColumn(),
-        TextColumn("{task.fields[now]}"),
-        TimeElapsedColumn(),
+        TextColumn(word), BarColumn(), TextColumn("{task.fields[now]}"), TimeElapsedColumn(),
         TextColumn("elapsed, {task.fields[left]} left"),
-    )
+    )  # fmt: skip
     with Progress(*columns, console=console, transient=True) as progress:
         task = progress.add_task("", total=1.0, now=text(begun, 0.0), left="-:--:--")
         progress.update(task, completed=begun)
@@ -91,11 +77,7 @@ def time_left(fraction: float, elapsed: float, *, begun: float = 0.0) -> str:
 
 @contextmanager
 def progress_bar(grid: TimeGrid, *, enabled: bool) -> Iterator[Callable[[float], None] | None]:
-    """Show simulated time, rate and time left on standard error while the block runs.
-
-    Yields:
-        What to call with the simulated time [s], or None if no bar is shown.
-    """
+    """Show simulated time and time left while the block runs; yields what to call with the time [s], None without a bar."""
     if not enabled:
         yield None
         return

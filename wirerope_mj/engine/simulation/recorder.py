@@ -22,14 +22,10 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
 _SHAPES = {
-    mujoco.mjtGeom.mjGEOM_PLANE: "plane",
-    mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
-    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule",
-    mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
-    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder",
-    mujoco.mjtGeom.mjGEOM_BOX: "box",
-    mujoco.mjtGeom.mjGEOM_MESH: "mesh",
-}
+    mujoco.mjtGeom.mjGEOM_PLANE: "plane", mujoco.mjtGeom.mjGEOM_SPHERE: "sphere",
+    mujoco.mjtGeom.mjGEOM_CAPSULE: "capsule", mujoco.mjtGeom.mjGEOM_ELLIPSOID: "ellipsoid",
+    mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder", mujoco.mjtGeom.mjGEOM_BOX: "box", mujoco.mjtGeom.mjGEOM_MESH: "mesh",
+}  # fmt: skip
 
 FARTHEST = 1e3  # gap that is as good as any larger one [m]
 STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
@@ -60,15 +56,11 @@ def _bodies(system: System, data: mujoco.MjData) -> tuple[SceneBody, ...]:
         fixed = not moves and body != 0
         bodies.append(
             SceneBody(
-                name=model.body(body).name or f"world_{body}" if fixed else model.body(body).name,
-                moves=moves,
-                on_base=bool(moves and model.body_weldid[body] == base),
-                position=data.xipos[body].copy(),
-                orientation=data.xquat[body].copy(),
-                geoms=_geoms(model, body),
-                bends=body in bends,
+                name=model.body(body).name or f"world_{body}" if fixed else model.body(body).name, moves=moves,
+                on_base=bool(moves and model.body_weldid[body] == base), position=data.xipos[body].copy(),
+                orientation=data.xquat[body].copy(), geoms=_geoms(model, body), bends=body in bends,
             )
-        )
+        )  # fmt: skip
     return tuple(bodies)
 
 
@@ -81,11 +73,8 @@ def _geoms(model: mujoco.MjModel, body: int) -> tuple[Geom, ...]:
             continue
         material, mesh, more = int(model.geom_matid[g]), int(model.geom_dataid[g]), {}
         if shape == "mesh":
-            v, f = int(model.mesh_vertadr[mesh]), int(model.mesh_faceadr[mesh])
-            vertices, faces = (
-                model.mesh_vert[v:][: model.mesh_vertnum[mesh]],
-                model.mesh_face[f:][: model.mesh_facenum[mesh]],
-            )
+            vertices = model.mesh_vert[int(model.mesh_vertadr[mesh]) :][: model.mesh_vertnum[mesh]]
+            faces = model.mesh_face[int(model.mesh_faceadr[mesh]) :][: model.mesh_facenum[mesh]]
             more = {"vertices": vertices.astype(np.float64), "faces": faces.astype(np.float64)}
         rgba = model.geom_rgba[g] if material < 0 else model.mat_rgba[material]
         geoms.append(
@@ -217,16 +206,10 @@ class Recorder:
 @once_per_system
 def column_plan(system: System) -> ColumnPlan:
     """Return the columns that are sampled of a system."""
-    subjects = system.assembly.subjects
+    subjects, mounts = system.assembly.subjects, []
+    for name, mount in system.mounts.items():
+        laws = ((axis, law) for axis, law in mount.isolator.axes.items() if law is not None)
+        mounts.append((name, tuple(f"{axis}.{state}" for axis, law in laws for state in law.state_names)))
     return ColumnPlan(
-        bodies=subjects.body_names,
-        points=subjects.point_names,
-        mounts=[
-            (
-                name,
-                tuple(f"{c}.{z}" for c, law in one.isolator.axes.items() if law is not None for z in law.state_names),
-            )
-            for name, one in system.mounts.items()
-        ],
-        contacts=list(system.assembly.contacts),
+        bodies=subjects.body_names, points=subjects.point_names, mounts=mounts, contacts=list(system.assembly.contacts)
     )

@@ -2,7 +2,7 @@
 
 import math
 import warnings
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -35,9 +35,7 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import beyond_law
 
 OTHERS = "further pairs"  # name of all pairs of geoms beyond the memory's last row
-
 ENOUGH_GIVEN = 1e-3  # error of a given step, relative to the peaks, that is not warned of
-
 CHECK_EVERY = 64  # segments between two looks at MuJoCo's warning counters
 
 # where the numbers of a `Peak` stand in the tracker's memory of a channel
@@ -157,12 +155,9 @@ def run(
     if progress is not None:
         progress(grid.stop)
     return RunResult(
-        final_state=final,
-        peaks=peaks_of(system, stepper.user, tables.peak),
-        callback=kind,
-        steps=all_steps,
+        final_state=final, peaks=peaks_of(system, stepper.user, tables.peak), callback=kind, steps=all_steps,
         largest_step=largest,
-    )
+    )  # fmt: skip
 
 
 def peaks_of(system: System, user: Array, base: Peak) -> Peaks:
@@ -223,41 +218,36 @@ def require_lawful(system: System, peaks: Peaks) -> None:
 
 
 def warn_of_uncertainty(response: Response) -> None:
-    """Warn where contacts were struck, and where the estimated error is above what was asked for, or a given step too long.
+    """Warn where contacts were struck, and where the estimated error is above what was asked for, or a given step too long."""
+    for text in _uncertainties(response):
+        warnings.warn(text, AccuracyWarning, stacklevel=3)
 
-    A stop among the mounts' laws is as certain as they are: that it was struck is a verdict, and no doubt about numbers.
-    """
+
+def _uncertainties(response: Response) -> Iterator[str]:
+    """Yield what to warn of; a stop among the mounts' laws is as certain as they are: that it was struck is a verdict."""
     numerics = response.numerics
     contacts = {name: one for name, one in (response.peaks.contacts or {}).items() if not one.mount}
-    struck = [name for name in response.peaks.struck if name in contacts]
-    if struck:
-        warnings.warn(
+    if struck := [name for name in response.peaks.struck if name in contacts]:
+        yield (
             f"{len(struck)} of {len(contacts)} contact pairs were struck, first {struck[0]} at "
             f"{contacts[struck[0]].first_touch:.4f} s: accelerations are uncertain from there on, because they depend on "
-            "stiffness and damping of the stops.",
-            AccuracyWarning,
-            stacklevel=3,
+            "stiffness and damping of the stops."
         )
+    step = f"step of {1e3 * numerics.timestep:.4g} ms"
     if numerics.limited_by == SENSITIVE:
-        warnings.warn(
+        yield (
             f"the answer is sensitive to what the system hits: runs with steps of {1e3 * numerics.timestep:.4g} ms and less "
             f"differ by up to {numerics.error_estimate:.1e} of the peaks, and finer ones do not agree better. Take the peaks "
-            "with that spread, or give the stops more loss.",
-            AccuracyWarning,
-            stacklevel=3,
+            "with that spread, or give the stops more loss."
         )
     elif math.isnan(numerics.accuracy) and numerics.error_estimate > ENOUGH_GIVEN:
-        warnings.warn(
-            f"the given step of {1e3 * numerics.timestep:.4g} ms is too long for friction that yields within it: half of it "
-            f"differs by {numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
-            AccuracyWarning,
-            stacklevel=3,
+        yield (
+            f"the given {step} is too long for friction that yields within it: half of it differs by "
+            f"{numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen."
         )
     elif numerics.error_estimate > numerics.accuracy:
-        warnings.warn(
+        yield (
             f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
-            f"{numerics.accuracy:.1e}: the step of {1e3 * numerics.timestep:.4g} ms is limited by {numerics.limited_by}. "
-            "Ask for less (a larger `accuracy`), or give a smaller `timestep`.",
-            AccuracyWarning,
-            stacklevel=3,
+            f"{numerics.accuracy:.1e}: the {step} is limited by {numerics.limited_by}. Ask for less (a larger `accuracy`), or "
+            "give a smaller `timestep`."
         )

@@ -26,19 +26,18 @@ from wirerope_mj.foundation.errors import ModelError, RecordError, SimulationErr
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.state import State
-from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions import BaseMotion, Sweep
 
 NUMBER = 8  # bytes of a number
 # bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
 OF_AN_INSTANT = 4 * NUMBER
-
 FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
-
 # decay of a hysteretic state over a given step from which on RK4 may make it grow, and half of the step is tried beside it
 STIFF = 2.0
-
 # steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
 MOST_STEPS = 1e9
+# periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left
+RING_DOWN = 10.0
 
 
 def simulate(
@@ -231,3 +230,23 @@ def check_direction(system: System, motion: BaseMotion) -> None:
                 f"the motion moves along {' and '.join(axes)}, but {base} has no driven slide there. "
                 f"Its slides: {joints or 'none'}. Add one to the model, or change the motion's direction."
             )
+
+
+def duration_of(motion: BaseMotion, duration: float | None, system: System) -> float:
+    """Return the simulated time [s]: as given, or ten periods of the slowest mode after the motion, or up to a sweep's end.
+
+    A motion without an end, or that begins after the simulation, is a ValueError.
+    """
+    if duration is None:
+        if not math.isfinite(motion.end):
+            raise ValueError('this motion has no end: give `duration`, or say how long it lasts, as in "for 10 s".')
+        # A sweep goes on at its last frequency, and is best cut there.
+        sweeps = any(isinstance(part, Sweep) for part in motion.parts)
+        duration = motion.end
+        if not sweeps:
+            duration = math.ceil(10.0 * (motion.end + RING_DOWN * slowest_period(system)) - 1e-6) / 10.0
+    if motion.events and duration <= motion.events[0][0]:
+        raise ValueError(
+            f"`duration` {duration:g} ends the simulation before anything begins, at {motion.events[0][0]:g} s."
+        )
+    return duration

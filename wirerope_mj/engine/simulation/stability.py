@@ -16,11 +16,8 @@ from wirerope_mj.mounts.laws.law import Law
 
 # RK4 is stable for |lambda| h < 2.785 on the negative real axis and 2.828 on the imaginary one; a little less is used
 RK4_LIMIT = 2.7
-
-
 # angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely
 SLOWEST_RATE = 1.0
-
 ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
 
 
@@ -108,10 +105,8 @@ def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
     Of a mount that travels d while its payload's acceleration is a at most, the rate is taken for sqrt(a d).
     """
     travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
-    moving = [
-        peaks.bodies[name] for name in system.payloads if name in peaks.bodies
-    ]  # one may be fixed, to drive the base
-    most = max((body.acceleration.value for body in moving), default=0.0)
+    moving = [name for name in system.payloads if name in peaks.bodies]  # one may be fixed, to drive the base
+    most = max((peaks.bodies[name].acceleration.value for name in moving), default=0.0)
     return step * float((yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
 
 
@@ -128,16 +123,14 @@ class StepBound:
     With inertia M, stiffness K and damping C, symmetric and not negative, every eigenvalue is at most
     c / 2 + sqrt(c^2 / 4 + k), c and k the largest ones of M^-1 C and M^-1 K; these are at most the roots of the sums of the
     squares of all of them.
-
-    Attributes:
-        stiffness, damping, decay: of the system's own laws, closed, (3 n_mounts,) each, see `wirerope_mj.mounts.laws.law`.
     """
 
     def __init__(self, system: System) -> None:
         """Look up how deflections and links move with the free coordinates, in the modelled geometry."""
-        model, lay = system.model, equations(system).lay
+        model, own = system.model, equations(system)
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
+        # Of the own laws, closed, (3 n_mounts,) each.
         self.stiffness, self.damping, self.decay = np.array([rates_of(law) for law in laws]).reshape(-1, 3).T
         moving, turn_rates = np.zeros((2, 3, model.nv))
         with system.assembly.scratch.data(model) as data:
@@ -145,7 +138,7 @@ class StepBound:
             rates = zip(system.mounts.values(), mount_rates(system, data), strict=True)
             to_deflections = np.concatenate([(mount.axes.T @ moves)[:, self._free] for mount, (moves, _) in rates])
             self._squares = to_deflections[:, :, np.newaxis] * to_deflections[:, np.newaxis]
-            links = lay[lay[at.LINKS] :][: at.LINK_COLUMNS * lay[at.N_LINKS]].reshape(-1, at.LINK_COLUMNS)
+            links = own.rows(at.LINKS, at.LINK_COLUMNS, own.lay[at.N_LINKS])
             self._links = []
             bodies = np.flatnonzero((model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0))
             for body, row in zip(bodies.tolist(), links.tolist(), strict=True):
@@ -154,8 +147,7 @@ class StepBound:
                 parts = (axes.T @ moving)[:, self._free], (axes.T @ turn_rates)[:, self._free]
                 self._links.append((int(row[at.INERTIA]), *parts))
         self._armature = np.diag(model.dof_armature[self._free])
-        rows = lay[lay[at.DOFS] :][: at.DOF_COLUMNS * model.nv].reshape(-1, at.DOF_COLUMNS)
-        self._springs = rows[self._free, at.DOF_NUM]
+        self._springs = own.rows(at.DOFS, at.DOF_COLUMNS, model.nv)[self._free, at.DOF_NUM]
         self._turns = any(mount.isolator.rotation is not None for mount in system.mounts.values())
 
     def inertia(self, numbers: Array) -> Array:
@@ -163,9 +155,7 @@ class StepBound:
         total = np.broadcast_to(self._armature, (len(numbers), *self._armature.shape)).copy()
         for first, moving, turn_rates in self._links:
             mass, centre = numbers[:, first + at.MASS_OF], numbers[:, first + at.CENTRE : first + at.CENTRE + 3]
-            about = numbers[:, first + at.ABOUT : first + at.ABOUT + 6][:, [0, 3, 4, 3, 1, 5, 4, 5, 2]].reshape(
-                -1, 3, 3
-            )
+            about = numbers[:, first + at.ABOUT + np.array([[0, 3, 4], [3, 1, 5], [4, 5, 2]])]
             velocity = moving + np.cross(turn_rates[np.newaxis], centre[:, :, np.newaxis], axis=1)
             total += mass[:, np.newaxis, np.newaxis] * (velocity.swapaxes(1, 2) @ velocity)
             total += turn_rates.T @ about @ turn_rates
@@ -174,14 +164,10 @@ class StepBound:
     def certainly_stable(
         self, timestep: float, numbers: Array, stiffness: Array, damping: Array, decay: Array
     ) -> npt.NDArray[np.bool_]:
-        """Return for which variants a step is certainly stable, (n,); of the others `stable_step` says it.
+        """Return for which variants a step [s] is certainly stable, (n,); of the others `stable_step` says it.
 
-        Args:
-            timestep: the step [s].
-            numbers: of the variants' equations, (n, n_num).
-            stiffness: of their laws, (n, 3 n_mounts), as those of the system.
-            damping: the same.
-            decay: the same.
+        `numbers` are those of the variants' equations, (n, n_num); stiffness, damping and decay of their laws are (n, 3
+        n_mounts) as those of the system.
         """
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)

@@ -108,25 +108,17 @@ class Stages:
         ends = [0, *self.ends.tolist()]
         for segment in range(len(ends) - 1)[begin:end]:
             yield Segment(
-                number=self.first + segment,
-                positions=self.positions[segment],
-                rates=self.rates[segment],
+                number=self.first + segment, positions=self.positions[segment], rates=self.rates[segment],
                 accelerations=self.accelerations[ends[segment] : ends[segment + 1]],
                 forces=self.forces[ends[segment] : ends[segment + 1]],
-            )
+            )  # fmt: skip
 
 
 class StageTables:
     """The base motion segment by segment, evaluated block by block, and the extremes of its acceleration so far."""
 
     def __init__(self, motion: BaseMotion, drive: Array, sites: Sequence[str] = ()) -> None:
-        """Prepare for the segments of grids.
-
-        Args:
-            motion: of the base, and the forces that come with it.
-            drive: slides from base vectors, (n_driven, 3).
-            sites: at which forces may act.
-        """
+        """Prepare for grids; `drive` makes slides from base vectors, (n_driven, 3), at `sites` forces may act."""
         self._motion, self._drive, self._running = motion, drive, RunningPeak()
         self._sites = sites if motion.loaded_sites else ()
 
@@ -144,9 +136,7 @@ class StageTables:
         while first < points.size:
             before = int(total[first - 1]) if first else 0
             last = max(int(np.searchsorted(total, before + POINTS, side="right")), first + 1)
-            if (
-                last > end
-            ):  # starts of many blocks at once: evaluating a motion costs about the same for a few as for many
+            if last > end:  # starts of many blocks at once: a motion costs about the same for a few as for many
                 begin, end = first, first + POINTS
                 positions = along_slides(self._drive, self._motion.displacement(grid.start[begin:end]))
                 rates = along_slides(self._drive, self._motion.velocity(low[begin:end]))
@@ -193,9 +183,7 @@ def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: A
         rows = start[:, np.newaxis] + (stop - start)[:, np.newaxis] * fraction
         return np.minimum(np.maximum(rows, low[:, np.newaxis]), high[:, np.newaxis]).ravel()
     number = np.arange(float(points.sum())) - np.repeat(np.cumsum(points) - points, points)
-    begin, length, last, least, most = (
-        values.repeat(points) for values in (start, stop - start, points - 1, low, high)
-    )
+    begin, length, last, least, most = (part.repeat(points) for part in (start, stop - start, points - 1, low, high))
     return np.minimum(np.maximum(begin + length * (number / last), least), most)
 
 

@@ -22,10 +22,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator.travel import falling_text
 
 _NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
-
 _FARTHEST = 1.0  # m: where a motion has grown without bound it went through every smaller deflection
 _GREW = "the motion grew without bound; use a smaller `timestep`, and check masses, stops and mount loads"
-
 _GREW_FALLING = (
     "the motion grew without bound because the force of a mount falls as its deflection grows: no timestep mends that; take a "
     "law that holds there, or test larger amplitudes"
@@ -122,7 +120,7 @@ class Stepper:
         for segment in segments:
             self.begin(segment)
             for _ in range(int(self._grid.steps[segment.number])):
-                deflections = self._deflections()
+                deflections = self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()  # of the last pass
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
@@ -138,10 +136,6 @@ class Stepper:
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
         return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
-
-    def _deflections(self) -> Array:
-        """Return the deflections of the last forward pass, (n_mounts, 3)."""
-        return self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()
 
     def _falling(self, deflections: Array) -> str:
         """Return a note on the first mount that stood where its force falls as the deflection grows, "" if there is none."""
@@ -206,15 +200,10 @@ def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int6
 
 
 def initial_state(system: System, motion: BaseMotion, initial: str | State) -> State:
-    """Return the state at the start of a simulation.
+    """Return the state at the start of a simulation: "settled", "relaxed", "unloaded", or a state that is given.
 
     The base stands and moves as the motion says just before the start; if the given state's base does not, the whole system
     is carried along (a Galilean change), so that nothing but the motion's own acceleration disturbs it.
-
-    Args:
-        system: the system.
-        motion: base motion.
-        initial: "settled", "relaxed", "unloaded" or a state.
     """
     if isinstance(initial, State):
         size = mujoco.mj_stateSize(system.model, STATE)

@@ -25,29 +25,18 @@ _STILL = HarmonicForce(site="none", frequency=1.0, force=(1.0, 0.0, 0.0))
 
 
 class Stepwise:
-    """A system on its way from one instant to the next, its base's acceleration and its loads held in between.
-
-    Attributes:
-        time: instant that was reached [s].
-        values: the system's sensor values there, as `plan` names them, (n_values,).
-        plan: what the values mean; the columns of time and base come before them.
-    """
+    """A system on its way from one instant to the next, its base's acceleration and its loads held in between."""
 
     def __init__(self, system: System, *, timestep: float, initial: str = "settled", start: float = 0.0) -> None:
-        """Begin at an instant.
-
-        Args:
-            system: the system.
-            timestep: largest step [s]; what lies between two instants is parted into equal ones.
-            initial: "settled", "relaxed" or "unloaded", as `simulate` takes it.
-            start: the first instant [s].
+        """Begin at the instant `start` [s], in one of the states that `simulate` takes by name, with a largest step [s].
 
         Raises:
             SimulationError: RK4 is not stable with such a step.
             ConvergenceError: there is no equilibrium to start from.
         """
         self.timestep = checked_step(system, positive("timestep", timestep), 1.0)
-        self.system, self.plan, self.time = system, column_plan(system), float(start)
+        self.system, self.time = system, float(start)  # the instant that was reached [s]
+        self.plan = column_plan(system)  # of `values`, the sensors there; columns of time and base come before them
         self._stepper = Stepper(system, _STILL, initial_state(system, _STILL, initial))
         self._drive, self._sites = system.assembly.tables.drive, system.assembly.subjects.force_names
         self._moved, self._rate = np.zeros(3), np.zeros(3)
@@ -56,8 +45,7 @@ class Stepwise:
     def advance(self, length: float, acceleration: ArrayLike, loads: Mapping[str, ArrayLike] | None = None) -> None:
         """Go on by a time [s] with the base's acceleration [m/s^2], (3,), and loads [N, N m], (6,) by site, held.
 
-        Raises:
-            SimulationError: a mount went to where its law does not hold, or the state is not valid any more.
+        A SimulationError if a mount went to where its law does not hold, or the state is not valid any more.
         """
         length = positive("length", length)
         held = np.asarray(acceleration, dtype=np.float64)
@@ -97,12 +85,10 @@ class Stepwise:
         )  # fmt: skip
         self._stepper.enter(grid)
         base = Segment(
-            number=0,
-            positions=along_slides(self._drive, self._moved[np.newaxis])[0],
-            rates=along_slides(self._drive, self._rate[np.newaxis])[0],
-            accelerations=np.tile(held, (points, 1)),
+            number=0, positions=along_slides(self._drive, self._moved[np.newaxis])[0],
+            rates=along_slides(self._drive, self._rate[np.newaxis])[0], accelerations=np.tile(held, (points, 1)),
             forces=np.tile(wrench, (points, 1, 1)) if self._sites else np.empty(0),
-        )
+        )  # fmt: skip
         self._stepper.begin(base)
 
     def _look(self, held: Array, wrench: Array) -> None:

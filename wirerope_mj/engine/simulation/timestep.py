@@ -1,24 +1,15 @@
 """Choosing the step before the run: pilots of the same system and motion, halved until samples and peaks agree."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import cached_property
 
 import numpy as np
 
 from wirerope_mj.engine.kernel.layout import WILD
 from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.engine.response.peaks import Peaks
-from wirerope_mj.engine.simulation.engines import (
-    Engine,
-    compute,
-    equations,
-    failure,
-    result_of,
-    unsupported_motion,
-    unsupported_system,
-)
-from wirerope_mj.engine.simulation.grid import time_grid
+from wirerope_mj.engine.simulation.engines import Engine, compute, equations, failure, result_of, unsupported_run
+from wirerope_mj.engine.simulation.grid import TimeGrid, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.run import RunResult
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step
@@ -32,36 +23,29 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
 HALVINGS = 11  # halvings after which the search ends: 1e-3 s becomes 5e-7 s
-
 # the same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead
 HALVINGS_IN_CONTACT = 4
 LUCK = 2  # halvings before which errors in contact say little: where in a step the touch falls is luck
-
 # error aimed at where bodies touch and the accuracy asked for is out of reach: no stop is known better than that
 ENOUGH_IN_CONTACT = 1e-3
 SAMPLES, STABILITY, DURATION = "the sample interval", "the stability of the stiffest mount", "the duration"
 CORNERS = "the corners of the motion, such as the samples of a record"
 ACCURACY, GIVEN = "the accuracy asked for", "the timestep asked for"
 CONTACTS = "contacts, where finer steps bring too little"  # limits of a step
-
 # error of the coarser of two runs from their difference at order 2, the order that reversals of the mounts leave to RK4
 RICHARDSON = 4.0 / 3.0
-
 # difference of two runs, the step of one half that of the other, over the finer one's error: 3 at order 2, and at the lower
 # order 1.6 that is sometimes seen between two steps
 FINER = 2.0
 # bytes of a value in the samples of pilots: rows and vectors of a coarse, a fine and a longer one are held at once
 OF_A_VALUE = 6 * 8
 SMALL = 1e-3  # quantities smaller than this fraction of the largest of their kind are judged against that fraction
-
 # peaks below which a quantity rests [m/s^2]: what an equilibrium's rounding leaves is 1e-10, and no step makes it smaller
 STILL = {"acceleration": 1e-6}
 KEPT = 20_000_000  # numbers that a pilot may have to be kept as the run's answer: 160 MB
-
 # slowest periods after the motion's last corner that a pilot covers: the largest peaks lie within them
 PILOT_PERIODS = 6.0
 WINDOWS = 6  # pilots of a motion too long to be tried whole
-
 # fraction of the accuracy that windows must keep: between them the error was seen to be up to 1.7 times theirs
 WINDOWED = 0.5
 
@@ -88,22 +72,16 @@ def error_of_given(
     system: System, motion: BaseMotion, start: State, *, timestep: float, duration: float, sample_rate: float, engine: Engine,
 ) -> float:  # fmt: skip
     """Estimate the error of a given step, relative to the peaks, by a pilot with half of it; NaN where that fails."""
-    window = _windows(system, motion, start, duration, sample_rate)[:1]
-    pilots = partial(_pilots, system, motion, lambda: [start], window, sample_rate, engine, [])
-    difference = _difference(pilots(timestep), pilots(timestep / 2.0))
+    pilots = _Pilots(system, motion, start, duration=duration, sample_rate=sample_rate, engine=engine)
+    del pilots.windows[1:]
+    difference = _difference(pilots.at(timestep), pilots.at(timestep / 2.0))
     return RICHARDSON * difference if np.isfinite(difference) else np.nan
 
 
 def choose_timestep(
-    system: System,
-    motion: BaseMotion,
-    start: State,
-    *,
-    duration: float,
-    sample_rate: float,
-    accuracy: float,
+    system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, accuracy: float,
     engine: Engine = "auto",
-) -> ChosenStep:
+) -> ChosenStep:  # fmt: skip
     """Return the largest step of a halving series whose pilots keep samples and refined peaks within `accuracy`.
 
     The series starts at the sample interval or the stability limit, whichever is shorter. A pilot is the run itself if that
@@ -111,7 +89,8 @@ def choose_timestep(
     d / `FINER`, and it is taken where that is enough. Where bodies touch, `accuracy` may not be reached: refining ends as soon
     as that shows, and the error says what was reached.
     """
-    windows = _windows(system, motion, start, duration, sample_rate)
+    pilots = _Pilots(system, motion, start, duration=duration, sample_rate=sample_rate, engine=engine)
+    windows = pilots.windows
     seconds, values = sum(length for _, length in windows), system.model.nsensordata - system.assembly.sensor
     require_memory(
         f"the runs by which a step is chosen, {seconds:.4g} s with {sample_rate:.4g} samples a second,",
@@ -120,17 +99,13 @@ def choose_timestep(
     step, limit = min((1.0 / sample_rate, SAMPLES), (stable_step(system), STABILITY), (duration, DURATION))
     between = _step_between_corners(motion, windows, sample_rate, step)
     step, limit = (between, CORNERS) if between < step else (step, limit)
-
-    failures: list[str] = []
-    starts = cache(lambda: [_start(system, motion, start, begin) for begin, _ in windows])
-    pilots = partial(_pilots, system, motion, starts, windows, sample_rate, engine, failures)
     whole = windows == [(start.time, duration)]
     wanted = accuracy if len(windows) == 1 else WINDOWED * accuracy
-    coarse = pilots(step)
+    coarse = pilots.at(step)
     in_contact: list[ChosenStep] = []
     hit: list[ChosenStep] = []  # of runs that hit a stop among the laws
     for halving in range(HALVINGS):
-        fine = pilots(step / 2.0)
+        fine = pilots.at(step / 2.0)
         if _same_steps(coarse, fine):
             step, coarse = step / 2.0, fine  # between samples and corners no step was cut: nothing is learned
             continue
@@ -139,7 +114,7 @@ def choose_timestep(
         touches = fine is not None and any(pilot.touches for pilot in fine)
         if fine is not None and not touches and any(pilot.hits for pilot in fine) and np.isfinite(difference):
             if difference <= FINER * wanted:  # by luck, or since it converges: a third step tells
-                difference = max(difference, _difference(pilots(step / 3.0), fine))
+                difference = max(difference, _difference(pilots.at(step / 3.0), fine))
                 error = max(error, RICHARDSON * difference)
             hit.append(ChosenStep(timestep=step, error=difference, limited_by=SENSITIVE))
         if error <= wanted:
@@ -149,7 +124,8 @@ def choose_timestep(
         if touches and np.isfinite(difference):
             in_contact.append(_done(ChosenStep(timestep=step, error=error, limited_by=CONTACTS), coarse, whole))
             halvings = len(in_contact) - 1  # of steps at which the run does not fail
-            if halvings >= LUCK and not _pays(error, halvings, wanted):
+            in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halvings)  # in contact an error falls with order 1 at best
+            if halvings >= LUCK and in_reach > wanted and not in_reach <= ENOUGH_IN_CONTACT < error:
                 return _best(in_contact)
         elif difference <= FINER * wanted:
             found = ChosenStep(timestep=step / 2.0, error=difference / FINER, limited_by=ACCURACY)
@@ -157,7 +133,7 @@ def choose_timestep(
             return longer or _done(found, fine, whole)
         step, coarse = step / 2.0, fine
     if coarse is None:
-        raise SimulationError(f"the run fails at every step down to {step:.3g} s: {failures[-1]}")
+        raise SimulationError(f"the run fails at every step down to {step:.3g} s: {pilots.failures[-1]}")
     if hit and hit[-1].error <= 1.0:
         return _coarsest(hit)
     raise SimulationError(
@@ -174,9 +150,8 @@ def _same_steps(coarse: "list[_Pilot] | None", fine: "list[_Pilot] | None") -> b
 
 
 def _longer(
-    pilots: Callable[[float], "list[_Pilot] | None"], fine: "list[_Pilot] | None", step: float, error: float,
-    wanted: float, finer: float = 1.0,
-) -> ChosenStep | None:  # fmt: skip
+    pilots: "_Pilots", fine: "list[_Pilot] | None", step: float, error: float, wanted: float, finer: float = 1.0
+) -> ChosenStep | None:
     """Return a step between `step` and its double, which failed, if it is accurate enough: order 2 says where to look.
 
     `fine` are pilots with `finer` times the step.
@@ -184,7 +159,7 @@ def _longer(
     factor = min(1.9, 0.9 * np.sqrt(wanted / error)) if error > 0.0 else 1.0
     if factor <= 1.15:
         return None
-    tried = pilots(factor * step)
+    tried = pilots.at(factor * step)
     if tried is None or fine is None:
         return None
     # Samples and corners cut steps: how much longer they are is known by how many there are.
@@ -199,16 +174,6 @@ def _done(step: ChosenStep, pilots: "list[_Pilot] | None", whole: bool) -> Chose
     """Return a step together with its pilot, if that was the whole run and is not too large to be kept."""
     kept = whole and pilots is not None and pilots[0].rows.size <= KEPT
     return replace(step, done=(pilots[0].run, pilots[0].rows)) if kept and pilots else step
-
-
-def _pays(error: float, halving: int, wanted: float) -> bool:
-    """Return whether halving the step further will do in contact, where an error falls with order 1 at best.
-
-    Either it brings the accuracy that is wanted within the halvings that are left, or, where that is out of reach, one that
-    is enough and not reached yet.
-    """
-    in_reach = error / 2.0 ** (HALVINGS_IN_CONTACT - halving)
-    return in_reach <= wanted or in_reach <= ENOUGH_IN_CONTACT < error
 
 
 def _best(tried: list[ChosenStep]) -> ChosenStep:
@@ -277,80 +242,74 @@ class _Pilot:
     hits: bool  # whether a stop among the laws was struck
 
 
-def _pilots(
-    system: System, motion: BaseMotion, starts: Callable[[], list[State]], windows: list[tuple[float, float]],
-    sample_rate: float, engine: Engine, failures: list[str], step: float,
-) -> list[_Pilot] | None:  # fmt: skip
-    """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
-    try:
-        if (
-            len(windows) > 1
-            and engine != "mujoco"
-            and not (unsupported_system(system) or unsupported_motion(system, motion))
-        ):
-            together = _side_by_side(system, motion, starts(), windows, sample_rate, step)
-            if together is not None:
-                return together
+class _Pilots:
+    """The pilots of a run over its windows, by step."""
+
+    def __init__(
+        self, system: System, motion: BaseMotion, start: State, *, duration: float, sample_rate: float, engine: Engine
+    ) -> None:
+        self.system, self.motion, self.start = system, motion, start
+        self.sample_rate, self.engine = sample_rate, engine
+        self.windows = _windows(system, motion, start, duration, sample_rate)
+        self.failures: list[str] = []
+
+    @cached_property
+    def starts(self) -> list[State]:
+        """States at the starts of the windows: that of the run, carried along by the base."""
+        states = [State(values=self.start.values.copy(), time=begin) for begin, _ in self.windows]
         return [
-            _pilot(system, motion, start, window, sample_rate, engine, step)
-            for start, window in zip(starts(), windows, strict=True)
-        ]
-    except SimulationError as failure:
-        failures.append(str(failure))
-        return None
+            state if state.time == self.start.time else moving_with_base(self.system, self.motion, state) for state in states
+        ]  # fmt: skip
 
+    def at(self, step: float) -> list[_Pilot] | None:
+        """Return the pilots of all windows with one step; None, and the reason in `failures`, where it was too large."""
+        several = len(self.windows) > 1 and self.engine != "mujoco" and not unsupported_run(self.system, self.motion)
+        try:
+            together = self._side_by_side(step) if several else None
+            return together or [self._one(*each, step) for each in zip(self.starts, self.windows, strict=True)]
+        except SimulationError as failure:
+            self.failures.append(str(failure))
+            return None
 
-def _start(system: System, motion: BaseMotion, start: State, begin: float) -> State:
-    """Return the state at the start of a window: that of the run, carried along by the base."""
-    at_begin = State(values=start.values.copy(), time=begin)
-    return at_begin if begin == start.time else moving_with_base(system, motion, at_begin)
+    def _side_by_side(self, step: float) -> list[_Pilot] | None:
+        """Run windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
+        system, motions = self.system, [Later(self.motion, begin) for begin, _ in self.windows]
+        grid = time_grid(
+            start=0.0, duration=self.windows[0][1], sample_rate=self.sample_rate, timestep=step, motion=motions[0],
+            corners=np.concatenate([one.corners for one in motions]),
+        )  # fmt: skip
+        rows = [self._samples(grid) for _ in motions]
 
+        def sink(window: int, first: int, values: Array) -> None:
+            rows[window][first : first + len(values)] = values
 
-def _side_by_side(
-    system: System, motion: BaseMotion, starts: list[State], windows: list[tuple[float, float]], sample_rate: float,
-    step: float,
-) -> list[_Pilot] | None:  # fmt: skip
-    """Return the pilots of windows of one length, which begin at samples, by the kernel in lanes; None if it gave one up."""
-    motions = [Later(motion, begin) for begin, _ in windows]
-    grid = time_grid(
-        start=0.0, duration=windows[0][1], sample_rate=sample_rate, timestep=step, motion=motions[0],
-        corners=np.concatenate([one.corners for one in motions]),
-    )  # fmt: skip
-    rows = [np.empty((grid.sample_times.size, system.model.nsensordata - system.assembly.sensor)) for _ in windows]
+        states = np.array([one.values[moving(system)] for one in self.starts])
+        own, drive = [equations(system)] * len(motions), system.assembly.tables.drive
+        done = go_in_lanes(own, drive, motions, states, grid, sink=sink)
+        pilots: dict[int, _Pilot] = {}
+        for group, members in done.groups:
+            for lane, window in enumerate(members):
+                if why := failure(group, lane):
+                    if group.failed[lane] == WILD:
+                        raise SimulationError(why)
+                    return None
+                ended = result_of(system, self.starts[window], grid, done, group, lane, window)
+                pilots[window] = _pilot_of(system, ended, rows[window])
+        return [pilots[window] for window in range(len(motions))]
 
-    def sink(window: int, first: int, values: Array) -> None:
-        rows[window][first : first + len(values)] = values
+    def _one(self, start: State, window: tuple[float, float], step: float) -> _Pilot:
+        begin, length = window
+        grid = time_grid(start=begin, duration=length, sample_rate=self.sample_rate, timestep=step, motion=self.motion)
+        rows = self._samples(grid)
 
-    states = np.array([one.values[moving(system)] for one in starts])
-    done = go_in_lanes(
-        [equations(system)] * len(windows), system.assembly.tables.drive, motions, states, grid, sink=sink
-    )
-    pilots: dict[int, _Pilot] = {}
-    for group, members in done.groups:
-        for lane, window in enumerate(members):
-            if why := failure(group, lane):
-                if group.failed[lane] == WILD:
-                    raise SimulationError(why)
-                return None
-            pilots[window] = _pilot_of(
-                system, result_of(system, starts[window], grid, done, group, lane, window), rows[window]
-            )
-    return [pilots[window] for window in range(len(windows))]
+        def sink(first: int, values: Array) -> None:
+            rows[first : first + len(values)] = values
 
+        done = compute(self.system, self.motion, grid, start, engine=self.engine, callback="native", sink=sink)
+        return _pilot_of(self.system, done, rows)
 
-def _pilot(
-    system: System, motion: BaseMotion, start: State, window: tuple[float, float], sample_rate: float, engine: Engine,
-    step: float,
-) -> _Pilot:  # fmt: skip
-    begin, length = window
-    grid = time_grid(start=begin, duration=length, sample_rate=sample_rate, timestep=step, motion=motion)
-    rows = np.empty((grid.sample_times.size, system.model.nsensordata - system.assembly.sensor))
-
-    def sink(first: int, values: Array) -> None:
-        rows[first : first + len(values)] = values
-
-    done = compute(system, motion, grid, start, engine=engine, callback="native", sink=sink)
-    return _pilot_of(system, done, rows)
+    def _samples(self, grid: TimeGrid) -> Array:
+        return np.empty((grid.sample_times.size, self.system.model.nsensordata - self.system.assembly.sensor))
 
 
 def _pilot_of(system: System, done: RunResult, rows: Array) -> _Pilot:

@@ -38,7 +38,6 @@ from wirerope_mj.foundation.lanes import WIDTH
 
 # ratio of the squared singular values of the deflections' rates above which every motion is resisted for certain
 HELD = 1e-12
-
 _known: WeakKeyDictionary[System, dict[str, Equilibrium]] = WeakKeyDictionary()
 
 

@@ -18,20 +18,16 @@ from wirerope_mj.foundation.summary import ByName, Summarised, quantity
 
 History = Literal["virgin", "relaxed"]
 HISTORIES: tuple[History, History] = ("virgin", "relaxed")
-
+# steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last. Mounts move
+# straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections.
 LOAD_STEPS = 20
 SMALLEST_LOAD_STEP = 1e-4  # fraction of gravity below which a load step that fails is a load that cannot be carried
 TOLERANCE = 1e-11  # largest acceleration left, relative to gravity: two orders above the rounding of forces of tonnes
-
 # accepted acceleration, relative to gravity, where rounding or a contact's own iteration stops Newton's method earlier
 ACCEPTED = 1e-8
-
 # positions that are tried before a search is given up: twenty times what the shipped models take, seconds of computing
 MOST = 3_000
-
-# deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
-FARTHEST = 10.0
-
+FARTHEST = 10.0  # deflection of a mount [m] that is no longer one: fifty heights of the largest in the vendors' tables
 # argument with which `mj_forwardSkip` leaves out the sensors, which measure a motion and do not act
 WITHOUT_SENSORS = 1
 
@@ -46,22 +42,16 @@ class MountLoad:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Equilibrium(Summarised):
-    """Equilibrium of a system under its weight.
+    """Equilibrium of a system under its weight."""
 
-    Attributes:
-        state: integration state to start a simulation from.
-        mounts: deflection and force of every mount.
-        history: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long
-            vibration has let the hysteretic part of the load leak away).
-        residual: largest acceleration left [m/s^2 or rad/s^2].
-        free: a message about the motions of each body that no mount, joint or stop resists, such as the rotation of a body on
-            mounts that stand in line.
-    """
-
-    state: State
-    mounts: dict[str, MountLoad]
+    state: State  #: integration state to start a simulation from
+    mounts: dict[str, MountLoad]  #: deflection and force of every mount
+    #: "virgin" (gravity applied slowly to the unloaded mounts) or "relaxed" (z = 0 throughout, after long vibration has let
+    #: the hysteretic part of the load leak away)
     history: History
-    residual: float
+    residual: float  #: largest acceleration left [m/s^2 or rad/s^2]
+    #: a message about the motions of each body that no mount, joint or stop resists, such as the rotation of a body on mounts
+    #: that stand in line
     free: tuple[str, ...] = ()
 
     @classmethod
@@ -88,11 +78,6 @@ def forces_at_rest(system: System, state: State) -> Array:
     assembly, memory = system.assembly, np.empty(system.model.nuserdata)
     mujoco.mj_extractState(system.model, state.values, STATE, memory, mujoco.mjtState.mjSTATE_USERDATA)
     return assembly.tables.user.mount_rows(assembly.user(memory))[:, 1]
-
-
-"""Steps in which gravity grows from 0 to g: each is short enough for Newton's method to start from the last.
-
-Mounts move straight within one: on a path that bends, twenty and sixty differed by up to 1e-4 of the deflections."""
 
 
 class Loading:

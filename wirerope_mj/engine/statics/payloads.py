@@ -4,27 +4,23 @@ A payload is a body that mounts carry, with everything that stands on it. On one
 them. Axes without a law, a strange gravity and masses far away can be simulated, and are warned of.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.engine.system import System, mount_rates
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 _MOVES = 1e-9  # rate of a deflection per unit of the payload's velocity below which it is rounding
-
 # relative distance from standard gravity that no place on the earth reaches: the poles are 0.26 % above it
 _EARTH = 0.01
-
 # reach of a payload: so many times the distance of its mounts, or of [m] where there is one; or twice its own geoms. A mast
 # three times as high as its feet are apart is within; a millimetre taken for a metre is 1000 times beyond.
 _REACH, _LEAST = 5.0, 0.3
-
 # turn of the differences [rad]: rounding of accelerations, 1e-14 m/s^2, and their curvature both leave less than `SLOW`
 TURN = 1e-5
 SLOW = 1e-4  # rate of return below which a motion is free [1/s^2]: a pendulum of 100 km
@@ -46,14 +42,11 @@ def movers_of(system: System) -> tuple[Payload, ...]:
     payloads = payloads_of(system)
     known = {body for payload in payloads for body in payload.bodies}
     modal = {mode.body for mode in system.assembly.subjects.modes}
+    weld, fixed = model.body_weldid.tolist(), _fixed(system)
     roots = [
-        body
-        for body in range(1, model.nbody)
-        if body not in known
-        and body not in modal
-        and int(model.body_weldid[body]) not in _fixed(system)
-        and int(model.body_weldid[model.body_parentid[body]]) in _fixed(system)
-    ]
+        body for body in range(1, model.nbody)
+        if body not in known | modal and weld[body] not in fixed and weld[int(model.body_parentid[body])] in fixed
+    ]  # fmt: skip
     return payloads + tuple(_payload(model, root) for root in roots)
 
 
@@ -63,10 +56,8 @@ def payloads_of(system: System) -> tuple[Payload, ...]:
     fixed = _fixed(system)
     roots: dict[int, None] = {}
     for mount in system.mounts.values():
-        body = model.body(mount.payload_body).id
-        while int(model.body_weldid[model.body_parentid[body]]) not in fixed:
-            body = int(model.body_parentid[body])
-        roots[body] = None
+        bodies = carriers(model, model.body(mount.payload_body).id)
+        roots[next(one for one in bodies if int(model.body_weldid[model.body_parentid[one]]) in fixed)] = None
     return tuple(_payload(model, root) for root in roots)
 
 
@@ -79,15 +70,16 @@ def _payload(model: mujoco.MjModel, root: int) -> Payload:
     return Payload(
         name=model.body(root).name,
         root=root,
-        bodies=tuple(body for body in range(root, model.nbody) if _stands_on(model, body, root)),
+        bodies=tuple(body for body in range(root, model.nbody) if root in carriers(model, body)),
         mass=float(model.body_subtreemass[root]),
     )
 
 
-def _stands_on(model: mujoco.MjModel, body: int, root: int) -> bool:
-    while body > root:
+def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
+    """Yield a body and all bodies that it stands on, downwards."""
+    while body > 0:
+        yield body
         body = int(model.body_parentid[body])
-    return body == root
 
 
 def model_warnings(system: System) -> tuple[str, ...]:
@@ -187,7 +179,7 @@ def _extent(model: mujoco.MjModel, data: mujoco.MjData, payload: Payload, centre
 
 
 def unresisted(
-    system: System, data: mujoco.MjData, free: npt.NDArray[np.int64], accelerations: Callable[[Array], Array]
+    system: System, data: mujoco.MjData, free: Integers, accelerations: Callable[[Array], Array]
 ) -> tuple[str, ...]:
     """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
 
@@ -218,19 +210,11 @@ def unresisted(
 
 def _mounts_below(system: System, body: int) -> list[str]:
     """Return the mounts that carry a body, or one that is attached to it."""
-    model, mounts = system.model, []
-    for name, mount in system.mounts.items():
-        carried = model.body(mount.payload_body).id
-        while carried not in (0, body):
-            carried = int(model.body_parentid[carried])
-        if carried == body:
-            mounts.append(name)
-    return mounts
+    model, mounts = system.model, system.mounts.items()
+    return [name for name, mount in mounts if body in carriers(model, model.body(mount.payload_body).id)]
 
 
-def _rotation(
-    model: mujoco.MjModel, data: mujoco.MjData, free: npt.NDArray[np.int64], motion: Array
-) -> tuple[int, str]:
+def _rotation(model: mujoco.MjModel, data: mujoco.MjData, free: Integers, motion: Array) -> tuple[int, str]:
     """Return the body that moves most in a motion of the free coordinates, (n,), and a name of the motion with its axis."""
     body = int(model.dof_bodyid[free[int(np.argmax(np.abs(motion)))]])
     turn, unused = np.zeros((3, model.nv)), np.zeros((3, model.nv))

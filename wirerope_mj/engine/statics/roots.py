@@ -18,20 +18,15 @@ from wirerope_mj.mounts.laws.path import SCRATCH, advance
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
 ITERATIONS = 60  # iterations for one root: ten times what a smooth one takes
-
 # halvings of a step before it counts as leading nowhere: 1/4096 of it is rounding where Newton's method works at all
 HALVINGS = 12
 LONGEST = 0.1  # longest step [m or rad]: more than any mount travels
-
 # fraction of the residual that a step may leave; beyond it a new Jacobian is cheaper than the iterations that it saves
 SLOW = 0.2
-
 # step of the differences [m or rad]: small against any travel, and they stand eight digits above the rounding of forces
 DIFFERENCE = 1e-7
-
 # fraction of the largest singular value below which a direction has no stiffness: differences are rounded at 1e-11 of it
 INDIFFERENT = 1e-10
-
 # index of a line's start and direction among the parameters of the biaxial kernel, whose rates all couplings have
 LINE = 12
 
@@ -158,22 +153,13 @@ class SlowPath:
         self.tables = system.assembly.tables
         mounts = [mount.isolator for mount in system.mounts.values()]
         # What depends on the rate has no memory of a slow path: its states stay zero.
-        self.single = np.array(
-            [
-                [
-                    law is not None and law.remembers_slow_paths and axis not in isolator.coupled_axes
-                    for axis, law in enumerate(isolator.axes.values())
-                ]
-                for isolator in mounts
-            ],
-            dtype=bool,
-        ).reshape(len(mounts), 3)
-        pairs = [
-            (row, scale, law)
-            for row, isolator in enumerate(mounts)
-            if isolator.coupled is not None
-            for scale, law in enumerate(isolator.coupled.scales)
-        ]
+        alone = [
+            law is not None and law.remembers_slow_paths and axis not in isolator.coupled_axes
+            for isolator in mounts for axis, law in enumerate(isolator.axes.values())
+        ]  # fmt: skip
+        self.single = np.array(alone, dtype=bool).reshape(len(mounts), 3)
+        coupled = [(row, isolator.coupled) for row, isolator in enumerate(mounts)]
+        pairs = [(row, scale, law) for row, one in coupled if one is not None for scale, law in enumerate(one.scales)]
         self.coupled = np.array([row for row, _, _ in pairs], dtype=np.int64)
         self.scales = np.array([scale for _, scale, _ in pairs], dtype=np.int64)
         self.partners = np.array([mounts[row].coupled_axes[1] for row, _, _ in pairs], dtype=np.int64)

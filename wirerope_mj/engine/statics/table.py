@@ -135,14 +135,10 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         )  # fmt: skip
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
-        history=result.history,
-        mounts=mounts,
-        payloads={p.name: _payload(model, unloaded, data, p.root, p.mass) for p in payloads},
-        weight=weight,
-        on_mounts=on_mounts,
-        on_contacts=_on_contacts(model, data, carried, up),
-        equilibrium=result,
-    )
+        history=result.history, mounts=mounts,
+        payloads={p.name: _payload(model, unloaded, data, p.root, p.mass) for p in payloads}, weight=weight,
+        on_mounts=on_mounts, on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
+    )  # fmt: skip
 
 
 def _payload(model: mujoco.MjModel, unloaded: mujoco.MjData, data: mujoco.MjData, root: int, mass: float) -> PayloadSag:
@@ -177,21 +173,16 @@ def _plain(sag: Sag) -> dict[str, Any]:
         "elsewhere_N": sag.elsewhere,
         "mounts": {
             name: {
-                "deflection_m": mount.deflection.tolist(),
-                "force_N": mount.force.tolist(),
-                "carries_N": mount.carries,
-                "share_of_weight": json_values(mount.split),
-                "share_of_static_load": mount.utilisation,
+                "deflection_m": mount.deflection.tolist(), "force_N": mount.force.tolist(), "carries_N": mount.carries,
+                "share_of_weight": json_values(mount.split), "share_of_static_load": mount.utilisation,
             }
             for name, mount in sag.mounts.items()
         },
         "payloads": {
             name: {
-                "mass_kg": payload.mass,
-                "centre_of_mass_m": payload.centre.tolist(),
-                "displacement_m": payload.displacement.tolist(),
-                "rotation_rad": payload.rotation.tolist(),
+                "mass_kg": payload.mass, "centre_of_mass_m": payload.centre.tolist(),
+                "displacement_m": payload.displacement.tolist(), "rotation_rad": payload.rotation.tolist(),
             }
             for name, payload in sag.payloads.items()
         },
-    }
+    }  # fmt: skip

@@ -92,16 +92,11 @@ def assemble(spec: mujoco.MjSpec, declared: list[DeclaredMount], base: int) -> A
                 "the world."
             )
     subjects = Subjects(
-        base=base,
-        driven=_drive(spec, plain, base),
-        bodies=bodies,
-        points=points,
+        base=base, driven=_drive(spec, plain, base), bodies=bodies, points=points,
         body_names=tuple(plain.body(body).name for body in bodies),
-        point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points),
-        forces=forces,
-        force_names=tuple(plain.site(site).name.replace(FORCE, "", 1) for site in forces),
-        modes=modes,
-    )
+        point_names=tuple(plain.site(site).name.replace(POINT, "", 1) for site in points), forces=forces,
+        force_names=tuple(plain.site(site).name.replace(FORCE, "", 1) for site in forces), modes=modes,
+    )  # fmt: skip
     # Whatever is added stands after what the model has, so that all addresses are known before it is compiled.
     tables = make_tables(plain, mujoco.MjData(plain), declared, subjects, sensor=int(plain.nsensordata))
     userdata = int(plain.nuserdata)
@@ -151,15 +146,10 @@ def _add_state_actuator(spec: mujoco.MjSpec, model: mujoco.MjModel, tables: Tabl
         joint.name = "wirerope/carrier"
     n_states = tables.user.n_states
     spec.add_actuator(
-        name=at.STATE_ACTUATOR,
-        dyntype=mujoco.mjtDyn.mjDYN_USER if n_states else mujoco.mjtDyn.mjDYN_NONE,
-        actdim=n_states if n_states else -1,
-        trntype=mujoco.mjtTrn.mjTRN_JOINT,
-        target=joint.name,
-        gainprm=[0.0] * 10,
-        biasprm=[0.0] * 10,
-        dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
-    )
+        name=at.STATE_ACTUATOR, dyntype=mujoco.mjtDyn.mjDYN_USER if n_states else mujoco.mjtDyn.mjDYN_NONE,
+        actdim=n_states if n_states else -1, trntype=mujoco.mjtTrn.mjTRN_JOINT, target=joint.name, gainprm=[0.0] * 10,
+        biasprm=[0.0] * 10, dynprm=[at.MAGIC, *map(float, addresses), 0.0, 0.0, 0.0, 0.0, 0.0],
+    )  # fmt: skip
 
 
 def _add_sensors(spec: mujoco.MjSpec, model: mujoco.MjModel, declared: list[DeclaredMount], subjects: Subjects) -> None:
@@ -171,9 +161,6 @@ def _add_sensors(spec: mujoco.MjSpec, model: mujoco.MjModel, declared: list[Decl
     sizes |= {f"contact/{pair}": 1 for pair in range(len(declared_pairs(model)))}
     for name, size in sizes.items():
         spec.add_sensor(
-            name=name,
-            type=mujoco.mjtSensor.mjSENS_USER,
-            dim=size,
-            needstage=mujoco.mjtStage.mjSTAGE_ACC,
+            name=name, type=mujoco.mjtSensor.mjSENS_USER, dim=size, needstage=mujoco.mjtStage.mjSTAGE_ACC,
             datatype=mujoco.mjtDataType.mjDATATYPE_REAL,
-        )
+        )  # fmt: skip

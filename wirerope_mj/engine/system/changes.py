@@ -12,22 +12,17 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Changes:
-    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system.
+    """Isolators, masses, centres of mass, positions and inclinations of mounts that differ from those of another system."""
 
-    Attributes:
-        isolators: isolators by mount.
-        masses: factors on mass and moments of inertia, by body.
-        centres: shifts of the centre of mass [m], world axes of the modelled geometry, by body.
-        positions: shifts of both sites [m], world axes of the modelled geometry, by mount.
-        turns: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount.
-        tunings: factors on the natural frequency that a joint's spring gives, its damping ratio kept, by joint.
-    """
-
-    isolators: Mapping[str, Isolator] = field(default_factory=dict)
-    masses: Mapping[str, float] = field(default_factory=dict)
+    isolators: Mapping[str, Isolator] = field(default_factory=dict)  #: isolators by mount
+    masses: Mapping[str, float] = field(default_factory=dict)  #: factors on mass and moments of inertia, by body
+    #: shifts of the centre of mass [m], world axes of the modelled geometry, by body
     centres: Mapping[str, Vector] = field(default_factory=dict)
+    #: shifts of both sites [m], world axes of the modelled geometry, by mount
     positions: Mapping[str, Vector] = field(default_factory=dict)
+    #: rotation vectors of both sites' axes [rad], world axes of the modelled geometry, by mount
     turns: Mapping[str, Vector] = field(default_factory=dict)
+    #: factors on the natural frequency that a joint's spring gives, its damping ratio kept, by joint
     tunings: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -58,12 +53,7 @@ class Changes:
 
     @classmethod
     def from_dict(cls, content: Mapping[str, Any]) -> "Changes":
-        """Return the changes that `to_dict` stored.
-
-        Raises:
-            ModelError: an isolator is not what it must be.
-            ValueError: a factor or a shift is not.
-        """
+        """Return the changes that `to_dict` stored; ModelError or ValueError if one of them is not what it must be."""
         isolators = {
             mount: Isolator.from_dict(isolator, where=f"isolator of mount {mount!r}")
             for mount, isolator in content.get("isolators", {}).items()

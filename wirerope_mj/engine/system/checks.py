@@ -15,14 +15,11 @@ from wirerope_mj.foundation.errors import ModelError
 
 # beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
 _ELEMENTS = {"site": "site", "jnt": "joint", "geom": "geom", "body": "body", "eq": "equality"}
-
 # attributes from which others are computed: they are named before those
 _WRITTEN = ("pos", "quat", "axis", "size", "mass")
-
 # smallest eigenvalue of a matrix whose diagonal is scaled to 1: dependent joints leave rounding, 1e-16. Slides 1e-6 rad apart
 # and a body on a joint of its own with 1e-11 of the mass that it carries still pass.
 REGULAR = 1e-12
-
 _REMEDY = "every number of a model must be finite, with a finite square. Correct it there, or what it is computed from."
 _LEAD = re.compile(r"^(?:XML Error: |Error: |Schema violation: )+")
 _ELEMENT = re.compile(r" ?Element (?:name )?'([^']*)'(?:, id -?\d+)?(?:, line (\d+))?")

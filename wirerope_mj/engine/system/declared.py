@@ -21,7 +21,6 @@ from wirerope_mj.mounts.vendor_parts import load_isolator
 
 COINCIDENCE = 1e-6  # largest distance between the two sites of a mount in the modelled geometry [m]
 MOUNT, ISOLATOR, BASE = "mount/", "isolator/", "base"
-
 AREA = "area/"
 LIMIT, POINT = "limit/", "point/"
 COMBINED = LIMIT + "combined_travel"
@@ -187,11 +186,7 @@ def _check_order(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
 
 
 def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tuple[str, ...]]:
-    """Return the mounts of every area, in the order of the model.
-
-    Raises:
-        ModelError: an area names no mount of the model, or a mount stands on two of them.
-    """
+    """Return the mounts of every area, in order; ModelError if one names no mount, or a mount stands on two of them."""
     areas: dict[str, tuple[str, ...]] = {}
     taken: dict[str, str] = {}
     for text in spec.texts:

@@ -37,11 +37,7 @@ class DeclaredMode:
 
 
 def declared_modes(model: mujoco.MjModel) -> tuple[DeclaredMode, ...]:
-    """Read the modes of all flexible parts of a compiled model.
-
-    Raises:
-        ModelError: a part's tuple does not hold what it must.
-    """
+    """Read the modes of all flexible parts of a compiled model; ModelError if a part's tuple does not hold what it must."""
     modes: list[DeclaredMode] = []
     for t in range(model.ntuple):
         if FLEXIBLE in model.tuple(t).name:
@@ -77,15 +73,11 @@ def _modes_of(model: mujoco.MjModel, t: int) -> list[DeclaredMode]:
     turned = participations @ data.xmat[owner].reshape(3, 3).T
     return [
         DeclaredMode(
-            part=name.replace(FLEXIBLE, "", 1),
-            owner=owner,
-            body=body,
-            dof=_slide(model, body, name),
-            participation=along,
-            shapes=shape,
+            part=name.replace(FLEXIBLE, "", 1), owner=owner, body=body, dof=_slide(model, body, name),
+            participation=along, shapes=shape,
         )
         for body, along, shape in zip(bodies, turned, shapes, strict=True)
-    ]
+    ]  # fmt: skip
 
 
 def _rows(model: mujoco.MjModel, numeric: int, n: int, name: str) -> npt.NDArray[np.float64]:

@@ -18,8 +18,6 @@ from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator
 
 CHANGES = "changes.toml"  # file of what a variant differs by from the model in the same folder
-
-
 _TEXT = re.compile(r"""<text\b(?:[^>"']|"[^"]*"|'[^']*')*>""")
 # a `text` element as it is written, and its attributes with their quotes
 _ATTRIBUTE = re.compile(r"""\b(name|data)\s*=\s*("[^"]*"|'[^']*')""")
@@ -55,11 +53,7 @@ def write_model(system: System, folder: Path) -> Path:
 
 
 def write_whole(system: System, folder: Path) -> Path:
-    """Write a variant's model with its changes in the MJCF itself, whose numbers then have six digits: it loads by itself.
-
-    Raises:
-        ModelError: as `write_model`.
-    """
+    """Write a variant's model, as `write_model` does, with its changes in the MJCF itself, whose numbers have six digits."""
     target = write_model(system, folder)
     if not system.changes:
         return target
@@ -99,11 +93,7 @@ def model_table(system: System, model: Path) -> dict[str, str]:
 
 
 def read_changes(path: Path) -> tuple[Changes, ...]:
-    """Return the changes that `write_model` wrote beside a model.
-
-    Raises:
-        RecordError: the file does not hold changes.
-    """
+    """Return the changes that `write_model` wrote beside a model; RecordError if the file does not hold any."""
     try:
         return tuple(Changes.from_dict(one) for one in toml_content(path)["changes"])
     except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError, ModelError):

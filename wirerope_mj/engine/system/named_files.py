@@ -13,10 +13,7 @@ _FOLDERS = ("assetdir", "meshdir", "texturedir")  # attributes of a `compiler` e
 def named_files(model: Path) -> Iterator[tuple[str, Path]]:
     """Yield what a model calls each file that it names (`include`, meshes, textures, models to attach), and where that is.
 
-    What included and attached files below the model's folder name follows in turn.
-
-    Raises:
-        ModelError: a file is not well-formed XML.
+    What files below the model's folder name follows in turn; one that is not well-formed XML is a ModelError.
     """
     for tree, folders in model_trees(model):
         for name, source, _ in _sources(tree, folders):
@@ -24,11 +21,9 @@ def named_files(model: Path) -> Iterator[tuple[str, Path]]:
 
 
 def check_inside(folder: Path, stated: Mapping[str, str]) -> Path:
-    """Return the model file of a folder if all that it names lies in the folder, too; none of it is used.
+    """Return the model file of a folder, perhaps somebody else's, if all that it names lies in it, too; none of it is used.
 
-    Args:
-        folder: of a run or a study, perhaps somebody else's.
-        stated: what the folder says of its model, as `model_table` returned it.
+    `stated` is what the folder says of its model, as `model_table` returned it.
 
     Raises:
         RecordError: a file is missing, or lies outside the folder.

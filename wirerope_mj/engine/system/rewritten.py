@@ -8,15 +8,9 @@ from wirerope_mj.foundation.errors import ModelError
 
 
 def with_part(system: System, mounts: list[str], name: str) -> str:
-    """Write the MJCF of a system in which some mounts have one isolator, their sites where `system` has them.
+    """Write the MJCF of a variant in which some mounts, all of one isolator, have it as isolators/NAME.toml.
 
-    Args:
-        system: a variant made by `varied`, all of whose `mounts` have the same isolator.
-        mounts: which.
-        name: of the isolator in the model; its file is isolators/NAME.toml beside it.
-
-    Raises:
-        ModelError: the model names files beside it, or attaches parts whose sites do not stand in its own text.
+    A ModelError if the model names files beside it, or attaches parts whose sites do not stand in its own text.
     """
     plain = load_system(system.path or system.mjcf, isolators=system.isolators)
     root, model, before = model_root(system), system.model, plain.model

@@ -42,30 +42,21 @@ _LETTERS = frozenset(f"{ascii_letters}{digits}_-")  # of a name that may name a 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Mount(Brief):
-    """An isolator between two sites of a model.
+    """An isolator between two sites of a model."""
 
-    Attributes:
-        name: name of the mount.
-        isolator: the device as it acts, stiffened by its cycles (`Isolator.conditioned`).
-        written: the device as its file has it.
-        isolator_name: what the model calls it.
-        payload_site, base_site: names of its sites.
-        payload_body, base_body: names of the bodies that carry them.
-        position: point of both sites in the modelled geometry [m], world frame, (3,).
-        axes: roll, shear and axial direction as columns, world frame, modelled geometry, (3, 3).
-        states: where its internal states stand among those of the system, one slice each for roll, shear, axial.
-    """
-
-    name: str
-    isolator: Isolator
-    written: Isolator
-    isolator_name: str
+    name: str  #: name of the mount
+    isolator: Isolator  #: the device as it acts, stiffened by its cycles (`Isolator.conditioned`)
+    written: Isolator  #: the device as its file has it
+    isolator_name: str  #: what the model calls it
+    #: payload_site, base_site: names of its sites
     payload_site: str
     base_site: str
+    #: payload_body, base_body: names of the bodies that carry them
     payload_body: str
     base_body: str
-    position: Array
-    axes: Array
+    position: Array  #: point of both sites in the modelled geometry [m], world frame, (3,)
+    axes: Array  #: roll, shear and axial direction as columns, world frame, modelled geometry, (3, 3)
+    #: where its internal states stand among those of the system, one slice each for roll, shear, axial
     states: tuple[slice, slice, slice]
 
 
@@ -75,35 +66,24 @@ class System(Summarised):
 
     `model` is ready to step while the callbacks are installed (`wirerope_mj.engine.control.installed`). Sensors `body/NAME`,
     `point/NAME` and `mount/NAME` hold what is observed of it, see `wirerope_mj.engine.control.layout`.
-
-    Attributes:
-        model: compiled model.
-        mounts: mounts by name, in the order of the model.
-        payloads: names of the bodies at the root of what the mounts carry.
-        base: name of the driven base; "" if the base sites are fixed in the world.
-        mjcf: the model as written.
-        path: file it was read from, None if it was given as text.
-        isolators: isolators by what the model calls them.
-        limits: what the payload can bear, as far as the model says.
-        assembly: where the parts of the model stand.
-        changes: what a variant differs by from the model as written, in the order in which it was varied; see
-            `wirerope_mj.varied`. `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it.
-        combined_travel: whether mounts are judged on the travel along all axes at once; a model that says
-            <numeric name="limit/combined_travel" data="0"/> switches that off.
-        areas: the mounts on each area of the deck that the model names, <text name="area/NAME" data="m1 m2"/>.
     """
 
-    model: mujoco.MjModel
-    mounts: dict[str, Mount]
-    payloads: list[str]
-    base: str
-    mjcf: str
-    path: Path | None
-    isolators: dict[str, Isolator]
-    limits: tuple[PayloadLimit, ...]
-    assembly: Assembly = field(repr=False)
+    model: mujoco.MjModel  #: compiled model
+    mounts: dict[str, Mount]  #: mounts by name, in the order of the model
+    payloads: list[str]  #: names of the bodies at the root of what the mounts carry
+    base: str  #: name of the driven base; "" if the base sites are fixed in the world
+    mjcf: str  #: the model as written
+    path: Path | None  #: file it was read from, None if it was given as text
+    isolators: dict[str, Isolator]  #: isolators by what the model calls them
+    limits: tuple[PayloadLimit, ...]  #: what the payload can bear, as far as the model says
+    assembly: Assembly = field(repr=False)  #: where the parts of the model stand
+    #: what a variant differs by from the model as written, in the order in which it was varied; see `wirerope_mj.varied`.
+    #: `mjcf`, `path` and `isolators` say nothing of it, `model` and `mounts` hold it
     changes: tuple[Changes, ...] = ()
+    #: whether mounts are judged on the travel along all axes at once; a model that says <numeric name="limit/combined_travel"
+    #: data="0"/> switches that off
     combined_travel: bool = True
+    #: the mounts on each area of the deck that the model names, <text name="area/NAME" data="m1 m2"/>
     areas: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def _summary(self) -> tuple[str, dict[str, str]]:
@@ -112,10 +92,8 @@ class System(Summarised):
         for name, mount in self.mounts.items():
             by_isolator.setdefault(mount.isolator.name, []).append(name)
         lines = {
-            "payloads": ", ".join(self.payloads),
-            "base": self.base or "fixed in the world",
-            "mass": f"{mass:.4g} kg",
-        }
+            "payloads": ", ".join(self.payloads), "base": self.base or "fixed in the world", "mass": f"{mass:.4g} kg",
+        }  # fmt: skip
         lines |= {isolator: ", ".join(names) for isolator, names in by_isolator.items()}
         source = self.path.name if self.path else "MJCF text"
         return f"System of {source}: {len(self.mounts)} mounts, {self.model.nv} degrees of freedom", lines
@@ -187,20 +165,14 @@ def _mounts(assembly: Assembly, declared: list[DeclaredMount]) -> dict[str, Moun
     mujoco.mj_kinematics(model, data)
     return {
         d.name: Mount(
-            name=d.name,
-            isolator=d.isolator.conditioned,
-            written=d.isolator,
-            isolator_name=d.isolator_name,
-            payload_site=model.site(d.payload_site).name,
-            base_site=model.site(d.base_site).name,
+            name=d.name, isolator=d.isolator.conditioned, written=d.isolator, isolator_name=d.isolator_name,
+            payload_site=model.site(d.payload_site).name, base_site=model.site(d.base_site).name,
             payload_body=model.body(model.site_bodyid[d.payload_site]).name,
-            base_body=model.body(model.site_bodyid[d.base_site]).name,
-            position=data.site_xpos[d.base_site].copy(),
-            axes=data.site_xmat[d.base_site].reshape(3, 3).copy(),
-            states=assembly.tables.states[d.name],
+            base_body=model.body(model.site_bodyid[d.base_site]).name, position=data.site_xpos[d.base_site].copy(),
+            axes=data.site_xmat[d.base_site].reshape(3, 3).copy(), states=assembly.tables.states[d.name],
         )
         for d in declared
-    }
+    }  # fmt: skip
 
 
 def _read(source: str | Path) -> tuple[str, Path | None]:

@@ -18,7 +18,6 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
 
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
-
 # inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
 DRIVE_ARMATURE = 1e10
 
@@ -161,6 +160,7 @@ def make_tables(
         for mount, coupling in zip(declared, couplings, strict=True)
     ]  # fmt: skip
     inertia, bodies = DRIVE_ARMATURE + model.body_subtreemass[on.base], model.site_bodyid
+    shapes, places = _shape_rows(model, on)
     parts = [
         mounts,
         axes,
@@ -168,12 +168,8 @@ def make_tables(
         [[body, model.body_rootid[body]] for body in on.bodies],
         [
             [
-                site,
-                bodies[site],
-                model.body_rootid[bodies[site]],
-                on.base,
-                *(data.site_xpos[site] - data.xipos[on.base]),
-                0,
+                site, bodies[site], model.body_rootid[bodies[site]], on.base,
+                *(data.site_xpos[site] - data.xipos[on.base]), 0,
             ]
             for site in on.points
         ],
@@ -182,8 +178,8 @@ def make_tables(
         [[site, bodies[site], 0] for site in on.forces],
         declared_pairs(model),
         [[mode.dof, *mode.participation] for mode in on.modes],
-        _shape_rows(model, on),
-    ]
+        shapes,
+    ]  # fmt: skip
     flat = [np.array(part, dtype=np.float64).ravel() for part in parts]
     starts = at.HEADER + np.concatenate([[0], np.cumsum([part.size for part in flat])])
     header = np.zeros(at.HEADER)
@@ -191,7 +187,7 @@ def make_tables(
     header[: len(counts)] = counts
     header[at.MOUNTS : at.CHANNELS + 1], header[at.FORCES], header[at.PAIRS] = starts[:-5], starts[-5], starts[-4]
     header[at.MODES], header[at.N_MODES] = starts[-3], len(on.modes)
-    places = _shape_places(on, int(starts[-2]))
+    places = {site: int(starts[-2]) + place for site, place in places.items()}
     ends = [[mount.payload_site, mount.base_site] for mount in declared]
     flat[0].reshape(-1, at.MOUNT_COLUMNS)[:, at.SHAPES :] = [[places.get(site, 0) for site in both] for both in ends]
     for part, columns, sites in ((4, at.POINT_COLUMNS, on.points), (7, at.FORCE_COLUMNS, on.forces)):
@@ -245,22 +241,15 @@ def _mount_row(model: mujoco.MjModel, mount: DeclaredMount, on: Subjects) -> lis
     return [*sites, *bodies, *(model.body_rootid[body] for body in bodies), float(moved)]
 
 
-def _shape_rows(model: mujoco.MjModel, on: Subjects) -> list[float]:
-    """Return the shapes at all sites of flexible parts, one site behind the other."""
-    rows: list[float] = []
-    for modes in on.shapes.values():
+def _shape_rows(model: mujoco.MjModel, on: Subjects) -> tuple[list[float], dict[int, int]]:
+    """Return the shapes at all sites of flexible parts, one site behind the other, and where each site's stand."""
+    rows, places = list[float](), dict[int, int]()
+    for site, modes in on.shapes.items():
+        places[site] = len(rows)
         rows.append(len(modes))
         for dof, shape in modes:
             rows += [dof, float(model.jnt_qposadr[model.dof_jntid[dof]]), *shape]
-    return rows
-
-
-def _shape_places(on: Subjects, start: int) -> dict[int, int]:
-    """Return where the shapes of each site on a flexible part stand, the first at `start`."""
-    places: dict[int, int] = {}
-    for site, modes in on.shapes.items():
-        places[site], start = start, start + 1 + at.SHAPE_COLUMNS * len(modes)
-    return places
+    return rows, places
 
 
 def _partner(isolator: Isolator) -> int:

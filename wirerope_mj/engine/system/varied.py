@@ -22,7 +22,6 @@ from wirerope_mj.foundation.summary import ByName
 from wirerope_mj.mounts.isolator import Isolator
 
 Shift = Sequence[float] | Array
-
 _NONE = (0.0, 0.0, 0.0)
 
 
@@ -90,21 +89,15 @@ def changed(system: System, changes: Changes) -> System:
     _write_tables(model, system, isolators, tables)
     mounts = {
         name: replace(
-            mount,
-            isolator=isolators[name].conditioned,
-            written=isolators[name],
-            position=positions[name],
+            mount, isolator=isolators[name].conditioned, written=isolators[name], position=positions[name],
             states=tables.states[name],
         )
         for name, mount in system.mounts.items()
-    }
+    }  # fmt: skip
     return replace(
-        system,
-        model=model,
-        mounts=ByName(mounts),
-        assembly=replace(system.assembly, model=model, tables=tables),
+        system, model=model, mounts=ByName(mounts), assembly=replace(system.assembly, model=model, tables=tables),
         changes=(*system.changes, changes),
-    )
+    )  # fmt: skip
 
 
 def with_changes(system: System, changes: Sequence[Changes]) -> System:
@@ -236,7 +229,7 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
 def _moved_tables(
     model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]
 ) -> Tables:
-    """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`."""
+    """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`, lent by another model's."""
     old = system.assembly
     declared = [
         DeclaredMount(
@@ -274,9 +267,8 @@ def _no_room(system: System, isolators: Mapping[str, Isolator], wanted: int, roo
     old = max(system.mounts.values(), key=lambda mount: size(isolators[mount.name]) - size(mount.isolator))
     new = isolators[old.name]
     return (
-        f"mount {old.name!r}: the laws of isolator {new.name!r} have {size(new)} parameters, those of "
-        f"{old.isolator.name!r} {size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. "
-        f"{_written(old)}"
+        f"mount {old.name!r}: the laws of isolator {new.name!r} have {size(new)} parameters, those of {old.isolator.name!r} "
+        f"{size(old.isolator)}; all mounts would need {wanted}, and the model has room for {room}. {_written(old)}"
     )
 
 
