@@ -11,7 +11,7 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.hysteresis import Normalised
-from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.law import Law, anywhere
 from wirerope_mj.mounts.laws.ni import polynomial
 
 MASING = 6
@@ -34,28 +34,18 @@ class EnhancedDryFriction(Law):
     smoothable: ClassVar[bool] = True
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"u_c": 1.0}
+    state_names: ClassVar[tuple[str, ...]] = ("z",)
+    damping_parameters: ClassVar[tuple[str, ...]] = ("d",)
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    above_zero: ClassVar[tuple[str, ...]] = ("d", "u_c")
 
     k: float
     d: float
     u_c: float
 
-    def _validate(self) -> None:
-        require_not_negative(self, "k")
-        require_positive(self, "d", "u_c")
-
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k of the Bouc-Wen kernel."""
         return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The friction force z."""
-        return ("z",)
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The friction force."""
-        return ("d",)
 
     @property
     def z_max(self) -> float:
@@ -98,6 +88,8 @@ class Masing(Law):
     name: ClassVar[str] = "masing"
     kernel: ClassVar[int] = MASING
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
+    damping_parameters: ClassVar[tuple[str, ...]] = lists
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
     force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"stiffness": -1.0}
 
@@ -108,7 +100,7 @@ class Masing(Law):
     k3: float = 0.0
 
     def _validate(self) -> None:
-        require_not_negative(self, "k")
+        super()._validate()
         if not self.stiffness or len(self.stiffness) != len(self.slip_force):
             raise ValueError(
                 "`stiffness` and `slip_force` must have one entry for each Jenkin element, at least one, "
@@ -119,11 +111,6 @@ class Masing(Law):
                 if anywhere(value <= 0.0):
                     raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
 
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The Jenkin elements."""
-        return ("stiffness", "slip_force")
-
     def kernel_parameters(self) -> Array:
         """Return k, k2, k3, number of elements, their stiffnesses and slip forces."""
         return np.array(
@@ -131,7 +118,7 @@ class Masing(Law):
         )
 
     @property
-    def state_names(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
         """The force z1, z2, ... of every Jenkin element."""
         return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
 

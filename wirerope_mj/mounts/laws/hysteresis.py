@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.jit import inlined
@@ -61,6 +61,7 @@ class Hysteresis(Law):
     n > 1 the force is infinite at a finite deflection.
     """
 
+    state_names: ClassVar[tuple[str, ...]] = ("z",)
     # Each law declares its parameters itself, in the order in which they are written; these are what all of them have.
     alpha: float
     beta: float
@@ -104,16 +105,12 @@ class Hysteresis(Law):
             raise ValueError(
                 f"`n` must be <= {LARGEST_EXPONENT:g}, got {self.n}: beyond, the loop is that of dry friction: take masing."
             )
+        super()._validate()
 
     @property
     def _total(self) -> float:
         """Sum of beta and gamma: what bends the loading branch."""
         return self.beta + getattr(self, "gamma", 0.0)
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The hysteretic force z."""
-        return ("z",)
 
     @property
     def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
@@ -122,7 +119,7 @@ class Hysteresis(Law):
         return {"alpha": 1.0, **bends, **{name: 1.0 for name in _ELASTIC if hasattr(self, name)}}
 
     @property
-    def damping_parameters(self) -> tuple[str, ...]:
+    def damping_parameters(self) -> tuple[str, ...]:  # type: ignore[override]
         """All parameters of z, which is the hysteretic part."""
         return tuple(name for name in self.force_powers if name not in _ELASTIC)
 

@@ -1,7 +1,7 @@
 """A restoring-force law: its parameters, what others ask of it, and how it is written to a file."""
 
 import math
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
@@ -33,6 +33,13 @@ class Law(ABC):
     travel_rule: ClassVar[str] = "its force becomes infinite"
     # Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into.
     needs_rating: ClassVar[bool] = True
+    state_names: ClassVar[tuple[str, ...]] = ()  # of the internal states
+    not_negative: ClassVar[tuple[str, ...]] = ()  # parameters that must be >= 0
+    above_zero: ClassVar[tuple[str, ...]] = ()  # parameters that must be > 0
+    # Stiffnesses [N/m] whose sum is the tangent of the force at the unloaded state.
+    tangents: ClassVar[tuple[str, ...]] = ()
+    # Parameters of the hysteretic or viscous part of the force alone; none if it is no part that stands by itself.
+    damping_parameters: ClassVar[tuple[str, ...]] = ()
     # Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out.
     force_powers: ClassVar[Mapping[str, float]]
     # Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction.
@@ -58,9 +65,10 @@ class Law(ABC):
                 object.__setattr__(self, key, int(value) if isinstance(value, int | np.integer) else number)
         self._validate()
 
-    @abstractmethod
     def _validate(self) -> None:
         """Raise ValueError if the parameters are not those of a passive law."""
+        require_not_negative(self, *self.not_negative)
+        require_positive(self, *self.above_zero)
 
     @property
     def remembers_slow_paths(self) -> bool:
@@ -72,14 +80,14 @@ class Law(ABC):
         """The laws that make it up: itself, or those in parallel."""
         return (self,)
 
-    @abstractmethod
     def kernel_parameters(self) -> Array:
-        """Return the parameters in the order that the law's kernel reads, (n_p,)."""
+        """Return the parameters in the order that the law's kernel reads, (n_p,): that of their declaration for most laws."""
+        return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
 
     @property
-    @abstractmethod
     def initial_stiffness(self) -> float:
         """Tangent of the force at the unloaded state [N/m]."""
+        return sum(getattr(self, name) for name in self.tangents)
 
     @property
     def damping_coefficient(self) -> float:
@@ -117,11 +125,6 @@ class Law(ABC):
         return math.inf
 
     @property
-    def state_names(self) -> tuple[str, ...]:
-        """Names of the internal states."""
-        return ()
-
-    @property
     def n_states(self) -> int:
         """Number of internal states."""
         return len(self.state_names)
@@ -156,11 +159,6 @@ class Law(ABC):
             ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
         """
         return self._in_another_unit(factor, self.force_powers)
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """Parameters of the hysteretic or viscous part of the force alone; none if it is no part that stands by itself."""
-        return ()
 
     def with_damping(self, factor: float) -> Self:
         """Return the law whose hysteretic or viscous part is `factor` times this one's along every path, the rest the same.
@@ -267,11 +265,6 @@ class Law(ABC):
             raise ValueError(
                 f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
             )
-
-
-def of_law(name: str, doc: str) -> Any:
-    """Make a property that is that of `self.law`."""
-    return property(lambda self: getattr(self.law, name), doc=doc)
 
 
 def anywhere(condition: bool | npt.NDArray[np.bool_]) -> bool:

@@ -57,9 +57,6 @@ class Parallel(Law):
             )
         object.__setattr__(self, "laws", laws)
 
-    def _validate(self) -> None:
-        """Do nothing: each law has checked itself."""
-
     def kernel_parameters(self) -> Array:
         """Return how many laws there are, number, first parameter and first state of each, and their parameters."""
         parameters = [law.kernel_parameters() for law in self.laws]
@@ -93,7 +90,7 @@ class Parallel(Law):
         return replace(self, laws=tuple(law.scaled(factor) for law in self.laws))
 
     @property
-    def damping_parameters(self) -> tuple[str, ...]:
+    def damping_parameters(self) -> tuple[str, ...]:  # type: ignore[override]
         """Those of each law, with its number counted from 1."""
         return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.damping_parameters)
 
@@ -102,7 +99,7 @@ class Parallel(Law):
         return replace(self, laws=tuple(law.with_damping(factor) for law in self.laws))
 
     @property
-    def state_names(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the states of each law, with its number counted from 1."""
         return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.state_names)
 

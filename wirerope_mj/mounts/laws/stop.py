@@ -45,6 +45,7 @@ class Stop(Law):
     kernel: ClassVar[int] = STOP
     smoothable: ClassVar[bool] = True
     lists: ClassVar[tuple[str, ...]] = ("depths", "forces")
+    not_negative: ClassVar[tuple[str, ...]] = ("rounding", "loss", "c")
 
     gap_below: float | None = None
     gap_above: float | None = None
@@ -61,7 +62,7 @@ class Stop(Law):
         if self.gap_below is None and self.gap_above is None:
             raise ValueError("`gap_below` or `gap_above` must be given: a stop acts on at least one side.")
         require_not_negative(self, *(name for name in ("gap_below", "gap_above") if getattr(self, name) is not None))
-        require_not_negative(self, "rounding", "loss", "c")
+        super()._validate()
         if (self.k is None) == (not self.depths and not self.forces):
             raise ValueError("`k`, or `depths` and `forces`, must be given, and not both.")
         if self.k is not None:
@@ -139,7 +140,7 @@ class Stop(Law):
         return True
 
     @property
-    def state_names(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
         """The state w of the loss, between -1 and 1; none without loss."""
         return ("w",) if self.loss > 0.0 else ()
 

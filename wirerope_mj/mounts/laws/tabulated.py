@@ -49,6 +49,7 @@ class Tabulated(AsCall, Law):
     name: ClassVar[str] = "tabulated"
     kernel: ClassVar[int] = TABULATED
     smoothable: ClassVar[bool] = True
+    state_names: ClassVar[tuple[str, ...]] = ("z",)  # the hysteretic force where the loop is widest
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"
     needs_rating: ClassVar[bool] = False
     lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
@@ -191,11 +192,6 @@ class Tabulated(AsCall, Law):
         values = asdict(self)
         stated = {item.name: values[item.name] for item in fields(self) if values[item.name] != item.default}
         return {"law": self.name, **{key: list(v) if isinstance(v, tuple) else v for key, v in stated.items()}}
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The hysteretic force z where the loop is widest."""
-        return ("z",)
 
     @property
     def z_max(self) -> float:

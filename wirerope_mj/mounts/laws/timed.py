@@ -15,10 +15,10 @@ from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop import Loop
 from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, segment_of_one
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
-from wirerope_mj.mounts.laws.smoothed import SMOOTHED
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, zener_state
+from wirerope_mj.mounts.laws.wrapped import SMOOTHED
 
 # Error of a step as a fraction of the state, or of what it would gain over the interval; hundreds of steps stay below 1e-8.
 TOLERANCE = 1e-11

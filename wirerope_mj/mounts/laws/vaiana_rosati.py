@@ -14,8 +14,6 @@ from wirerope_mj.foundation.lanes import where
 from wirerope_mj.mounts.laws.law import Law, anywhere
 
 VAIANA_ROSATI = 7
-
-
 _NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
 
 
@@ -44,6 +42,7 @@ class VaianaRosati(Law):
     name: ClassVar[str] = "vaiana-rosati"
     kernel: ClassVar[int] = VAIANA_ROSATI
     smoothable: ClassVar[bool] = True
+    state_names: ClassVar[tuple[str, ...]] = ("z",)  # the force from the mean of the limit curves
     travel_rule: ClassVar[str] = "its limit curves cross"
     leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
     force_powers: ClassVar[Mapping[str, float]] = {
@@ -109,11 +108,6 @@ class VaianaRosati(Law):
                 for kb, _, _, b1, b2, g1, g2, g3 in (p[:8], p[8:])
             )
             return upper + p[1] - (lower - p[9])
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The force z from the mean of the limit curves."""
-        return ("z",)
 
     @property
     def z_max(self) -> float:
