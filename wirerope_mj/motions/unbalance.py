@@ -119,11 +119,8 @@ class Unbalance(PayloadForce):
     @property
     def description(self) -> str:
         """For instance `unbalance 0.02 kg m at engine about x, 25 Hz`."""
-        way = (
-            f"about {direction_text(self.axis)}"
-            if self.axis is not None
-            else f"along {direction_text(self.line or 'z')}"
-        )
+        about, along = (direction_text(one) for one in (self.axis or "z", self.line or "z"))
+        way = f"about {about}" if self.axis is not None else f"along {along}"
         speed = f"{self.frequency:.4g} Hz"
         if self.final_frequency is not None:
             speed = f"{self.frequency:.4g} to {self.final_frequency:.4g} Hz in {self.run_up:.4g} s"

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -67,6 +68,13 @@ class Extremes(Brief):
         )
 
 
+def _of_acceleration(name: str, which: str) -> Any:
+    """Make a property that is that of the absolute acceleration."""
+    return property(
+        lambda self: getattr(self.acceleration, name), doc=f"Largest absolute acceleration {which} [m/s^2]."
+    )
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ShockResponseSpectrum(Summarised):
     """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency: those of ISO 18431-4.
@@ -82,30 +90,11 @@ class ShockResponseSpectrum(Summarised):
     velocity: Extremes  #: of the mass relative to the base [m/s]
     q: float  #: amplification at resonance, 1 / (2 zeta); infinite = undamped
 
-    @property
-    def positive(self) -> Array:
-        """Largest absolute acceleration in the positive direction [m/s^2]."""
-        return self.acceleration.positive
-
-    @property
-    def negative(self) -> Array:
-        """Largest absolute acceleration in the negative direction [m/s^2]."""
-        return self.acceleration.negative
-
-    @property
-    def primary(self) -> Array:
-        """Largest absolute acceleration while the base accelerates [m/s^2]."""
-        return self.acceleration.primary
-
-    @property
-    def residual(self) -> Array:
-        """Largest absolute acceleration afterwards [m/s^2]."""
-        return self.acceleration.residual
-
-    @property
-    def maximax(self) -> Array:
-        """Largest absolute acceleration of all [m/s^2]."""
-        return self.acceleration.maximax
+    positive = _of_acceleration("positive", "in the positive direction")
+    negative = _of_acceleration("negative", "in the negative direction")
+    primary = _of_acceleration("primary", "while the base accelerates")
+    residual = _of_acceleration("residual", "afterwards")
+    maximax = _of_acceleration("maximax", "of all")
 
     @property
     def relative_displacement(self) -> Array:
