@@ -6,6 +6,7 @@ deflections at which they slip, each further than the last.
 """
 
 import math
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
@@ -120,16 +121,16 @@ def _make_stop(values: dict[str, float]) -> Law:
     return Stop(**values)  # type: ignore[arg-type]
 
 
-def _read_stop(law: Law) -> dict[str, float]:
-    assert isinstance(law, Stop)
-    values = {
-        key: getattr(law, key) for key in ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
-    }
-    return {key: value for key, value in values.items() if value is not None}
+def _reader(*names: str) -> Callable[[Law], dict[str, float]]:
+    """Return what reads these parameters of a law, those that it has."""
+    return lambda law: {name: value for name in names if (value := getattr(law, name)) is not None}
 
 
 # Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
-STOP = Family(coordinates=_stop, make=_make_stop, read=_read_stop, usual={"exponent": 1.0, "rounding": 0.0})
+STOP = Family(
+    coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "rounding": 0.0},
+    read=_reader("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal"),
+)  # fmt: skip
 
 
 def beside_known(family: Family, known: Law | None) -> Family:
@@ -160,11 +161,8 @@ def masing_family(elements: int) -> Family:
         assert isinstance(law, Masing)
         pairs = sorted(zip(law.stiffness, law.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
         slip = [h / c for c, h in pairs]
-        values = (
-            {"k": law.k, "k2": law.k2, "k3": law.k3}
-            | {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
-            | {"x1": slip[0]}
-        )
+        values = {"k": law.k, "k2": law.k2, "k3": law.k3, "x1": slip[0]}
+        values |= {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
         return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
 
     return Family(coordinates=coordinates, make=make, read=read, usual={"k2": 0.0, "k3": 0.0})
@@ -196,12 +194,12 @@ FAMILIES: dict[type[Law], Family] = {
             *_elastic(s, "k"),
         ],
         make=lambda values: EnhancedDryFriction(**values),
-        read=lambda law: {key: getattr(law, key) for key in ("d", "u_c", "k")},
+        read=_reader("d", "u_c", "k"),
     ),
     VaianaRosati: Family(
         coordinates=_vaiana_rosati,
         make=lambda values: VaianaRosati(**values),
-        read=lambda law: {key: getattr(law, key) for key in ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")},
+        read=_reader("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3"),
     ),
 }
 

@@ -134,11 +134,7 @@ def identify(
     full = joined(loop_residual(measured, data), extra_residuals)
     starts = [("given", family.read(start))] if start is not None else []
     if grid:
-        points = (
-            scale_starts(unknowns, measured, names)
-            if names
-            else grid_starts(unknowns.family, unknowns.coordinates, measured, unknowns.fixed, count=STARTS)
-        )
+        points = scale_starts(unknowns, measured, names) if names else grid_starts(unknowns, measured, count=STARTS)
         starts += [("grid", values) for values in points]
     ends: list[_End] = []
     failures: list[str] = []

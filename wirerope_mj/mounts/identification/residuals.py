@@ -15,6 +15,15 @@ Data = Literal["loops", "skeleton"]
 THIN = 0.01
 
 
+def _of_each(loops: Sequence[MeasuredLoop], part: Callable[[MeasuredLoop, Array], Array | float]) -> Residual:
+    """Return the residual that has a part for each loop, made of the law's force minus the measured one."""
+    return lambda law: np.concatenate([np.ravel(part(loop, loop.model_force(law) - loop.force)) for loop in loops])
+
+
+def _centred(values: Array) -> Array:
+    return values - values.mean()
+
+
 def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residual:
     """Return the residual of all loops: force of the law minus measured, each loop without its mean, over its weight.
 
@@ -22,19 +31,11 @@ def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residu
     "skeleton", the forces at the turning points alone.
     """
 
-    def whole(law: Law) -> Array:
-        differences = [(loop.model_force(law) - loop.force) / loop.weight for loop in loops]
-        return np.concatenate([difference - difference.mean() for difference in differences])
+    def tips(loop: MeasuredLoop, misfit: Array) -> float:
+        relative = misfit / loop.weight
+        return relative[np.argmax(loop.deflection)] - relative[np.argmin(loop.deflection)]
 
-    def tips(law: Law) -> Array:
-        parts = []
-        for loop in loops:
-            ends = [int(np.argmax(loop.deflection)), int(np.argmin(loop.deflection))]
-            difference = (loop.model_force(law) - loop.force)[ends] / loop.weight
-            parts.append(difference[0] - difference[1])
-        return np.array(parts)
-
-    return whole if data == "loops" else tips
+    return _of_each(loops, tips if data == "skeleton" else lambda loop, misfit: _centred(misfit / loop.weight))
 
 
 def harmonic_residual(loops: Sequence[MeasuredLoop], *, harmonics: int = 7) -> Residual:
@@ -43,28 +44,16 @@ def harmonic_residual(loops: Sequence[MeasuredLoop], *, harmonics: int = 7) -> R
     Samples count as uniform over the phase, as those of a sine sampled in time are.
     """
 
-    def residual(law: Law) -> Array:
-        parts = []
-        for loop in loops:
-            spectrum = np.fft.rfft((loop.model_force(law) - loop.force)[:-1])[1 : harmonics + 1]
-            scaled = spectrum * np.sqrt(2.0 / (loop.force.size - 1)) / loop.weight
-            parts += [scaled.real, scaled.imag]
-        return np.concatenate(parts)
+    def coefficients(loop: MeasuredLoop, misfit: Array) -> Array:
+        spectrum = np.fft.rfft(misfit[:-1])[1 : harmonics + 1] * np.sqrt(2.0 / (misfit.size - 1)) / loop.weight
+        return np.concatenate([spectrum.real, spectrum.imag])
 
-    return residual
+    return _of_each(loops, coefficients)
 
 
 def mid_line_residual(loops: Sequence[MeasuredLoop], *, points: int = 41) -> Residual:
     """Return the residual of the loops' mid-lines (F_up + F_down) / 2, which show the elastic part: the first stage's."""
-
-    def residual(law: Law) -> Array:
-        parts = []
-        for loop in loops:
-            difference = loop.mid_line(loop.model_force(law) - loop.force, points) / loop.weight
-            parts.append(difference - difference.mean())
-        return np.concatenate(parts)
-
-    return residual
+    return _of_each(loops, lambda loop, misfit: _centred(loop.mid_line(misfit, points) / loop.weight))
 
 
 def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
@@ -73,14 +62,12 @@ def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:
     A loop thinner than `THIN` of the rectangle about it counts relative to that fraction of the rectangle: noise of the force
     makes such an area small, zero or negative.
     """
-    thin = [THIN * float(np.ptp(loop.deflection) * np.ptp(loop.force)) for loop in loops]
-    sizes = [max(loop.area(loop.force), least) for loop, least in zip(loops, thin, strict=True)]
 
-    def residual(law: Law) -> Array:
-        differences = [loop.area(loop.model_force(law) - loop.force) for loop in loops]
-        return np.array([one / size for one, size in zip(differences, sizes, strict=True)])
+    def area(loop: MeasuredLoop, misfit: Array) -> float:
+        thin = THIN * float(np.ptp(loop.deflection) * np.ptp(loop.force))
+        return loop.area(misfit) / max(loop.area(loop.force), thin)
 
-    return residual
+    return _of_each(loops, area)
 
 
 def joined(loops: Residual, extra: Sequence[Residual]) -> Residual:
