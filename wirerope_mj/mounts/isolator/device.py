@@ -169,9 +169,8 @@ class Isolator(Brief):
         for axis, stiffness in bracket.stated.items():
             law = self.axes[axis]
             if law is None or AXES.index(axis) in self.coupled_axes:
-                why = (
-                    "has no law" if law is None else f"is coupled ({self.coupling}); leave the coupling out of its file"
-                )
+                coupled = f"is coupled ({self.coupling}); leave the coupling out of its file"
+                why = "has no law" if law is None else coupled
                 raise ValueError(f"`bracket` holds {axis}, along which {self.name} {why}.")
             laws[axis] = on_bracket(law, stiffness)
         return replace(self, spread=None, **laws)  # type: ignore[arg-type]

@@ -29,18 +29,12 @@ class Normalised:
         dw/dx = (1 / x_y) {1 - [sigma sgn(xdot w) + 1 - sigma] |w|^n},   w = z / z_max
 
     Source: Ikhouane and Rodellar's form of the law; beta of the thesis multiplies the dissipative term.
-
-    Attributes:
-        z_max: bound of z, (alpha / (beta + gamma))^(1/n) [N].
-        x_y: yield deflection z_max / alpha [m].
-        sigma: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha.
-        n: sharpness of the transition [-].
     """
 
-    z_max: float
-    x_y: float
-    sigma: float
-    n: float
+    z_max: float  #: bound of z, (alpha / (beta + gamma))^(1/n) [N]
+    x_y: float  #: yield deflection z_max / alpha [m]
+    sigma: float  #: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha
+    n: float  #: sharpness of the transition [-]
 
     def __post_init__(self) -> None:
         for name in ("z_max", "x_y", "sigma", "n"):
@@ -147,12 +141,7 @@ class Hysteresis(Law):
     @property
     def largest_force(self) -> float:
         """z_max if there is no elastic part beside z, else infinite [N]."""
-        return self.z_max if self._without_elastic_part else math.inf
-
-    @property
-    def _without_elastic_part(self) -> bool:
-        """True if z is all of the force."""
-        return getattr(self, "k", 1.0) == 0.0
+        return self.z_max if getattr(self, "k", 1.0) == 0.0 else math.inf
 
 
 @inlined

@@ -164,20 +164,14 @@ class Law(ABC):
         """Return the law whose hysteretic or viscous part is `factor` times this one's along every path, the rest the same.
 
         A hysteretic part resists small deflections too: with it the stiffness of a rope at small amplitudes changes. A law
-        without `damping_parameters` stays as it is.
-
-        Raises:
-            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        without `damping_parameters` stays as it is. ValueError as `scaled`.
         """
         return self._in_another_unit(factor, self.damping_parameters)
 
     def with_yield(self, factor: float) -> Self:
         """Return the law whose friction builds up over `factor` times the deflection, to the same force.
 
-        A law without `yield_powers` stays as it is.
-
-        Raises:
-            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        A law without `yield_powers` stays as it is. ValueError as `scaled`.
         """
         return self._in_another_unit(factor, self.yield_powers, self.yield_powers)
 

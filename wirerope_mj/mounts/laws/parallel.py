@@ -164,9 +164,8 @@ class Parallel(Law):
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
         own = self._own(values)
-        varied = replace(
-            self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in zip(self.laws, own, strict=True))
-        )
+        pairs = zip(self.laws, own, strict=True)
+        varied = replace(self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in pairs))
         varied = varied.scaled(values["stiffness"]) if "stiffness" in values else varied
         varied = varied.with_damping(values["friction"]) if "friction" in values else varied
         varied = varied.with_yield(values["yield"]) if "yield" in values else varied

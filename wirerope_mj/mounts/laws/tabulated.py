@@ -66,9 +66,8 @@ class Tabulated(AsCall, Law):
     #: x_y, the length over which unloading leaves one limit curve for the other by 1 - 1/e [m]; > 0 if there is hysteresis
     yield_deflection: float = 0.0
     symmetric: bool = False  #: the points begin at 0 and are mirrored about it
-    extrapolate: bool = (
-        False  #: beyond its ends the table goes on with their slope and g; else the law does not hold there
-    )
+    #: beyond its ends the table goes on with their slope and g; else the law does not hold there
+    extrapolate: bool = False
 
     def _validate(self) -> None:
         x = np.array(self.deflection)
@@ -144,9 +143,8 @@ class Tabulated(AsCall, Law):
             fraction = level_cubics(self.amplitudes, widths, z_max)
             mean = self._mirrored(np.array(self.force), odd=True)
             if self.curve == "virgin" and z_max > 0.0:
-                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * np.expm1(
-                    -np.abs(x) / self.yield_deflection
-                )
+                built_up = np.expm1(-np.abs(x) / self.yield_deflection)
+                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * built_up
         curve = monotone(x, mean)
         if not self.symmetric:
             curve.c[-1] -= curve(0.0)
@@ -202,10 +200,8 @@ class Tabulated(AsCall, Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, M'(0) + g(0) z_max / x_y [N/m]."""
         curve, fraction, z_max = self._curves
-        friction = (
-            float(fraction(held(np.zeros(1), fraction))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
-        )
-        return float(curve(0.0, 1)) + friction
+        share = float(fraction(held(np.zeros(1), fraction))[0])
+        return float(curve(0.0, 1)) + (share * z_max / self.yield_deflection if z_max > 0.0 else 0.0)
 
     @property
     def travel_ends(self) -> tuple[float, float]:

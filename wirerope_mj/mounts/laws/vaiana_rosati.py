@@ -141,9 +141,8 @@ class VaianaRosati(Law):
             if (gaps <= 0.0).any():
                 first = int(np.argmax(gaps <= 0.0))
                 inside = steps[first - 1] if first else 0.0
-                crossings.append(
-                    float(scipy.optimize.brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15))
-                )
+                crossing = scipy.optimize.brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)
+                crossings.append(float(crossing))
         return min(crossings, default=math.inf)
 
     def check_path(self, path: Array) -> None:
