@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.trends import (
+    ENIDINE,
     LARGEST_ROPE,
     SAME_ROPE,
     SMALLEST_ROPE,
@@ -17,7 +18,6 @@ from wirerope_mj.mounts.estimate.trends import (
     left_out_errors,
     other_vendor_errors,
 )
-from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Rotation, Spread
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, rotational_stiffness
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, VendorPart

@@ -11,10 +11,20 @@ from wirerope_mj.mounts.identification.families import beside_known, family_of
 from wirerope_mj.mounts.identification.left_out import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
-from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
 from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
-from wirerope_mj.mounts.identification.search import Method, Minimum, Stage, Unknowns, run_stages
+from wirerope_mj.mounts.identification.search import (
+    Data,
+    Method,
+    Minimum,
+    Residual,
+    Stage,
+    Unknowns,
+    joined,
+    loop_residual,
+    rms,
+    run_stages,
+)
 from wirerope_mj.mounts.identification.start import grid_starts, scale_starts
 from wirerope_mj.mounts.identification.sufficient import (
     Constraint,

@@ -10,7 +10,7 @@ import scipy
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.coordinates import Scales
+from wirerope_mj.mounts.identification.families import Scales
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Loop, SymmetricBoucWen
 from wirerope_mj.mounts.laws.steady import follow_force, settle
 from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped

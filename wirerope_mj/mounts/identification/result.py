@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.mounts.identification.coordinates import SEEN
+from wirerope_mj.mounts.identification.families import SEEN
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
 from wirerope_mj.mounts.identification.search import Stage

@@ -9,8 +9,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
-from wirerope_mj.mounts.identification.coordinates import Family
-from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.families import Family, family_of
 from wirerope_mj.mounts.identification.identify import Identification, identify
 from wirerope_mj.mounts.identification.measured import require_loops
 from wirerope_mj.mounts.identification.scales import scales_family

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Family
+from wirerope_mj.mounts.identification.families import SEEN, Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop
 from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns

@@ -10,10 +10,9 @@ import scipy
 
 from wirerope_mj.foundation.arguments import finite, one_of, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
+from wirerope_mj.mounts.identification.families import Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
-from wirerope_mj.mounts.identification.residuals import THIN, Data, Residual
-from wirerope_mj.mounts.identification.search import Method, Unknowns
+from wirerope_mj.mounts.identification.search import THIN, Data, Method, Residual, Unknowns
 from wirerope_mj.mounts.laws import Law
 
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]

@@ -7,8 +7,7 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
-from wirerope_mj.mounts.rope_loop.shape import LoopShape
+from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop, LoopShape
 
 # Distance of the clamped ends over the rope's length up to which a loop is solved: beyond, an inextensible rope is taut, its
 # force goes to infinity, and a real one is held by what it stretches and by how it is clamped.

@@ -12,7 +12,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
-from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
+from wirerope_mj.mounts.rope_loop.half_loop import LoopShape, loop_shape
 
 # Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
 # coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where
