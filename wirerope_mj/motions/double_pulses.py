@@ -180,16 +180,9 @@ class DoubleTriangle(DoublePulse):
     r2: float
 
     def __init__(
-        self,
-        *,
-        peak: float,
-        velocity: float,
-        displacement: float,
-        direction: str | Sequence[float],
-        start: float = 0.0,
-        r1: float = 0.4,
-        r2: float = 0.4,
-    ) -> None:
+        self, *, peak: float, velocity: float, displacement: float, direction: str | Sequence[float],
+        start: float = 0.0, r1: float = 0.4, r2: float = 0.4,
+    ) -> None:  # fmt: skip
         for name, value in (("r1", r1), ("r2", r2)):
             object.__setattr__(self, name, between(name, value, 0.0, 1.0))
         super().__init__(peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start)

@@ -132,16 +132,9 @@ class Sweep(StraightMotion):
     duration: float
 
     def __init__(
-        self,
-        *,
-        start: float,
-        stop: float,
-        rate: float,
-        direction: str | Sequence[float],
-        acceleration: float | None = None,
-        velocity: float | None = None,
-        displacement: float | None = None,
-    ) -> None:
+        self, *, start: float, stop: float, rate: float, direction: str | Sequence[float],
+        acceleration: float | None = None, velocity: float | None = None, displacement: float | None = None,
+    ) -> None:  # fmt: skip
         self._set(start=ranges.frequency("start", start), stop=ranges.frequency("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")

@@ -64,16 +64,9 @@ class DecayingSine(StartedMotion):
     duration: float  #: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that
 
     def __init__(
-        self,
-        *,
-        frequency: float,
-        damping: float,
-        direction: str | Sequence[float],
-        velocity: float | None = None,
-        acceleration: float | None = None,
-        impact_duration: float = 0.0,
-        start: float = 0.0,
-    ) -> None:
+        self, *, frequency: float, damping: float, direction: str | Sequence[float], velocity: float | None = None,
+        acceleration: float | None = None, impact_duration: float = 0.0, start: float = 0.0,
+    ) -> None:  # fmt: skip
         self._set(frequency=ranges.frequency("frequency", frequency))
         if not 0 < finite("damping", damping) < 1:
             raise ValueError(

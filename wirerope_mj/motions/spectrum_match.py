@@ -100,17 +100,10 @@ class SpectrumMatch(Brief):
 
 
 def match_spectrum(
-    target: Sequence[Sequence[float]],
-    *,
-    duration: float,
-    seed: int,
-    direction: str | Sequence[float],
-    damping: float = 0.05,
-    tolerance: float = 0.02,
-    rise: float | None = None,
-    fall: float | None = None,
+    target: Sequence[Sequence[float]], *, duration: float, seed: int, direction: str | Sequence[float],
+    damping: float = 0.05, tolerance: float = 0.02, rise: float | None = None, fall: float | None = None,
     start: float = 0.0,
-) -> SpectrumMatch:
+) -> SpectrumMatch:  # fmt: skip
     """Return a base motion whose response spectrum is the target within the tolerance.
 
     The motion is a sum of sines, twelve to an octave (more for damping below 5 %), with random phases between a smooth

@@ -29,13 +29,9 @@ FACTORS = (0.6, 0.75, 1.05)
 
 
 def en1998_spectrum(
-    frequencies: ArrayLike,
-    *,
-    ground_acceleration: float,
-    soil_factor: float,
-    corner_periods: tuple[float, float, float],
-    damping: float = 0.05,
-) -> Array:
+    frequencies: ArrayLike, *, ground_acceleration: float, soil_factor: float,
+    corner_periods: tuple[float, float, float], damping: float = 0.05,
+) -> Array:  # fmt: skip
     """Return the horizontal elastic response spectrum of EN 1998-1, 3.2.2.2 [m/s^2].
 
     With T = 1/f and eta = sqrt(10/(5 + 100 damping)), at least 0.55,
@@ -145,14 +141,9 @@ class DesignSpectrum:
         return DoubleHalfSine(**self._levels(factors), direction=direction, start=start)
 
     def double_triangle(
-        self,
-        *,
-        direction: str | Sequence[float],
-        factors: Sequence[float] = FACTORS,
-        start: float = 0.0,
-        r1: float = 0.4,
-        r2: float = 0.4,
-    ) -> DoubleTriangle:
+        self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0,
+        r1: float = 0.4, r2: float = 0.4,
+    ) -> DoubleTriangle:  # fmt: skip
         """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
 
         `r1` and `r2` say where in their triangles, from 0 to 1; for r2 sources give 0.4 and 0.6.

@@ -61,19 +61,11 @@ class VibrationLines(AsCall, StartedMotion):
     duration: float
 
     def __init__(
-        self,
-        *,
-        direction: str | Sequence[float],
-        acceleration: Sequence[Sequence[float]] | None = None,
-        velocity: Sequence[Sequence[float]] | None = None,
-        displacement: Sequence[Sequence[float]] | None = None,
-        phases: Sequence[float] | None = None,
-        seed: int | None = None,
-        duration: float | None = None,
-        rise: float | None = None,
-        fall: float | None = None,
-        start: float = 0.0,
-    ) -> None:
+        self, *, direction: str | Sequence[float], acceleration: Sequence[Sequence[float]] | None = None,
+        velocity: Sequence[Sequence[float]] | None = None, displacement: Sequence[Sequence[float]] | None = None,
+        phases: Sequence[float] | None = None, seed: int | None = None, duration: float | None = None,
+        rise: float | None = None, fall: float | None = None, start: float = 0.0,
+    ) -> None:  # fmt: skip
         quantity, points = the_one_given(
             {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
         )

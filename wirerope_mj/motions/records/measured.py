@@ -124,15 +124,9 @@ class Measured(Summarised):
 
 
 def load_measured(
-    path: str | Path,
-    *,
-    channels: Mapping[str, str],
-    name: str | None = None,
-    start: float = 0.0,
-    clock: float = 1.0,
-    baseline: str = "none",
-    gaps: str = "refuse",
-) -> Measured:
+    path: str | Path, *, channels: Mapping[str, str], name: str | None = None, start: float = 0.0, clock: float = 1.0,
+    baseline: str = "none", gaps: str = "refuse",
+) -> Measured:  # fmt: skip
     """Read measured responses from a CSV, MATLAB, XLSX or Parquet file, or a universal file (dataset 58).
 
     A phrase says what each column is: what it was measured at ("base", "body/floor", "point/rack_top", "mount/m1"), its axis
@@ -223,14 +217,9 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
 
 
 def _warnings(
-    where: str,
-    values: Array,
-    tops: list[tuple[float, int]],
-    rate: float,
-    known: Quantity,
-    baseline: str,
+    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str,
     rest: float | None,
-) -> Iterator[str]:
+) -> Iterator[str]:  # fmt: skip
     """Yield what looks wrong about a channel as it was measured [SI]."""
     unit, spread = SI[known], float(np.ptp(values))
     if spread == 0.0:

@@ -130,17 +130,10 @@ class Record(BaseMotion):
 
 
 def load_record(
-    path: str | Path,
-    *,
-    channels: Mapping[str, str | Sequence[float]] | None = None,
-    scale: float = 1.0,
-    baseline: str = "none",
-    start: float = 0.0,
-    highpass: float | None = None,
-    resample: float | None = None,
-    gaps: str = "refuse",
-    unit: str | None = None,
-) -> Record:
+    path: str | Path, *, channels: Mapping[str, str | Sequence[float]] | None = None, scale: float = 1.0,
+    baseline: str = "none", start: float = 0.0, highpass: float | None = None, resample: float | None = None,
+    gaps: str = "refuse", unit: str | None = None,
+) -> Record:  # fmt: skip
     """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
     The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;

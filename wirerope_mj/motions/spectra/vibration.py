@@ -102,14 +102,9 @@ def vibration_response_spectrum(
 
 
 def equivalent_psd(
-    frequencies: npt.ArrayLike,
-    damage: npt.ArrayLike,
-    *,
-    exponent: float,
-    duration: float,
-    q: float = 10.0,
+    frequencies: npt.ArrayLike, damage: npt.ArrayLike, *, exponent: float, duration: float, q: float = 10.0,
     method: Method = "dirlik",
-) -> tuple[Points, float]:
+) -> tuple[Points, float]:  # fmt: skip
     """Find the power spectral density that does the damage of a damage spectrum within a duration [s].
 
     The levels at the frequencies are corrected by (wanted / found)^(2 / b) until the damage is the wanted one. Where the

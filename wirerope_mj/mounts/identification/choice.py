@@ -96,13 +96,9 @@ class LawComparison(Brief):
 
 
 def compare_laws(
-    loops: Sequence[Loop],
-    *,
-    laws: Sequence[type[Law]] = USUAL,
-    elements: int = 5,
-    weights: str = "range",
+    loops: Sequence[Loop], *, laws: Sequence[type[Law]] = USUAL, elements: int = 5, weights: str = "range",
     leave_out: bool = True,
-) -> LawComparison:
+) -> LawComparison:  # fmt: skip
     """Return the fits of several laws to the same loops, and their errors on amplitudes that they have not seen.
 
     The criterion is the Bayesian one. With a thousand samples Akaike's correction for few samples vanishes, and what is left

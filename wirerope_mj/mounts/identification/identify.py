@@ -55,24 +55,12 @@ class _End:
 
 
 def identify(
-    loops: Sequence[Loop],
-    *,
-    law: type[Law] = AsymmetricBoucWen,
-    scales: int | Literal["auto"] = 1,
-    extra_residuals: Sequence[Residual] = (),
-    start: Law | None = None,
-    fixed: Mapping[str, float] | None = None,
-    free: Sequence[str] = (),
-    beside: Law | None = None,
-    constraint: Constraint | None = None,
-    elements: int = 5,
-    method: Method = "three-stage",
-    data: Data = "loops",
-    weights: str = "range",
-    noise: float | None = None,
-    grid: bool = True,
-    profiles: bool = True,
-) -> Identification:
+    loops: Sequence[Loop], *, law: type[Law] = AsymmetricBoucWen, scales: int | Literal["auto"] = 1,
+    extra_residuals: Sequence[Residual] = (), start: Law | None = None, fixed: Mapping[str, float] | None = None,
+    free: Sequence[str] = (), beside: Law | None = None, constraint: Constraint | None = None, elements: int = 5,
+    method: Method = "three-stage", data: Data = "loops", weights: str = "range", noise: float | None = None,
+    grid: bool = True, profiles: bool = True,
+) -> Identification:  # fmt: skip
     """Return the law of a class that fits closed cyclic loops best, and its uncertainty.
 
     The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
@@ -169,14 +157,9 @@ def identify(
 
 
 def _best(
-    unknowns: Unknowns,
-    loops: list[MeasuredLoop],
-    full: Residual,
-    ends: list[_End],
-    noise: float | None,
-    profiles: bool,
-    data: Data,
-) -> tuple[_End, Survey, int]:
+    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None,
+    profiles: bool, data: Data,
+) -> tuple[_End, Survey, int]:  # fmt: skip
     """Return the best end, its survey and all evaluations; a search goes on from a better fit that a survey shows."""
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
     for left in range(DEEPER, -1, -1):

@@ -132,15 +132,9 @@ def _size(loop: Loop) -> str:
 
 
 def identified_isolator(
-    result: Identification,
-    *,
-    name: str,
-    axis: str,
-    files: Sequence[Path],
-    given: Sequence[str],
-    known: Isolator | None = None,
-    whole: Isolator | None = None,
-) -> Isolator:
+    result: Identification, *, name: str, axis: str, files: Sequence[Path], given: Sequence[str],
+    known: Isolator | None = None, whole: Isolator | None = None,
+) -> Isolator:  # fmt: skip
     """Return an isolator called `name` with the law of an identification on the axis that was tested.
 
     `files` are the records that were fitted, `given` is what was given to the fit, one text each. `known` is an isolator

@@ -75,14 +75,9 @@ class SpecimenFits(Brief):
 
 
 def identify_specimens(
-    specimens: Sequence[Sequence[Loop]],
-    *,
-    law: type[Law] = AsymmetricBoucWen,
-    scales: int = 1,
-    shared: Sequence[str] = (),
-    elements: int = 5,
-    weights: str = "range",
-) -> SpecimenFits:
+    specimens: Sequence[Sequence[Loop]], *, law: type[Law] = AsymmetricBoucWen, scales: int = 1,
+    shared: Sequence[str] = (), elements: int = 5, weights: str = "range",
+) -> SpecimenFits:  # fmt: skip
     """Return the nominal law of several specimens and the covariance of its parameters over them.
 
     The covariance is that of the law's own parameters, about their mean; noise of the tests is in it, and is stated beside it.

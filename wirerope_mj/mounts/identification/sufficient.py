@@ -43,14 +43,9 @@ def require_options(
 
 
 def unknowns_of(
-    law: type[Law],
-    family: Family,
-    coordinates: list[Coordinate],
-    fixed: dict[str, float],
-    free: Sequence[str],
-    constraint: Constraint | None,
-    start: Law | None,
-) -> Unknowns:
+    law: type[Law], family: Family, coordinates: list[Coordinate], fixed: dict[str, float], free: Sequence[str],
+    constraint: Constraint | None, start: Law | None,
+) -> Unknowns:  # fmt: skip
     """Return the coordinates that are searched for and those that are fixed; ValueError where the options contradict."""
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")

@@ -225,13 +225,9 @@ class Law(ABC):
         }
 
     def trace(
-        self,
-        deflection: npt.ArrayLike,
-        *,
-        time: npt.ArrayLike | None = None,
-        rate: npt.ArrayLike | None = None,
+        self, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
         initial_states: npt.ArrayLike | None = None,
-    ) -> Loop:
+    ) -> Loop:  # fmt: skip
         """Return the loop that the law draws along a path of deflections, entered unloaded.
 
         Between samples the deflection of a rate-independent law runs monotonely, so that the result depends on the turning

@@ -179,13 +179,9 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
 
 
 def trace(
-    law: Law,
-    deflection: npt.ArrayLike,
-    *,
-    time: npt.ArrayLike | None = None,
-    rate: npt.ArrayLike | None = None,
+    law: Law, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
     initial_states: npt.ArrayLike | None = None,
-) -> Loop:
+) -> Loop:  # fmt: skip
     """Return the loop of a law; arguments and errors as in `Law.trace`."""
     path = np.asarray(deflection, dtype=np.float64)
     law.check_path(path)

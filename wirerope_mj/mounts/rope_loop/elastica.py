@@ -92,13 +92,9 @@ def loop_positions(loops: int, bar_length: float) -> Array:
 
 
 def rotational_stiffness(
-    shape: LoopShape,
-    *,
-    bending_stiffness: float,
-    positions: npt.ArrayLike,
-    axial: float | None = None,
+    shape: LoopShape, *, bending_stiffness: float, positions: npt.ArrayLike, axial: float | None = None,
     roll: float | None = None,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the rotational stiffness of an isolator about its own axes x (roll), y (shear) and z (axial) [N m/rad], (3,).
 
     It belongs to a small turn of the payload about the unloaded isolator's middle: half way between the bars, in the middle

@@ -36,15 +36,9 @@ class CouplingFit:
 
 
 def fit_coupling(
-    shape: LoopShape,
-    *,
-    bending_stiffness: float,
-    loops: float,
-    roll: float,
-    compression: float,
-    tension: float,
+    shape: LoopShape, *, bending_stiffness: float, loops: float, roll: float, compression: float, tension: float,
     terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
-) -> CouplingFit:
+) -> CouplingFit:  # fmt: skip
     """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers, and its error.
 
     The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box; the error is

@@ -19,13 +19,9 @@ from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 
 def save_cyclic_test(
-    loops: Sequence[Loop],
-    path: str | Path,
-    *,
-    frequency: float | None = None,
-    deflection_unit: str = "m",
+    loops: Sequence[Loop], path: str | Path, *, frequency: float | None = None, deflection_unit: str = "m",
     force_unit: str = "N",
-) -> None:
+) -> None:  # fmt: skip
     """Write loops as a CSV file with units in its header, atomically.
 
     The columns are loop (1, 2, ...), time if a frequency is given, deflection and force: what a rig records. In m and N,

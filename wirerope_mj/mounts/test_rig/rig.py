@@ -25,14 +25,9 @@ _FOLLOWED = 512
 
 
 def cyclic_test(
-    law: Law,
-    amplitudes: npt.ArrayLike,
-    *,
-    operating_point: float = 0.0,
-    frequency: float = 1.0,
-    cycles: int | None = None,
-    points_per_cycle: int = 400,
-) -> list[Loop]:
+    law: Law, amplitudes: npt.ArrayLike, *, operating_point: float = 0.0, frequency: float = 1.0,
+    cycles: int | None = None, points_per_cycle: int = 400,
+) -> list[Loop]:  # fmt: skip
     """Return one loop for each amplitude: the last cycle of a sinusoidal test about the operating point.
 
     Each test starts unloaded, ramps to the operating point within one period and goes on from there as
@@ -128,15 +123,9 @@ _FEWEST_POINTS = 8
 
 
 def measured(
-    loops: Sequence[Loop],
-    *,
-    seed: int,
-    points_per_cycle: int = 200,
-    force_noise: float = 0.0,
-    deflection_noise: float = 0.0,
-    force_resolution: float = 0.0,
-    deflection_resolution: float = 0.0,
-) -> list[Loop]:
+    loops: Sequence[Loop], *, seed: int, points_per_cycle: int = 200, force_noise: float = 0.0,
+    deflection_noise: float = 0.0, force_resolution: float = 0.0, deflection_resolution: float = 0.0,
+) -> list[Loop]:  # fmt: skip
     """Return the loops as a test rig would have recorded them: fewer samples, Gaussian noise, steps of the converter.
 
     A loop's samples count as uniform in time, as those of `cyclic_test` are, and are interpolated linearly: samples that
