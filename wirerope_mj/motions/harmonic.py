@@ -43,9 +43,8 @@ class Sine(StraightMotion):
     def __init__(
         self, *, frequency: float, acceleration: float, direction: str | Sequence[float], duration: float | None = None
     ) -> None:
-        self._set(
-            frequency=ranges.frequency("frequency", frequency), amplitude=ranges.level("acceleration", acceleration)
-        )
+        self._set(frequency=ranges.frequency("frequency", frequency))
+        self._set(amplitude=ranges.level("acceleration", acceleration))
         self._set(direction=checked_direction(direction))
         self._set(duration=math.inf if duration is None else ranges.length("duration", duration))
 
@@ -139,9 +138,8 @@ class Sweep(StraightMotion):
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         self._set(rate=ranges.sweep_rate("rate", rate))
-        quantity, amplitude = the_one_given(
-            {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
-        )
+        given = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        quantity, amplitude = the_one_given(given)
         self._set(quantity=quantity, amplitude=ranges.level(quantity, amplitude))
         self._set(direction=checked_direction(direction), duration=self.course.duration)
 

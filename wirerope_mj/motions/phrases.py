@@ -112,9 +112,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
         raise ValueError(f'no number follows "{short(begun.strip())}".')
     if word:
         raise ValueError(f'nothing follows "{word}".')
-    return Phrase(
-        quantities={name: tuple(some) for name, some in quantities.items()}, named=named, directions=directions
-    )
+    said = {name: tuple(some) for name, some in quantities.items()}
+    return Phrase(quantities=said, named=named, directions=directions)
 
 
 def _number(part: str) -> tuple[float, str]:

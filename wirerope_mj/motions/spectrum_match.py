@@ -191,10 +191,9 @@ class _Matching:
         impulse = np.zeros(self.time.size)
         impulse[0] = 1.0
         reach = -math.log(FORGOTTEN) / (2 * np.pi * frequencies * damping * step)
-        self.impulses = [
-            scipy.signal.lfilter(*coefficients, impulse[: math.ceil(length) + 1])
-            for coefficients, length in zip(self.filters, reach, strict=True)
-        ]
+        lengths = [math.ceil(length) + 1 for length in reach]
+        pairs = zip(self.filters, lengths, strict=True)
+        self.impulses = [scipy.signal.lfilter(*coefficients, impulse[:length]) for coefficients, length in pairs]
 
     def run(self, seed: int, tolerance: float) -> tuple[Array, Array, int]:
         """Return the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""

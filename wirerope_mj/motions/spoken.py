@@ -112,9 +112,8 @@ def _harmonic(quantity: str) -> Make:
     def make(phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
         amplitude: dict[str, Any] = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
         length = phrase.one("time")
-        return HarmonicForce(
-            site=site, frequency=phrase.one("frequency"), duration=length, start=phrase.start, **amplitude
-        )
+        amplitude |= {"frequency": phrase.one("frequency"), "duration": length}
+        return HarmonicForce(site=site, start=phrase.start, **amplitude)
 
     return make
 

@@ -103,10 +103,8 @@ class Unbalance(PayloadForce):
         (cosine, sine), square = (np.cos(angle), np.sin(angle)), (k * omega) ** 2
         u, v = self._across
         wrench = np.zeros((t.size, 6))
-        wrench[:, :3] = self.unbalance * (
-            (square * cosine + k * alpha * sine)[:, np.newaxis] * u
-            + (square * sine - k * alpha * cosine)[:, np.newaxis] * v
-        )
+        along_u, along_v = square * cosine + k * alpha * sine, square * sine - k * alpha * cosine
+        wrench[:, :3] = self.unbalance * (along_u[:, np.newaxis] * u + along_v[:, np.newaxis] * v)
         return wrench
 
     @property

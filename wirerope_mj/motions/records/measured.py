@@ -104,9 +104,7 @@ class Measured(Summarised):
             )
         units = {one.unit for one in parts.values()}
         if self.clock != 1.0 or len(units) > 1:
-            fault = (
-                f"its clock is changed by {self.clock!r}" if len(units) == 1 else f"its units are {', '.join(units)}"
-            )
+            fault = f"its units are {', '.join(units)}" if len(units) > 1 else f"its clock is changed by {self.clock!r}"
             raise RecordError(
                 f"{self.path}: the base cannot be played from this file, {fault}; a base is played on its file's own clock, "
                 "with one unit for all axes."

@@ -261,9 +261,8 @@ def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str
         raise ValueError('`channels` must name at least one column, for instance {"ch3": "z"}, got none.')
     directions = {name: checked_direction(direction) for name, direction in channels.items()}
     for name, direction in directions.items():
-        alike = [
-            other for other in directions if np.array_equal(unit_vector(directions[other]), unit_vector(direction))
-        ]
+        here = unit_vector(direction)
+        alike = [other for other in directions if np.array_equal(unit_vector(directions[other]), here)]
         if len(alike) > 1:
             raise ValueError(f"`channels` gives {name} and {alike[1]} the same direction {direction_text(direction)}.")
     return directions

@@ -51,9 +51,8 @@ def _lone_samples(a: Array) -> list[int]:
     for number in sorted(tallest[out[tallest] > usual], key=lambda one: -out[one]):
         i, height = int(number) + 1, float(out[number])
         beside = np.diff(a[max(i - 2, 0) : i]).tolist() + np.diff(a[i + 1 : i + 3]).tolist()
-        flat = (
-            max(map(abs, beside), default=0.0) <= _LEVEL * height and abs(float(a[i + 1] - a[i - 1])) <= _LEVEL * height
-        )
+        level = max([*map(abs, beside), abs(float(a[i + 1] - a[i - 1]))])
+        flat = level <= _LEVEL * height
         if flat and height > _ALONE * usual and height >= _TALL * float(np.ptp(np.delete(a, i))):
             found.append(i)
     return found
@@ -98,11 +97,8 @@ def _shortest(a: Array, peak: float) -> tuple[int, int]:
     """Return where the shortest half wave of at least half the peak begins and ends; a rests at zero."""
     sign = np.where(np.abs(a) > _FOOT * peak, np.sign(a), 0.0)
     starts = np.flatnonzero(np.diff(np.concatenate([[0.0], sign, [0.0]]))).tolist()
-    waves = [
-        (first, last)
-        for first, last in zip(starts[:-1], starts[1:], strict=True)
-        if sign[first] and float(np.abs(a[first:last]).max()) >= _HIGH * peak
-    ]
+    above = [pair for pair in zip(starts[:-1], starts[1:], strict=True) if sign[pair[0]]]
+    waves = [pair for pair in above if float(np.abs(a[slice(*pair)]).max()) >= _HIGH * peak]
     return min(waves, key=lambda wave: wave[1] - wave[0])
 
 

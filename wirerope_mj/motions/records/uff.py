@@ -28,9 +28,8 @@ _MEASURED = {
     9: ("force", "N"),
 }
 # units as they are spelled, by their small letters
-_SPELLED = {
-    unit.lower(): unit for units in (ACCELERATION_UNITS, VELOCITY_UNITS, LENGTH_UNITS, FORCE_UNITS) for unit in units
-}
+_UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
+_SPELLED = {unit.lower(): unit for unit in _UNITS}
 _REAL = (2, 4)
 _SI = 1  # code of the system of units
 
@@ -98,9 +97,8 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
     chosen, units = dict[int, str](), list[str | None]()
     for name in names:
         if names_there.count(name) != 1:
-            fault = (
-                f'there is no history "{name}"' if name not in names_there else f'several histories are called "{name}"'
-            )
+            several = f'several histories are called "{name}"'
+            fault = several if name in names_there else f'there is no history "{name}"'
             raise RecordError(f"{path}: {fault}; the file holds {', '.join(names_there)}.")
         place = names_there.index(name)
         (number, head), kind = histories[place], kinds[place]

@@ -70,9 +70,8 @@ class Extremes(Brief):
 
 def _of_acceleration(name: str, which: str) -> Any:
     """Make a property that is that of the absolute acceleration."""
-    return property(
-        lambda self: getattr(self.acceleration, name), doc=f"Largest absolute acceleration {which} [m/s^2]."
-    )
+    doc = f"Largest absolute acceleration {which} [m/s^2]."
+    return property(lambda self: getattr(self.acceleration, name), doc=doc)
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -168,9 +167,8 @@ def shock_response_spectrum(
         for j, angle in enumerate(angles):
             ramp_extremes(driven, steps[j], angle, damping, primary[i, j], residual[i, j])
     # (n_f,) or (n_f, k), the extremes in front
-    during, after = (
-        phase.transpose(2, 1, 0).reshape(EXTREMES, wanted.size, *values.shape[1:]) for phase in (primary, residual)
-    )
+    shape = (EXTREMES, wanted.size, *values.shape[1:])
+    during, after = (phase.transpose(2, 1, 0).reshape(shape) for phase in (primary, residual))
     return ShockResponseSpectrum(
         frequencies=wanted, acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
         displacement=Extremes.of(during, after, DISPLACEMENT, step**2),

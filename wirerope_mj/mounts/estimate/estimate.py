@@ -168,9 +168,8 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     geometry = fitted.geometry
     if geometry is not None and estimate.bar_assumed:
         geometry = replace(geometry, bar=None)
-    return replace(
-        fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation, geometry=geometry
-    )
+    spread = _spread(fitted, estimate)
+    return replace(fitted, provenance=provenance, spread=spread, rotation=rotation, geometry=geometry)
 
 
 def _rounded(value: float) -> float:
@@ -220,6 +219,5 @@ def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
         zero = np.zeros((len(names), len(known)))
         covariance = np.block([[covariance, zero], [zero.T, known]])
         names += isolator.spread.parameters
-    return Spread(
-        parameters=tuple(names), covariance=tuple(tuple(float(f"{v:.9g}") for v in row) for row in covariance)
-    )
+    rounded = tuple(tuple(float(f"{value:.9g}") for value in row) for row in covariance)
+    return Spread(parameters=tuple(names), covariance=rounded)

@@ -229,9 +229,8 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
     errors: dict[str, list[float]] = {}
     for index, row in enumerate(rows):
         others = [i for i, other in enumerate(rows) if (i != index if left_out == "part" else other.rope != row.rope)]
-        predicted = find_trends(others).predict(
-            height=row.height, width=row.width, rope=row.rope, bar=row.bar, loops=row.loops
-        )
+        measures = {name: getattr(row, name) for name in ("height", "width", "rope", "bar", "loops")}
+        predicted = find_trends(others).predict(**measures)
         stated = LoopValues(
             bending_stiffness=1.0, travel=dict(row.travel), vibration=dict(row.vibration), shock=dict(row.shock),
             static_load=row.static_load["compression"],

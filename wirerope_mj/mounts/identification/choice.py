@@ -61,9 +61,8 @@ class LawComparison(Brief):
     @property
     def most_general(self) -> LawRow:
         """The law whose largest error on an amplitude left out is smallest; the best one if no law has such errors."""
-        return min(
-            self.rows, key=lambda row: math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max()
-        )
+        errors = [math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max() for row in self.rows]
+        return self.rows[int(np.argmin(errors))]
 
     @property
     def recommended(self) -> LawRow:
@@ -131,10 +130,8 @@ def compare_laws(
     fit = partial(identify, elements=elements, weights=weights)
     rows = [_row(partial(fit, law=kind), kind.name, order, measured, groups if leave_out else []) for kind in laws]
     least = min(row.criterion for row in rows)
-    rows = [
-        replace(row, behind=row.criterion - least if row.fit is not None else math.inf)
-        for row in sorted(rows, key=lambda row: row.criterion)
-    ]
+    rows.sort(key=lambda row: row.criterion)
+    rows = [replace(row, behind=math.inf if row.fit is None else row.criterion - least) for row in rows]
     sizes = np.array([np.mean([measured[index].amplitude for index in group]) for group in groups])
     return LawComparison(rows=tuple(rows), amplitudes=sizes, weights=weights)
 
@@ -201,10 +198,8 @@ class MethodComparison:
         """The table, errors in percent."""
         lines = [f"{'start':16s}{'method':14s}{'iterations':>11s}{'evaluations':>12s}{'error':>10s}  converged"]
         for row in self.rows:
-            lines.append(
-                f"{row.start:16s}{row.method:14s}{row.iterations:11d}{row.evaluations:12d}{100 * row.error:>8.2f} %"
-                f"  {'yes' if row.converged else 'no'}"
-            )
+            counts = f"{row.iterations:11d}{row.evaluations:12d}{100 * row.error:>8.2f} %"
+            lines.append(f"{row.start:16s}{row.method:14s}{counts}  {'yes' if row.converged else 'no'}")
         return "\n".join(lines)
 
 

@@ -159,11 +159,8 @@ def _vaiana_rosati(s: Scales) -> list[Coordinate]:
 
 def _stop(s: Scales) -> list[Coordinate]:
     x, f = s.deflection, s.force
-    gaps = [
-        Coordinate(name, "m", 0.0, reach, scale=x, stiffness=True)
-        for name, reach in (("gap_below", s.below), ("gap_above", s.above))
-        if reach > 0.0
-    ]
+    reaches = {"gap_below": s.below, "gap_above": s.above}
+    gaps = [Coordinate(name, "m", 0.0, end, scale=x, stiffness=True) for name, end in reaches.items() if end > 0.0]
     # The depth may be a hundredth of the amplitude, and k is the force over its power.
     return [
         *gaps,

@@ -166,11 +166,10 @@ def _best(
         least = min(end.minimum.cost for end in ends)
         best = next(end for end in ends if end.minimum.cost <= least * (1.0 + SAME / end.minimum.residual.size))
         rivals = [end.minimum for end in ends if end is not best]
-        around = (
-            survey(unknowns, full, best.minimum, rivals, noise)
-            if profiles
-            else Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
-        )
+        if profiles:
+            around = survey(unknowns, full, best.minimum, rivals, noise)
+        else:
+            around = Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
         if noise is None and data == "loops":
             sizes = [loop.force.size for loop in loops]
             known = with_noise_of_each(around.uncertainty, unknowns, best.minimum, sizes)

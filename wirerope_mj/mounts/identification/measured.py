@@ -60,9 +60,8 @@ class MeasuredLoop:
     def thinned(self, samples: int) -> "MeasuredLoop":
         """Return about `samples` of the loop's samples, its turning points among them."""
         x = self.deflection
-        kept = np.unique(
-            np.concatenate([np.linspace(0, x.size - 1, samples).astype(int), [np.argmax(x), np.argmin(x)]])
-        )
+        even = np.linspace(0, x.size - 1, samples).astype(int)
+        kept = np.unique(np.concatenate([even, [np.argmax(x), np.argmin(x)]]))
         elapsed = self.elapsed[kept] if self.elapsed.size else self.elapsed
         return replace(self, deflection=x[kept], force=self.force[kept], elapsed=elapsed)
 
@@ -156,9 +155,8 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
     """Return the sizes of the measured loops."""
     amplitudes = [loop.amplitude for loop in loops]
-    return Scales(
-        deflection=max(amplitudes), least=min(amplitudes), force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
-    )
+    force = max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
+    return Scales(deflection=max(amplitudes), least=min(amplitudes), force=force)
 
 
 def _check(loop: Loop, number: int, stop: bool) -> None:

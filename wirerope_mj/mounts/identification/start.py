@@ -82,9 +82,8 @@ def _stretched(
 ) -> tuple[dict[str, float], float]:
     """Return all values with the best linear ones, and the mean square that is left."""
     linear = [c for c in unknowns.free if c.linear]
-    base = {c.name: unknowns.fixed.get(c.name, max(c.lower, 0.0)) for c in unknowns.coordinates if c.linear} | dict(
-        shape
-    )
+    multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed
+    base = {c.name: fixed.get(c.name, max(c.lower, 0.0)) for c in multiplied} | dict(shape)
     zero = _forces(unknowns.family, base, loops)
     columns = []
     for c in linear:
@@ -151,9 +150,8 @@ def _with_bend(
         asymmetries = [unknowns.fixed["c_ln_b"]] if "c_ln_b" in unknowns.fixed else tried
     for asymmetry in asymmetries:
         scale_columns = [_column(loops, shape, asymmetry) for shape in shapes]
-        spring_columns = [
-            _column(loops, [_spring(loop, _POWERS[c.name]) for loop in loops], asymmetry) for c in springs
-        ]
+        units = [[_spring(loop, _POWERS[c.name]) for loop in loops] for c in springs]
+        spring_columns = [_column(loops, forces, asymmetry) for forces in units]
         least = np.array([0.0] * len(names) + [c.lower for c in springs])
         for pick in choices:
             matrix = np.stack([*(scale_columns[index] for index in pick[::-1]), *spring_columns], axis=1)

@@ -61,9 +61,8 @@ def unknowns_of(
     if both := [name for name in free if name in fixed]:
         raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
     begun = family.read(start) if start is not None else {}
-    usual = {
-        name: value for name, value in family.usual.items() if name not in free and begun.get(name, value) == value
-    }
+    kept = [(name, value) for name, value in family.usual.items() if begun.get(name, value) == value]
+    usual = {name: value for name, value in kept if name not in free}
     fixed = {**usual, **fixed}
     if start is not None and (missing := [n for n in names if n not in fixed and n not in begun]):
         raise ValueError(

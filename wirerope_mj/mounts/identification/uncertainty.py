@@ -92,10 +92,8 @@ def _parameters(unknowns: Unknowns, minimum: Minimum, deviations: Array) -> dict
     values, (low, high) = unknowns.values(minimum.numbers), unknowns.bounds
     room = np.minimum(minimum.numbers - low, high - minimum.numbers)
     errors = np.where(deviations < 1e100, deviations, np.inf)
-    fitted = {
-        c.name: (float(error), bool(bounded))
-        for c, error, bounded in zip(unknowns.free, errors, room <= AT_BOUND * (high - low), strict=True)
-    }
+    bounded = room <= AT_BOUND * (high - low)
+    fitted = {c.name: (float(errors[i]), bool(bounded[i])) for i, c in enumerate(unknowns.free)}
     parameters = {}
     for c in unknowns.coordinates:
         error, at_bound = fitted.get(c.name, (0.0, False))

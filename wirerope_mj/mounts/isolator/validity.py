@@ -53,9 +53,8 @@ class MeasuredRange(Part):
             return self
         mine, others = self.stated, other.stated
         known = {name: [one[name] for one in (mine, others) if name in one] for name in mine | others}
-        return MeasuredRange(
-            **{name: (min(p[0] for p in both), max(p[1] for p in both)) for name, both in known.items()}
-        )
+        ends = {name: (min(pair[0] for pair in both), max(pair[1] for pair in both)) for name, both in known.items()}
+        return MeasuredRange(**ends)
 
     def outside(self, lowest: float, highest: float, *, small: bool) -> str:
         """Return how a motion between two deflections [m] leaves the range, as text; "" where it does not.
@@ -98,9 +97,8 @@ class Validity(Part):
         """
         pairs = zip(map(float, lowest), map(float, highest), strict=True)
         ends = dict(zip((item.name for item in fields(self)), pairs, strict=True))
-        moving = {
-            axis: high - low > MOVING * max(b - a for a, b in ends.values()) for axis, (low, high) in ends.items()
-        }
+        far = MOVING * max(high - low for low, high in ends.values())
+        moving = {axis: high - low > far for axis, (low, high) in ends.items()}
         texts = {axis: one.outside(*ends[axis], small=small and moving[axis]) for axis, one in self.stated.items()}
         return {axis: text for axis, text in texts.items() if text}
 

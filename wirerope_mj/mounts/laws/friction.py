@@ -113,9 +113,8 @@ class Masing(Law):
 
     def kernel_parameters(self) -> Array:
         """Return k, k2, k3, number of elements, their stiffnesses and slip forces."""
-        return np.array(
-            [self.k, self.k2, self.k3, len(self.stiffness), *self.stiffness, *self.slip_force], dtype=np.float64
-        )
+        elements = [len(self.stiffness), *self.stiffness, *self.slip_force]
+        return np.array([self.k, self.k2, self.k3, *elements], dtype=np.float64)
 
     @property
     def state_names(self) -> tuple[str, ...]:  # type: ignore[override]

@@ -209,20 +209,15 @@ class Law(ABC):
                 entries = list(whole.get(key, getattr(self, key)))
                 entries[int(index[:-1])] = value
                 whole[key] = tuple(entries)
-        follow = {
-            name: whole[leader]
-            for name, leader in self.leaders.items()
-            if leader in whole and name not in whole and getattr(self, name) == getattr(self, leader)
-        }
+        told = [(name, leader) for name, leader in self.leaders.items() if leader in whole and name not in whole]
+        follow = {name: whole[leader] for name, leader in told if getattr(self, name) == getattr(self, leader)}
         return {**whole, **follow}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""
         stated = {key: value for key, value in asdict(self).items() if value is not None and value != ()}
-        return {
-            "law": self.name,
-            **{key: list(value) if isinstance(value, tuple) else value for key, value in stated.items()},
-        }
+        plain = {key: list(value) if isinstance(value, tuple) else value for key, value in stated.items()}
+        return {"law": self.name, **plain}
 
     def trace(
         self, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,

@@ -42,10 +42,8 @@ class ScraggedBoucWen(Hysteresis):
 
     name: ClassVar[str] = "scragged-bouc-wen"
     kernel: ClassVar[int] = SCRAGGED_BOUC_WEN
-    state_names: ClassVar[tuple[str, ...]] = (
-        "z",
-        "m",
-    )  # z before its softening [N], the deflection that is remembered [m]
+    # z before its softening [N], the deflection that is remembered [m]
+    state_names: ClassVar[tuple[str, ...]] = ("z", "m")
     not_negative: ClassVar[tuple[str, ...]] = ("softening", "k1", "k3")
     above_zero: ClassVar[tuple[str, ...]] = ("reach",)
     tangents: ClassVar[tuple[str, ...]] = ("alpha", "k1")
@@ -72,9 +70,8 @@ class ScraggedBoucWen(Hysteresis):
 
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k1, k2, k3, softening, reach."""
-        return np.array(
-            [self.alpha, self.beta, self.gamma, self.n, self.k1, self.k2, self.k3, self.softening, self.reach]
-        )
+        spring, lost = [self.k1, self.k2, self.k3], [self.softening, self.reach]
+        return np.array([self.alpha, self.beta, self.gamma, self.n, *spring, *lost])
 
 
 @njit

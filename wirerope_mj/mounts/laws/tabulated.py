@@ -131,10 +131,8 @@ class Tabulated(AsCall, Law):
         x = self._mirrored(np.array(self.deflection), odd=True)
         if self.upper:
             upper, lower = np.array(self.upper), np.array(self.lower)
-            mean, half = (
-                self._mirrored(0.5 * (upper + lower), odd=True),
-                self._mirrored(0.5 * (upper - lower), odd=False),
-            )
+            mean = self._mirrored(0.5 * (upper + lower), odd=True)
+            half = self._mirrored(0.5 * (upper - lower), odd=False)
             z_max = float(half.max())
             fraction = monotone(x, half / z_max if z_max > 0.0 else half)
         else:

@@ -157,10 +157,8 @@ def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLo
         ends = (loop.deflection.min(), loop.deflection.max())
         for index in range(first, last + 1):
             turning[index] = ends[int(turning[index] > 0.5 * sum(ends))]
-    return [
-        replace(loop, history=np.concatenate([[0.0], turning[: last + 1 - 2 * loop.averaged]]))
-        for (_, last), loop in zip(runs, loops, strict=True)
-    ]
+    counts = [last + 1 - 2 * loop.averaged for (_, last), loop in zip(runs, loops, strict=True)]
+    return [replace(loop, history=np.append(0.0, turning[:n])) for loop, n in zip(loops, counts, strict=True)]
 
 
 def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Locate, stop: bool) -> RecordedLoop:

@@ -146,10 +146,8 @@ def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
     groups: dict[str, Samples] = {}
     samples = None
     for line, location, cells in rows_below(header):
-        values = {
-            name: factor * number_in(location, header.names[columns[name]], cells[columns[name]])
-            for name, factor in factors.items()
-        }
+        texts = {name: (header.names[columns[name]], cells[columns[name]]) for name in factors}
+        values = {name: factors[name] * number_in(location, *text) for name, text in texts.items()}
         label = cells[columns[key]] if key else "1"
         if samples is None or label != samples.label:
             if label in groups:

@@ -39,9 +39,8 @@ class Trace:
     @property
     def raw_turning(self) -> Array:
         """Farthest recorded deflections at the turning points [m], (n,): smoothing cuts those at the end of a ramp off."""
-        around = np.lib.stride_tricks.sliding_window_view(
-            np.pad(self.deflection, self.window, "edge"), 2 * self.window + 1
-        )
+        padded = np.pad(self.deflection, self.window, "edge")
+        around = np.lib.stride_tricks.sliding_window_view(padded, 2 * self.window + 1)
         rising = np.diff(self.smooth[self.turns], prepend=self.smooth[self.turns[1]]) > 0.0
         return np.where(rising, around[self.turns].max(axis=1), around[self.turns].min(axis=1))
 

@@ -102,11 +102,8 @@ def _part(
     location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series
 ) -> VendorPart:
     """Return the part of one row."""
-    values = {
-        name: _stated(location, name, cell, factor)
-        for name, cell, factor in zip(names, cells, factors, strict=True)
-        if name != "part"
-    }
+    columns = [column for column in zip(names, cells, factors, strict=True) if column[0] != "part"]
+    values = {name: _stated(location, name, cell, factor) for name, cell, factor in columns}
     loops = values["loops"]
     modes = {
         mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)})

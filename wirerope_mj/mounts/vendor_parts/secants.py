@@ -90,11 +90,8 @@ class FitRule:
             half = 0.5 * np.diff(ends)[:, None]
             way = ends[:-1, None] + half * (1.0 + NODES)
             after = (way - zero) / reach
-            rising = (
-                -np.expm1(-after)
-                if self.n == 1
-                else np.where(after < 0.0, np.tan(np.minimum(after, 0.0)), np.tanh(after))
-            )
+            square = np.where(after < 0.0, np.tan(np.minimum(after, 0.0)), np.tanh(after))
+            rising = -np.expm1(-after) if self.n == 1 else square
             total += share * float(np.sum(half * WEIGHTS * np.cosh(asymmetry * (way - amplitude)) * rising))
         return 2.0 * total
 

@@ -215,9 +215,8 @@ def _axis(table: TomlTable) -> AxisValues:
     for name in compared:
         if name not in names:
             raise ModelError(f"{table.location} `compared` names {name!r}, which the table does not state.")
-    values = tuple(
-        replace(value, fitted=value.fitted and name not in compared) for name, value in zip(names, stated, strict=True)
-    )
+    pairs = zip(names, stated, strict=True)
+    values = tuple(replace(value, fitted=value.fitted and name not in compared) for name, value in pairs)
     if sum(value.fitted for value in values) < 2:
         raise ModelError(f"{table.location} must state at least two stiffnesses or points to fit.")
     return AxisValues(travel=travel, stated=values, damping=damping, hardening=hardening or 1.0)

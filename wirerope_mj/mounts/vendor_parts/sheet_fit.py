@@ -75,9 +75,8 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         compression=compression.travel, roll=rated.get("roll"),
     )  # fmt: skip
     rule = RULES[sheet.scales]
-    along = ElasticShape(
-        asymmetry=rule.asymmetry * curves.asymmetry, cubic=rule.asymmetry * curves.axial_cubic * compression.hardening
-    )
+    cubic = rule.asymmetry * curves.axial_cubic * compression.hardening
+    along = ElasticShape(asymmetry=rule.asymmetry * curves.asymmetry, cubic=cubic)
     axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
     isolator = Isolator(
