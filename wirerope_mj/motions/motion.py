@@ -18,7 +18,6 @@ from wirerope_mj.foundation.summary import AsCall
 
 # corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
-
 # instants below which a product with three components costs least at once; of thousands it costs a quarter one by one
 _FEW = 200
 

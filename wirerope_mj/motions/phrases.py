@@ -30,7 +30,6 @@ UNITS: dict[str, Mapping[str, float]] = {
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
-
 START = {"at": "time"}
 
 

@@ -21,9 +21,7 @@ from wirerope_mj.motions.piecewise import UniformSpline
 from wirerope_mj.motions.psd_lines import checked_points, psd_power, psd_rms
 
 Amplitudes = Literal["fixed", "random"]
-
 KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
-
 MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 

@@ -19,7 +19,6 @@ from wirerope_mj.motions.motion import StartedMotion, unique_times
 from wirerope_mj.motions.pulses import HalfSine
 
 LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
-
 # length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e
 # to that power is far from the largest number
 SLOWEST_BLOW = 100.0

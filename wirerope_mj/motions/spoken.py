@@ -23,13 +23,10 @@ from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
-
 Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
-
 _PULSE = {"acceleration": 1, "time": 1}
 _RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
-
 _SHAFT: dict[str, Any] = {
     "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
     "may": {"time": 1, "frequency": 2},

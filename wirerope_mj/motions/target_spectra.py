@@ -23,7 +23,6 @@ EN1998_TYPE_1 = {
 }
 LONGEST_PERIOD = 4.0  # longest period of the shape of EN 1998-1 [s]
 AC156_FREQUENCIES = (1.3, 8.3, 33.3)  # ends of the plateau and of the slope of ICC-ES AC156 [Hz]
-
 # peak, velocity and displacement of the pulse over the spectrum's: as the BV 043/85 literature uses them, from memory
 FACTORS = (0.6, 0.75, 1.05)
 

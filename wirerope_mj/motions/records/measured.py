@@ -24,7 +24,6 @@ from wirerope_mj.motions.records.table import read_columns
 from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
 
 BASELINES = ("none", "rest", "mean")
-
 _FEWEST = 16  # samples below which nothing can be said of a response
 _OFFSET = 0.02  # level at rest, as a fraction of a channel's range, from which it is warned of
 

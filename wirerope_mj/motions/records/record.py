@@ -25,9 +25,7 @@ from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
-
 _EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift it: as much as counts as even in a file
-
 _BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
 
 

@@ -29,7 +29,6 @@ from wirerope_mj.motions.records.reading import Reading, axes_of
 from wirerope_mj.motions.records.whole_tables import check_whole_table, is_whole_table, read_whole_table
 
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
-
 _AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
 
 

@@ -16,7 +16,6 @@ from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
 _VECTORS: dict[str, Direction] = {"-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0), "-z": (0.0, 0.0, -1.0)}
-
 _TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
 _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
 # specific data types of an ordinate that are measured: word behind the name of a channel, and its unit in SI
@@ -32,12 +31,9 @@ _UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
 _SPELLED = {unit.lower(): unit for unit in _UNITS}
 _REAL = (2, 4)
 _SI = 1  # code of the system of units
-
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
-
 Histories = list[tuple[int, dict[str, Any]]]  # number and header of each
-
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
 _DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
 

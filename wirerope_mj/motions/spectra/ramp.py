@@ -12,7 +12,6 @@ from wirerope_mj.foundation.jit import inlined, njit
 # each stands the lowest
 ACCELERATION, DISPLACEMENT, VELOCITY = 0, 2, 4
 EXTREMES = 6
-
 # largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file
 JITTER = 0.01
 

@@ -32,7 +32,6 @@ OSCILLATOR = 1e-8  # time of a step of an oscillator at the least [s]
 OF_A_LINE = 3 * 128.0  # bytes of a line: exponentials, (4, 4), and what they are made of
 HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
 LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
-
 _QUANTITIES = (
     ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
     ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),

@@ -15,13 +15,10 @@ from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.psd_lines import Points, checked_points
 
 Method = Literal["dirlik", "narrow-band"]
-
 _POWERS = (0, 1, 2, 4)  # powers of the frequency in the moments that the rules of damage take
-
 _PER_OCTAVE = 400  # Frequencies to an octave by which a density is integrated: 1e-4 of the moments of Q = 50
 _ROUNDS, _EQUAL = 60, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
 _LEAST = 1e-6  # of the largest level
-
 # half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak
 _NEAR = 40.0
 

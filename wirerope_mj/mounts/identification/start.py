@@ -114,7 +114,6 @@ _YIELD = 12  # Yield deflections of the grid, from twice what the least amplitud
 _EXPONENTS = (1.0, 2.0)  # the two with closed forms
 _SIGMAS = (0.5, 1.0)
 _ASYMMETRIES = (-1.0, -0.3, 0.0, 0.3, 1.0)  # times one over the largest amplitude
-
 _Point = tuple[float, dict[str, float]]  # of the grid: mean squares left, its values by coordinate
 
 

@@ -13,7 +13,6 @@ from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import anywhere
 
 ASYMMETRIC_BOUC_WEN = 1
-
 SYMMETRIC_BOUC_WEN = 2
 
 

@@ -13,7 +13,6 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
 
 PARALLEL = 14
-
 # Factors on all laws of an axis: on all their forces, on those of friction, on the deflection over which it builds up.
 FACTORS = ("stiffness", "friction", "yield")
 

@@ -14,7 +14,6 @@ from wirerope_mj.mounts.laws.law import anywhere
 from wirerope_mj.mounts.laws.ni import polynomial
 
 SCRAGGED_BOUC_WEN = 15
-
 # Path, in units of `reach`, on which m closes all but 1/e of its distance to |x|: far below what the softening resolves, and
 # long enough for steps that resolve the motion. Without it the rate of m would jump, and a step would miss part of a peak.
 CATCHES_UP = 0.1

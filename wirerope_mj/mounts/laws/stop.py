@@ -13,7 +13,6 @@ from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
 
 STOP = 13
-
 NEVER = 1e300  # Gap of a side without a stop [m]
 
 

@@ -19,7 +19,6 @@ from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt, Zener
 SMOOTHED = 10
 ON_BRACKET = 16
 HEAD = 2  # parameters of a bracketed law before those of the laws, which stand as in `Parallel`
-
 # One state whose rate is a slope for each direction times that of the deflection, and a force that depends on no rate.
 _BEHIND = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN, TABULATED, VAIANA_ROSATI)
 

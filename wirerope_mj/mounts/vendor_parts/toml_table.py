@@ -14,7 +14,6 @@ _UNITS = {
     "Hz": 1.0,
 }
 LENGTH, FORCE, STIFFNESS, FREQUENCY = ("mm", "in"), ("N", "daN", "kN"), ("N_per_mm", "lb_per_in"), ("Hz",)
-
 Pairs = list[tuple[float, float]]
 
 
