@@ -56,10 +56,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     """Parse a phrase into quantities, words with values, and directions.
 
     They stand in any order, separated by spaces: "15 g 11 ms z at 50 ms"; a range is written "5 to 50 Hz". `words` has the
-    quantity of the number that follows each known word; "" for one without a unit.
-
-    Raises:
-        ValueError: a part of it is not understood, or said twice, or has been left open as `?`; says which.
+    quantity of the number that follows each known word; "" for one without a unit. ValueError: a part of it is not
+    understood, or said twice, or has been left open as `?`; says which.
     """
     quantities: dict[str, list[float]] = {}
     named: dict[str, float] = {}

@@ -92,8 +92,7 @@ class Measured(Summarised):
     def base(self) -> Record:
         """Measured acceleration of the base as a motion, as `load_record` reads it from the same file with the same start.
 
-        Raises:
-            RecordError: the map names no acceleration of the base, or the clock is not the file's.
+        RecordError: the map names no acceleration of the base, or the clock is not the file's.
         """
         parts = {one.column: one for one in self.channels if one.subject == "base" and one.quantity == "acceleration"}
         if not parts:

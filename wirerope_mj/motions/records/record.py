@@ -234,8 +234,7 @@ def is_measurement(path: Path) -> bool:
 def record_channels(path: str | Path) -> tuple[str, ...]:
     """Return the names of a record's channels, as `load_record` takes them.
 
-    Raises:
-        RecordError: the file is no record.
+    RecordError: the file is no record.
     """
     file = Path(path).absolute()
     return uff_channels(file) if is_uff(file) else table_channels(file)

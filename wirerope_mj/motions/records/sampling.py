@@ -131,10 +131,8 @@ def resampled(reading: Reading, rate: float) -> Reading:
     """Return an evenly sampled record at another rate [Hz], through a zero-phase anti-alias filter.
 
     The filter (a Kaiser window, applied in polyphase form) passes what lies below 0.8 of the lower of the two Nyquist
-    frequencies to 1e-4 and attenuates what lies above it by 80 dB.
-
-    Raises:
-        ValueError: the two rates are no fraction of integers up to 10 000.
+    frequencies to 1e-4 and attenuates what lies above it by 80 dB. ValueError: the two rates are no fraction of integers up
+    to 10 000.
     """
     step = float(reading.time[1] - reading.time[0])
     ratio = Fraction(rate * step).limit_denominator(_LARGEST_FACTOR)
@@ -236,10 +234,8 @@ def without_baseline(time: Array, samples: Array, baseline: str, highpass: float
     """Return instants [s], (n,), and accelerations, (n, 3), without a constant, or without what is slower than a cutoff [Hz].
 
     `baseline` is one of `BASELINES`; the filter has the gain one half at its cutoff `highpass`. Samples are changed in place,
-    unless they are filtered: a record is then longer, by rest at both ends.
-
-    Raises:
-        ValueError: the cutoff is half the sampling rate or more, or lower than can be meant.
+    unless they are filtered: a record is then longer, by rest at both ends. ValueError: the cutoff is half the sampling rate
+    or more, or lower than can be meant.
     """
     if highpass is not None:
         return _highpassed(time, samples, highpass)

@@ -52,8 +52,7 @@ class VibrationSpectrum(Brief):
             method: "dirlik" (1985): rainflow amplitudes of a Gaussian process of any bandwidth; "narrow-band": as many cycles
                 as upward crossings, with Rayleigh's amplitudes, D = v0 T (sqrt(2) s)^b Gamma(1 + b/2).
 
-        Raises:
-            ValueError: an argument is out of its range.
+        ValueError: an argument is out of its range.
         """
         b, time = positive("exponent", exponent), positive("duration", duration, unit="s")
         one_of("method", method, get_args(Method))

@@ -130,8 +130,7 @@ _AXIS_VALUE = {"roll": "shear shock", "shear": "shear shock", "axial": "compress
 def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isolator:
     """Return an isolator with the estimated values; its spread is the scatter of the estimates of known parts.
 
-    Raises:
-        ConvergenceError: no law has all the values.
+    ConvergenceError: no law has all the values.
     """
     values = estimate.values
     modes = {

@@ -42,8 +42,7 @@ class VendorLoop:
 def vendor_loops() -> tuple[VendorLoop, ...]:
     """Return the 50 parts that state geometry and all three modes, in their order.
 
-    Raises:
-        ModelError: the table cannot be read.
+    ModelError: the table cannot be read.
     """
     loops = (_loop(part) for part in vendor_parts() if part.series is ENIDINE)
     return tuple(loop for loop in loops if loop is not None)

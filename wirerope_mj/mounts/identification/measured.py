@@ -135,9 +135,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
     Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
     (isotonic regression) has none. Weights "range" divide residuals by each loop's half force range, so that small loops
     count as much as large ones, "equal" by that of the largest loop. A bare bump stop's force stands still within its gap.
-
-    Raises:
-        ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
+    ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
     """
     one_of("weights", weights, ("range", "equal"))
     largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)

@@ -147,10 +147,7 @@ LEAST = 0.02
 def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[MeasuredLoop], dict[str, float]]:
     """Return the loops that count for a stop, and how far beyond zero the sides that close were pressed [m], 0 of others.
 
-    Loops within the gap of a bare stop hold noise alone and do not count.
-
-    Raises:
-        ValueError: none closes.
+    Loops within the gap of a bare stop hold noise alone and do not count. ValueError: none closes.
     """
     counted = [loop for loop in loops if known is not None or closes(loop)]
     low, high = (pick(float(pick(loop.deflection)) for loop in loops) for pick in (min, max))

@@ -215,9 +215,8 @@ class Isolator(Brief):
     def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
         """Return the isolator that a file's content describes; messages call it `where`, points in a CSV file lie in `folder`.
 
-        Raises:
-            ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,
-                axis, key and rule.
+        ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where, axis, key
+        and rule.
         """
         try:
             return cls(**read_tables(content, where, folder))

@@ -154,9 +154,7 @@ class Law(ABC):
         """Return the law whose force is `factor` times this one's along every path from the unloaded state.
 
         It is the same law in another unit of force: every parameter is multiplied by the factor to its power of force.
-
-        Raises:
-            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
         """
         return self._in_another_unit(factor, self.force_powers)
 
@@ -236,9 +234,8 @@ class Law(ABC):
             rate: deflection rate at the samples [m/s], (n_t,); by second-order differences if it is not given.
             initial_states: internal states at the first sample, (n_states,); zero by default.
 
-        Raises:
-            ValueError: the path is not a finite series, a rate-dependent law has no `time`, or the force leaves the
-                finite numbers along the path.
+        ValueError: the path is not a finite series, a rate-dependent law has no `time`, or the force leaves the finite
+        numbers along the path.
         """
         return self._trace(deflection, time=time, rate=rate, initial_states=initial_states)
 

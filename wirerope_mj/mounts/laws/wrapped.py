@@ -162,10 +162,8 @@ class OnBracket(_Wrapped):
 def on_bracket(law: Law, stiffness: float) -> Law:
     """Build the law of a mount with `law` in series with a spring [N/m].
 
-    Exact: of a linear law the linear law that both make together, of friction and hysteresis `OnBracket`.
-
-    Raises:
-        ValueError: the law is neither.
+    Exact: of a linear law the linear law that both make together, of friction and hysteresis `OnBracket`. ValueError: the law
+    is neither.
     """
     positive("stiffness", stiffness, unit="N/m")
     if isinstance(law, KelvinVoigt | Zener):

@@ -108,9 +108,7 @@ def rotational_stiffness(
     The torsion of single loops about x and z is left out: it is small against loops that are spread out. EI is the bending
     stiffness of the rope [N m^2], y_i the positions of the loops along the bars from their middle [m], (n,). Stiffnesses of
     all loops along the axis and across the bars [N/m] take the place of the elastica's where they are known, except about y.
-
-    Raises:
-        ValueError: an argument is out of range.
+    ValueError: an argument is out of range.
     """
     y = np.asarray(positions, dtype=float)
     if y.ndim != 1 or y.size == 0 or not np.all(np.isfinite(y)):

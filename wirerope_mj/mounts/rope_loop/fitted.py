@@ -131,10 +131,7 @@ def axis_curves(
     """Return the curves of an isolator's loop from its envelope and its rated travels [m].
 
     The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not
-    known.
-
-    Raises:
-        ValueError: no loop has these measures, or its rope is taut within the travel.
+    known. ValueError: no loop has these measures, or its rope is taut within the travel.
     """
     shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
     loop = RopeLoop(shape, ELEMENTS)

@@ -68,8 +68,7 @@ class VendorPart:
     def with_loops(self, loops: int) -> "VendorPart":
         """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
 
-        Raises:
-            ValueError: the part has no more loops than that, or the vendor does not say how many.
+        ValueError: the part has no more loops than that, or the vendor does not say how many.
         """
         if self.loops is None or not 0 < loops < self.loops:
             have = "an unknown number of" if self.loops is None else str(self.loops)

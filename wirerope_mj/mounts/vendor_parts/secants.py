@@ -159,10 +159,8 @@ def fit_secants(
 ) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
-    `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule.
-
-    Raises:
-        ConvergenceError: the secants ask for friction or a spring that is not positive.
+    `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule. ConvergenceError: the
+    secants ask for friction or a spring that is not positive.
     """
     friction, spring = _sizes(secants, curve, yielding, rule)
     return rule.law(friction, yielding, spring, curve)
@@ -186,8 +184,7 @@ def fit_damped(
 ) -> NiLaw | Parallel:
     """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
 
-    Raises:
-        ConvergenceError: no yield deflection gives that damping; says what can be reached.
+    ConvergenceError: no yield deflection gives that damping; says what can be reached.
     """
     exponent = curve.asymmetry or 0.0
 
