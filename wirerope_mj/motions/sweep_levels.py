@@ -178,19 +178,13 @@ def _acceleration_of_displacement(course: Course, t: Array) -> Array:
 Form = Callable[[Course, Array], Array]
 # by the quantity whose amplitude is constant: displacement, velocity and acceleration for an amplitude of 1
 FORMS: dict[str, tuple[Form, Form, Form]] = {
-    "acceleration": (
-        _displacement_of_acceleration,
-        _velocity_of_acceleration,
-        lambda course, t: np.sin(course.phase(t)),
-    ),
+    "acceleration": (_displacement_of_acceleration, _velocity_of_acceleration, lambda course, t: np.sin(course.phase(t))),
     "velocity": (
-        _displacement_of_velocity,
-        lambda course, t: -np.cos(course.phase(t)),
+        _displacement_of_velocity, lambda course, t: -np.cos(course.phase(t)),
         lambda course, t: course.omega(t) * np.sin(course.phase(t)),
     ),
     "displacement": (
-        lambda course, t: -np.sin(course.phase(t)),
-        lambda course, t: -course.omega(t) * np.cos(course.phase(t)),
+        lambda course, t: -np.sin(course.phase(t)), lambda course, t: -course.omega(t) * np.cos(course.phase(t)),
         _acceleration_of_displacement,
     ),
-}
+}  # fmt: skip

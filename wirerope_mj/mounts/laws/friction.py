@@ -63,7 +63,7 @@ class EnhancedDryFriction(Law):
         return self.d / self.u_c + self.k
 
     @property
-    def largest_force(self) -> float:
+    def largest_force(self) -> float:  # type: ignore[override]
         """The friction force d without a spring, else infinite [N]."""
         return self.d if self.k == 0.0 else float("inf")
 
@@ -132,7 +132,7 @@ class Masing(Law):
         return float(sum(self.stiffness) + self.k)
 
     @property
-    def largest_force(self) -> float:
+    def largest_force(self) -> float:  # type: ignore[override]
         """Sum of the slip forces without a spring, else infinite [N]."""
         return self.z_max if self.k == self.k2 == self.k3 == 0.0 else float("inf")
 

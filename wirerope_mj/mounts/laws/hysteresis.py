@@ -128,7 +128,7 @@ class Hysteresis(Law):
         return (self.alpha / self._total) ** (1.0 / self.n) if self._total > 0.0 else math.inf
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """Deflection at which z becomes infinite on the virgin path [m]; infinite unless beta + gamma < 0 and n > 1.
 
         x* = (1/alpha) (alpha / |beta + gamma|)^(1/n) (pi/n) / sin(pi/n), the integral of dz / (alpha + |beta + gamma| z^n).
@@ -139,7 +139,7 @@ class Hysteresis(Law):
         return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * angle / math.sin(angle)
 
     @property
-    def largest_force(self) -> float:
+    def largest_force(self) -> float:  # type: ignore[override]
         """z_max if there is no elastic part beside z, else infinite [N]."""
         return self.z_max if getattr(self, "k", 1.0) == 0.0 else math.inf
 

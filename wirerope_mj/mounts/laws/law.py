@@ -30,6 +30,12 @@ class Law(ABC):
     rate_independent: ClassVar[bool] = True
     # Whether its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot.
     smoothable: ClassVar[bool] = False
+    # Derivative of the force by the deflection rate in the unloaded state [N s/m].
+    damping_coefficient: ClassVar[float] = 0.0
+    relaxation_rate: ClassVar[float] = 0.0  # at which internal states decay at rest [1/s]
+    largest_force: ClassVar[float] = math.inf  # of a law without an elastic part [N]; infinite for every other
+    # Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere.
+    finite_travel: ClassVar[float] = math.inf
     travel_rule: ClassVar[str] = "its force becomes infinite"
     # Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into.
     needs_rating: ClassVar[bool] = True
@@ -90,11 +96,6 @@ class Law(ABC):
         return sum(getattr(self, name) for name in self.tangents)
 
     @property
-    def damping_coefficient(self) -> float:
-        """Derivative of the force by the deflection rate in the unloaded state [N s/m]; 0 for a rate-independent law."""
-        return 0.0
-
-    @property
     def closed_stiffness(self) -> float:
         """The same tangent where it counts for the step that is stable [N/m]: behind the gap of a stop."""
         return self.initial_stiffness
@@ -105,24 +106,9 @@ class Law(ABC):
         return self.damping_coefficient
 
     @property
-    def relaxation_rate(self) -> float:
-        """Rate at which internal states decay at rest [1/s]; 0 for a rate-independent law."""
-        return 0.0
-
-    @property
-    def finite_travel(self) -> float:
-        """Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere."""
-        return math.inf
-
-    @property
     def travel_ends(self) -> tuple[float, float]:
         """Deflections below and above zero up to which the law holds [m], both positive; `finite_travel` for most laws."""
         return self.finite_travel, self.finite_travel
-
-    @property
-    def largest_force(self) -> float:
-        """Largest force of a law without an elastic part [N]; infinite for every other."""
-        return math.inf
 
     @property
     def n_states(self) -> int:

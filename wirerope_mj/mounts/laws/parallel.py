@@ -103,7 +103,7 @@ class Parallel(Law):
         return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.state_names)
 
     @property
-    def relaxation_rate(self) -> float:
+    def relaxation_rate(self) -> float:  # type: ignore[override]
         """Fastest decay of an internal state at rest [1/s]."""
         return max(law.relaxation_rate for law in self.laws)
 
@@ -114,7 +114,7 @@ class Parallel(Law):
         return float(ends[0]), float(ends[1])
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """The shorter of both [m]."""
         return min(self.travel_ends)
 

@@ -53,13 +53,13 @@ class TinkerCutchins(Law):
     smoothing: float
 
     @property
-    def damping_coefficient(self) -> float:
+    def damping_coefficient(self) -> float:  # type: ignore[override]
         """Slope of damping and friction at rest, at x = 0 [N s/m]."""
         damping = self.c if self.n == 1.0 else self.c * self.smoothing ** (self.n - 1.0) if self.n < 1.0 else 0.0
         return damping + self.f0 / self.smoothing
 
     @property
-    def largest_force(self) -> float:
+    def largest_force(self) -> float:  # type: ignore[override]
         """Zero at rest without springs, else infinite [N]."""
         return 0.0 if self.k1 == self.k2 == self.k3 == 0.0 else math.inf
 
@@ -103,7 +103,7 @@ class EquivalentViscous(Law):
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
 
     @property
-    def damping_coefficient(self) -> float:
+    def damping_coefficient(self) -> float:  # type: ignore[override]
         """Equivalent viscous coefficient c_eq [N s/m]."""
         return self.energy / (math.pi * 2.0 * math.pi * self.frequency * self.amplitude**2)
 

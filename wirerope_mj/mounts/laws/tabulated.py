@@ -210,7 +210,7 @@ class Tabulated(AsCall, Law):
         return (above if self.symmetric else -self.deflection[0]), above
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """Shorter of both sides of the table [m]."""
         return min(self.travel_ends)
 

@@ -121,7 +121,7 @@ class VaianaRosati(Law):
         return max(upper_slope + self.alpha * self.z_max, lower_slope + self._parameters[10] * self.z_max)
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """Smallest deflection to either side at which the limit curves cross [m]; infinite if they never do."""
         p = self._parameters
         if all(np.array_equal(p[i], p[i + 8]) for i in (0, 3, 4, 5, 6, 7)):

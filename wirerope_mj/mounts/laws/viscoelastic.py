@@ -36,7 +36,7 @@ class KelvinVoigt(Law):
             raise ValueError("`k` and `c` must not both be 0: leave the axis out of the isolator instead.")
 
     @property
-    def damping_coefficient(self) -> float:
+    def damping_coefficient(self) -> float:  # type: ignore[override]
         """Damping c [N s/m]."""
         return self.c
 
@@ -71,12 +71,12 @@ class Zener(Law):
         return np.array([self.k0, self.k1, self.relaxation_rate])
 
     @property
-    def relaxation_rate(self) -> float:
+    def relaxation_rate(self) -> float:  # type: ignore[override]
         """Rate k1 / c at which the damper lets its branch's force decay [1/s]."""
         return self.k1 / self.c
 
     @property
-    def largest_force(self) -> float:
+    def largest_force(self) -> float:  # type: ignore[override]
         """Zero at rest if k0 is, else infinite [N]."""
         return 0.0 if self.k0 == 0.0 else float("inf")
 
