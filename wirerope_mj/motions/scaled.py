@@ -16,8 +16,7 @@ from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-# largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
-_SQUARE = 1e-9
+_SQUARE = 1e-9  # largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
 
 
 def _same(name: str) -> Any:

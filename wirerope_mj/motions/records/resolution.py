@@ -12,8 +12,7 @@ from wirerope_mj.motions.records.reading import is_pulse, peak_from
 # but three others do, and its neighbours agree with theirs to a tenth of that. A step leaves one neighbour alone, and of a
 # vibration many samples stand out alike.
 _TALL, _ALONE, _LEVEL, _SEVERAL = 0.1, 10.0, 0.1, 3
-# fraction of the peak above which samples belong to a half wave; from which a half wave counts
-_FOOT, _HIGH = 0.1, 0.5
+_FOOT, _HIGH = 0.1, 0.5  # fraction of the peak above which samples belong to a half wave; from which a half wave counts
 _FEW = 4  # samples across a half-sine up to which its peak may be 13 % higher or more; of five it may be 7 %
 _WIDE = 1.0 - 2.0 * math.asin(_FOOT) / math.pi  # part of a half-sine's length in which it is above its foot
 # mean square of the steps from sample to sample over that of the samples: 2 for white noise and for a sine of four samples a

@@ -38,8 +38,7 @@ from wirerope_mj.mounts.laws.wrapped import HEAD, ON_BRACKET, SMOOTHED
 
 # Kernels whose force depends on the deflection rate, those of the laws with `rate_independent` False; a stop's may, too.
 RATE_DEPENDENT = (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED)
-# The function of a law that a program brings along, by its address: see `OwnLaw`.
-OWN = 17
+OWN = 17  # The function of a law that a program brings along, by its address: see `OwnLaw`.
 # Kernels whose parameters begin with alpha, beta, gamma, n and whose only state follows Bouc-Wen's equation.
 BOUC_WEN_LAWS = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN)
 
