@@ -75,10 +75,7 @@ def fit_coupling(
 
 
 def _coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array, Array]:
-    """Return all pairs (u, w) of two lists of deflections [m], (n, 2), and the forces there for EI = 1 N m^2, (n, 2).
-
-    First those beyond what (u, 0) and (0, w) have alone, then the whole ones.
-    """
+    """Return all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces beyond those of (u, 0) and (0, w), and the whole."""
     u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
     state = loop.state(u, w)
     across = np.repeat(loop.state(roll, 0.0).roll_force, len(axial))

@@ -104,11 +104,7 @@ def _led_on(law: Law, path: Array, states: Array, tolerance: float) -> Array:
 
 
 def _quarters(points: int) -> tuple[Array, Array]:
-    """Return sine and cosine over one period, (points + 1,) each.
-
-    Every quarter mirrors the first, so that turning points, zeros and the two ends are exact: closure is then the law's,
-    not rounding's.
-    """
+    """Return sine and cosine over one period, (points + 1,) each, every quarter a mirror of the first: closure is the law's."""
     first = np.sin(2.0 * np.pi * np.arange(points // 4 + 1) / points)
     half = np.concatenate([first, first[-2::-1]])
     sine = np.concatenate([half, -half[1:]])

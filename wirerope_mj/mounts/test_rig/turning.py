@@ -110,10 +110,7 @@ def _reversals(values: Array, threshold: float) -> npt.NDArray[np.int64]:
 
 
 def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
-    """Return the time in the middle between the crossings on both sides of each turning point.
-
-    Near its turning point a sine hardly moves, so that noise shifts the largest sample far; its crossings it does not.
-    """
+    """Return the time in the middle between the crossings on both sides of each turning point, which noise hardly shifts."""
     times = time[turns].astype(np.float64)
     for index in range(1, turns.size - 1):
         before, here, after = (int(turn) for turn in turns[index - 1 : index + 2])

@@ -148,10 +148,7 @@ def _rotation(
 def _coupling(
     sheet: DataSheet, range_of_roll: float, axial: NiLaw | Parallel, roll: NiLaw | Parallel, curves: AxisCurves
 ) -> LoopCoupling:
-    """Return the loop's coupling energy, in the size that both axes ask for: the geometric mean of their EI.
-
-    Over the 50 parts of Enidine's table that leaves 45 degrees nearest to the catalogue.
-    """
+    """Return the loop's coupling energy with the geometric mean of both axes' EI, by which 45 degrees is nearest to Enidine."""
     sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
     shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
     travel, size = sheet.compression.travel, math.sqrt(sizes[0] * sizes[1])
