@@ -38,6 +38,7 @@ class BoucWenBaberNoori(Hysteresis):
     not_negative: ClassVar[tuple[str, ...]] = (
         "k", "delta_alpha", "delta_nu", "delta_eta", "zeta", "q", "p", "psi", "delta_psi", "lam",
     )  # fmt: skip
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
     tangents: ClassVar[tuple[str, ...]] = ("alpha", "k")
 
     alpha: float

@@ -23,6 +23,7 @@ class BoucWen(Hysteresis):
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
     tangents: ClassVar[tuple[str, ...]] = ("alpha", "k")
 
     alpha: float
@@ -43,6 +44,7 @@ class Ozdemir(Hysteresis):
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
     tangents: ClassVar[tuple[str, ...]] = ("alpha", "k")
 
     alpha: float

@@ -38,6 +38,7 @@ class EnhancedDryFriction(Law):
     damping_parameters: ClassVar[tuple[str, ...]] = ("d",)
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
     above_zero: ClassVar[tuple[str, ...]] = ("d", "u_c")
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
 
     k: float
     d: float
@@ -48,7 +49,7 @@ class EnhancedDryFriction(Law):
         return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
 
     @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Bound d of the friction force [N]."""
         return self.d
 
@@ -61,11 +62,6 @@ class EnhancedDryFriction(Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, d / u_c + k [N/m]."""
         return self.d / self.u_c + self.k
-
-    @property
-    def largest_force(self) -> float:  # type: ignore[override]
-        """The friction force d without a spring, else infinite [N]."""
-        return self.d if self.k == 0.0 else float("inf")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -90,6 +86,7 @@ class Masing(Law):
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
     damping_parameters: ClassVar[tuple[str, ...]] = lists
     not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    elastic: ClassVar[tuple[str, ...]] = ("k", "k2", "k3")
     force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"stiffness": -1.0}
 
@@ -122,7 +119,7 @@ class Masing(Law):
         return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
 
     @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Bound of the sliders' force, the sum of the slip forces [N]."""
         return float(sum(self.slip_force))
 
@@ -130,11 +127,6 @@ class Masing(Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, k plus all elements [N/m]."""
         return float(sum(self.stiffness) + self.k)
-
-    @property
-    def largest_force(self) -> float:  # type: ignore[override]
-        """Sum of the slip forces without a spring, else infinite [N]."""
-        return self.z_max if self.k == self.k2 == self.k3 == 0.0 else float("inf")
 
 
 @njit

@@ -123,7 +123,7 @@ class Hysteresis(Law):
         return {name: -1.0 for name in ("alpha", "beta", "gamma") if hasattr(self, name)}
 
     @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Bound of z, (alpha / (beta + gamma))^(1/n) [N], thesis (3.19); infinite if beta + gamma <= 0."""
         return (self.alpha / self._total) ** (1.0 / self.n) if self._total > 0.0 else math.inf
 
@@ -137,11 +137,6 @@ class Hysteresis(Law):
             return math.inf
         angle = math.pi / self.n
         return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * angle / math.sin(angle)
-
-    @property
-    def largest_force(self) -> float:  # type: ignore[override]
-        """z_max if there is no elastic part beside z, else infinite [N]."""
-        return self.z_max if getattr(self, "k", 1.0) == 0.0 else math.inf
 
 
 @inlined

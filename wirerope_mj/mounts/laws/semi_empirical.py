@@ -40,6 +40,7 @@ class TinkerCutchins(Law):
     damping_parameters: ClassVar[tuple[str, ...]] = ("c", "f0", "f1", "f2")
     not_negative: ClassVar[tuple[str, ...]] = ("k1", "k3", "c", "f0", "f1", "f2")
     above_zero: ClassVar[tuple[str, ...]] = ("n", "smoothing")
+    elastic: ClassVar[tuple[str, ...]] = ("k1", "k2", "k3")
     tangents: ClassVar[tuple[str, ...]] = ("k1",)
 
     k1: float
@@ -57,11 +58,6 @@ class TinkerCutchins(Law):
         """Slope of damping and friction at rest, at x = 0 [N s/m]."""
         damping = self.c if self.n == 1.0 else self.c * self.smoothing ** (self.n - 1.0) if self.n < 1.0 else 0.0
         return damping + self.f0 / self.smoothing
-
-    @property
-    def largest_force(self) -> float:  # type: ignore[override]
-        """Zero at rest without springs, else infinite [N]."""
-        return 0.0 if self.k1 == self.k2 == self.k3 == 0.0 else math.inf
 
 
 @dataclass(frozen=True, kw_only=True)

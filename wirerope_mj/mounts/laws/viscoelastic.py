@@ -60,6 +60,7 @@ class Zener(Law):
     damping_parameters: ClassVar[tuple[str, ...]] = ("k1", "c")  # that branch, whose force decays as fast as before
     not_negative: ClassVar[tuple[str, ...]] = ("k0",)
     above_zero: ClassVar[tuple[str, ...]] = ("k1", "c")
+    elastic: ClassVar[tuple[str, ...]] = ("k0",)
     tangents: ClassVar[tuple[str, ...]] = ("k0", "k1")  # against a sudden deflection
 
     k0: float
@@ -74,11 +75,6 @@ class Zener(Law):
     def relaxation_rate(self) -> float:  # type: ignore[override]
         """Rate k1 / c at which the damper lets its branch's force decay [1/s]."""
         return self.k1 / self.c
-
-    @property
-    def largest_force(self) -> float:  # type: ignore[override]
-        """Zero at rest if k0 is, else infinite [N]."""
-        return 0.0 if self.k0 == 0.0 else float("inf")
 
 
 @njit
