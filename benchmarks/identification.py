@@ -42,7 +42,7 @@ from wirerope_mj.mounts.identification import compare_laws, compare_methods
 from wirerope_mj.mounts.identification.families import family_of
 from wirerope_mj.mounts.identification.identify import identify
 from wirerope_mj.mounts.identification.measured import STEADY, MeasuredLoop, prepare
-from wirerope_mj.mounts.identification.residuals import loop_residual
+from wirerope_mj.mounts.identification.search import loop_residual
 from wirerope_mj.mounts.laws import Law
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 

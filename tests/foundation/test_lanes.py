@@ -12,7 +12,7 @@ from tests.laws_for_tests import PARAMETERS, example
 from wirerope_mj.foundation.lanes import WIDTH, count, lane, picked, power, raised, ranked, rows, some, where, with_lane
 from wirerope_mj.mounts.laws import LAWS, Parallel, kernels
 from wirerope_mj.mounts.laws.plane_kernels import biaxial_rates, loop_force
-from wirerope_mj.mounts.laws.smoothed import Smoothed
+from wirerope_mj.mounts.laws.wrapped import Smoothed
 
 pytestmark = [
     pytest.mark.quick,

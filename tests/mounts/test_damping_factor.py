@@ -6,7 +6,7 @@ from laws_for_tests import PARAMETERS, example
 from one_scale import one_scale
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.laws import LAWS, Parallel, Smoothed
+from wirerope_mj.mounts.laws import LAWS, KelvinVoigt, OnBracket, Parallel, Smoothed
 
 PATH = 1e-2 * np.sin(np.linspace(0.0, 4.0 * np.pi, 801))
 TIME = np.linspace(0.0, 0.2, PATH.size)
@@ -53,7 +53,19 @@ def test_laws_made_of_laws_hand_the_factor_on():
     both = Parallel(laws=(hysteretic, stop)).with_damping(2.0)
     assert both.laws == (hysteretic.with_damping(2.0), stop)
     assert Parallel(laws=(hysteretic, stop)).damping_parameters == ("alpha_1", "beta_1", "gamma_1")
-    assert Smoothed(law=hysteretic, width=0.1).with_damping(2.0).law == hysteretic.with_damping(2.0)
+    for wrapped in (Smoothed(law=hysteretic, width=0.1), OnBracket(law=hysteretic, stiffness=1e6)):
+        assert wrapped.with_damping(2.0).law == hysteretic.with_damping(2.0)
+        assert wrapped.with_yield(2.0).law == hysteretic.with_yield(2.0) != hysteretic
+
+
+def test_friction_of_a_smoothed_law_builds_up_over_more_deflection():
+    law, factor = example("bouc-wen"), 2.0
+    both = Parallel(laws=(Smoothed(law=law, width=0.1), KelvinVoigt(k=1e3, c=0.0)))
+    varied = Parallel(**both.completed({"yield": factor})).laws[0]  # as a study varies it
+    # Over the stretched path z is that over the path, the width being one of the rates, which are stretched, too.
+    stretched = varied.trace(factor * PATH, time=TIME).hysteretic_state
+    narrower = Smoothed(law=law, width=0.1 / factor).trace(PATH, time=TIME).hysteretic_state
+    np.testing.assert_allclose(stretched, narrower, rtol=0, atol=1e-8 * np.ptp(narrower))  # as exact as a trace
 
 
 def test_an_isolator_keeps_its_elastic_forces_and_its_limits():

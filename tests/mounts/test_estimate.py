@@ -6,8 +6,14 @@ import pytest
 from wirerope_mj.cli import main
 from wirerope_mj.mounts.estimate import check_vendor_loops, estimate_loop, estimated_isolator
 from wirerope_mj.mounts.estimate.estimate import error_bands
-from wirerope_mj.mounts.estimate.trends import all_trends, find_trends, left_out_errors, other_vendor_errors
-from wirerope_mj.mounts.estimate.vendor_loops import loop_secants, vendor_loops
+from wirerope_mj.mounts.estimate.trends import (
+    all_trends,
+    find_trends,
+    left_out_errors,
+    loop_secants,
+    other_vendor_errors,
+    vendor_loops,
+)
 from wirerope_mj.mounts.rope_loop import LoopShape, RopeLoop, fit_coupling
 from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
 from wirerope_mj.mounts.vendor_parts import load_isolator

@@ -5,8 +5,7 @@ import pytest
 import scipy
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.coordinates import Scales
-from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.families import Scales, family_of
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 from wirerope_mj.mounts.identification.uncertainty import uncertainty_of, with_noise_of_each
 from wirerope_mj.mounts.test_rig import cyclic_test, measured, steady_loops

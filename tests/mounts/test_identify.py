@@ -4,11 +4,10 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.coordinates import Scales
-from wirerope_mj.mounts.identification.families import FAMILIES
+from wirerope_mj.mounts.identification.families import FAMILIES, Scales
 from wirerope_mj.mounts.identification.measured import prepare
-from wirerope_mj.mounts.identification.residuals import area_residual
 from wirerope_mj.mounts.identification.result import validity_of
+from wirerope_mj.mounts.identification.search import area_residual
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 TRAVEL = 0.01

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
+from wirerope_mj.mounts.identification.families import Coordinate, Family
 from wirerope_mj.mounts.identification.profiles import survey
 from wirerope_mj.mounts.identification.search import Unknowns, run_search
 from wirerope_mj.mounts.test_rig import cyclic_test, measured

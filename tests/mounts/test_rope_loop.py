@@ -5,8 +5,7 @@ import pytest
 from scipy.special import ellipeinc, ellipkinc
 
 from wirerope_mj.mounts.rope_loop.elastica import LARGEST_REACH, RopeLoop
-from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
-from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
+from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop, LoopShape, loop_shape
 
 WR16_400 = {"height": 0.089, "width": 0.105, "bar": 0.0196, "rope": 0.0127}
 SHAPE = loop_shape(**WR16_400)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.identification.left_out import error_of
+from wirerope_mj.mounts.identification.left_out import group_error
 from wirerope_mj.mounts.identification.measured import ScaleLoop, prepare, scales_of
 from wirerope_mj.mounts.identification.scales import APART, LEAST_EXPONENT, SCALES, scales_family
 
@@ -76,7 +76,9 @@ def test_the_law_has_one_spring_one_asymmetry_and_scales_apart(three):
 def test_the_smallest_amplitude_left_out_is_predicted_three_times_better_than_by_one_set(loops):
     smallest = prepare(loops)[0]
     errors = {
-        scales: error_of(wr.identify(loops[1:], law=wr.AsymmetricBoucWen, scales=scales, profiles=False).law, smallest)
+        scales: group_error(
+            wr.identify(loops[1:], law=wr.AsymmetricBoucWen, scales=scales, profiles=False).law, [smallest], [0]
+        )
         for scales in (1, 3)
     }
     assert errors[3] < errors[1] / 3.0, errors

@@ -6,8 +6,7 @@ import pytest
 import wirerope_mj as wr
 from wirerope_mj.mounts.identification.families import FAMILIES
 from wirerope_mj.mounts.identification.measured import prepare, scales_of
-from wirerope_mj.mounts.identification.residuals import loop_residual
-from wirerope_mj.mounts.identification.search import Unknowns, run_search
+from wirerope_mj.mounts.identification.search import Unknowns, loop_residual, run_search
 from wirerope_mj.mounts.test_rig import cyclic_test, measured
 
 pytestmark = pytest.mark.quick

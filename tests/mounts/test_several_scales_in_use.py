@@ -12,7 +12,7 @@ from table_study import PULSE, table_study
 import wirerope_mj as wr
 from wirerope_mj.dynamics.periodic.laws import smoothed, width_indices
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
-from wirerope_mj.mounts.laws.smoothed import with_width
+from wirerope_mj.mounts.laws.wrapped import with_width
 from wirerope_mj.studies.engines import compute as engine
 from wirerope_mj.studies.engines.together import NONE
 from wirerope_mj.studies.inputs.vary_option import available_lines

@@ -13,7 +13,7 @@ from scipy.integrate import solve_ivp
 import wirerope_mj as wr
 from wirerope_mj.dynamics.single_mass.balance import harmonic_balance
 from wirerope_mj.mounts.laws import LAWS, BoucWen, Masing, Zener, kernels
-from wirerope_mj.mounts.laws.smoothed import Smoothed
+from wirerope_mj.mounts.laws.wrapped import Smoothed
 
 NAMES = [
     "asymmetric-bouc-wen", "bouc-wen", "enhanced-dry-friction", "ozdemir", "symmetric-bouc-wen", "vaiana-rosati",

@@ -20,7 +20,7 @@ from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts import laws
-from wirerope_mj.mounts.laws.smoothed import smoothable
+from wirerope_mj.mounts.laws.wrapped import smoothable
 from wirerope_mj.runs.repeat import replay
 from wirerope_mj.studies.inputs.failure import acts, without_force
 from wirerope_mj.studies.inputs.vary_option import available_lines

@@ -10,6 +10,7 @@ STANDARD_GRAVITY = 9.80665  # Standard acceleration of free fall [m/s^2] (ISO 80
 TIME_UNITS = {"s": 1.0, "ms": 1e-3}
 LENGTH_UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254}
 FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605, "kip": 4448.2216152605}
+STIFFNESS_UNITS = {"N/mm": 1e3, "lb/in": 175.12683524647636}  # of vendors' tables; 4.4482216152605 N / 0.0254 m
 VELOCITY_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254}
 ACCELERATION_UNITS = {
     "m/s^2": 1.0,

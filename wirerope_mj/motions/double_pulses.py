@@ -122,13 +122,8 @@ class DoubleHalfSine(DoublePulse):
     (naval practice for a three-branch design spectrum, BV 0430 and STANAG; the kinematics are derived here). There is such
     a motion if t2 > 0, which is D > (pi/4) V^2/a1.
 
-    Args:
-        peak: peak acceleration a1 of the first pulse [m/s^2]; negative, with the other two, for a shock against the
-            direction.
-        velocity: velocity V between the pulses [m/s].
-        displacement: displacement D after the second pulse [m].
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant at which the first pulse begins [s].
+    `peak` is a1 [m/s^2], `velocity` V [m/s] and `displacement` D [m], all three negative for a shock against the `direction`
+    (`"x"`, `"y"`, `"z"` or a 3-vector); the first pulse begins at `start` [s].
     """
 
     kind: ClassVar[str] = "double-half-sine"
@@ -185,16 +180,9 @@ class DoubleTriangle(DoublePulse):
     r2: float
 
     def __init__(
-        self,
-        *,
-        peak: float,
-        velocity: float,
-        displacement: float,
-        direction: str | Sequence[float],
-        start: float = 0.0,
-        r1: float = 0.4,
-        r2: float = 0.4,
-    ) -> None:
+        self, *, peak: float, velocity: float, displacement: float, direction: str | Sequence[float],
+        start: float = 0.0, r1: float = 0.4, r2: float = 0.4,
+    ) -> None:  # fmt: skip
         for name, value in (("r1", r1), ("r2", r2)):
             object.__setattr__(self, name, between(name, value, 0.0, 1.0))
         super().__init__(peak=peak, velocity=velocity, displacement=displacement, direction=direction, start=start)

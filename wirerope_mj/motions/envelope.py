@@ -13,7 +13,6 @@ from wirerope_mj.motions.motion import unique_times
 
 # periods of the lowest frequency in a rise that is not given: it disturbs that frequency by 1/(2 * 10) at most
 USUAL_PERIODS = 10.0
-
 # fraction of the duration that a rise that is not given may take, if that leaves one period of the lowest frequency
 USUAL_FRACTION = 0.1
 

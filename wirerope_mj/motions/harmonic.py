@@ -43,9 +43,8 @@ class Sine(StraightMotion):
     def __init__(
         self, *, frequency: float, acceleration: float, direction: str | Sequence[float], duration: float | None = None
     ) -> None:
-        self._set(
-            frequency=ranges.frequency("frequency", frequency), amplitude=ranges.level("acceleration", acceleration)
-        )
+        self._set(frequency=ranges.frequency("frequency", frequency))
+        self._set(amplitude=ranges.level("acceleration", acceleration))
         self._set(direction=checked_direction(direction))
         self._set(duration=math.inf if duration is None else ranges.length("duration", duration))
 
@@ -132,23 +131,15 @@ class Sweep(StraightMotion):
     duration: float
 
     def __init__(
-        self,
-        *,
-        start: float,
-        stop: float,
-        rate: float,
-        direction: str | Sequence[float],
-        acceleration: float | None = None,
-        velocity: float | None = None,
-        displacement: float | None = None,
-    ) -> None:
+        self, *, start: float, stop: float, rate: float, direction: str | Sequence[float],
+        acceleration: float | None = None, velocity: float | None = None, displacement: float | None = None,
+    ) -> None:  # fmt: skip
         self._set(start=ranges.frequency("start", start), stop=ranges.frequency("stop", stop))
         if self.start == self.stop:
             raise ValueError(f"`stop` must differ from `start`, got {self.stop!r} Hz for both; use Sine instead.")
         self._set(rate=ranges.sweep_rate("rate", rate))
-        quantity, amplitude = the_one_given(
-            {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
-        )
+        given = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        quantity, amplitude = the_one_given(given)
         self._set(quantity=quantity, amplitude=ranges.level(quantity, amplitude))
         self._set(direction=checked_direction(direction), duration=self.course.duration)
 

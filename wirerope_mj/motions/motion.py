@@ -1,8 +1,9 @@
 """Base motions: acceleration, velocity and displacement that are exact closed forms of each other."""
 
+import math
 from abc import ABC, abstractmethod
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -17,7 +18,6 @@ from wirerope_mj.foundation.summary import AsCall
 
 # corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours
 SAME_TIME = 1e-10
-
 # instants below which a product with three components costs least at once; of thousands it costs a quarter one by one
 _FEW = 200
 
@@ -114,9 +114,10 @@ class BaseMotion(ABC):
         """
         return {"kind": self.kind, **self._parameters(files or {})}
 
-    @abstractmethod
     def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        """Return the constructor's arguments as plain values."""
+        """Return the constructor's arguments as plain values: the fields of the motion, but for lengths without an end."""
+        stated = {item.name: getattr(self, item.name) for item in fields(self) if item.init}  # type: ignore[arg-type]
+        return {name: _plain(value) for name, value in stated.items() if value != math.inf}
 
     def _set(self, **values: Any) -> None:
         """Set attributes of a frozen motion while it is made."""
@@ -264,6 +265,11 @@ def unique_times(times: Iterable[float] | Array) -> Array:
     """Return the instants [s] sorted; of those within `SAME_TIME` of their neighbour only the first stays."""
     ordered = np.sort(np.fromiter(times, dtype=float) if not isinstance(times, np.ndarray) else times)
     return ordered[np.diff(ordered, prepend=-np.inf) > SAME_TIME]
+
+
+def _plain(value: Any) -> Any:
+    """Return a value with lists for tuples."""
+    return [_plain(one) for one in value] if isinstance(value, tuple) else value
 
 
 def _terms(motion: BaseMotion) -> "tuple[BaseMotion, ...]":

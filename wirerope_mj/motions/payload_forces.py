@@ -2,10 +2,9 @@
 
 import math
 from abc import abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -126,13 +125,6 @@ class HarmonicForce(PayloadForce):
         """Period [s]."""
         return 1.0 / self.frequency
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values = {
-            "site": self.site, "frequency": self.frequency, "force": list(self.force), "moment": list(self.moment),
-            "phase": self.phase, "start": self.start,
-        }  # fmt: skip
-        return values | ({"duration": self.duration} if math.isfinite(self.duration) else {})
-
 
 @dataclass(frozen=True, kw_only=True)
 class Blow(PayloadForce):
@@ -218,8 +210,3 @@ class ForceTable(PayloadForce):
     def shortest_time(self) -> float:
         """None: between the corners it is straight."""
         return math.inf
-
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        return {
-            "site": self.site, "times": list(self.times), "loads": [list(row) for row in self.loads], "start": self.start,
-        }  # fmt: skip

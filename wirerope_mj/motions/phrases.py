@@ -33,7 +33,6 @@ UNITS: dict[str, Mapping[str, float]] = {
 _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for unit, factor in units.items()}
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
-
 START = {"at": "time"}
 
 
@@ -60,10 +59,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
     """Parse a phrase into quantities, words with values, and directions.
 
     They stand in any order, separated by spaces: "15 g 11 ms z at 50 ms"; a range is written "5 to 50 Hz". `words` has the
-    quantity of the number that follows each known word; "" for one without a unit.
-
-    Raises:
-        ValueError: a part of it is not understood, or said twice, or has been left open as `?`; says which.
+    quantity of the number that follows each known word; "" for one without a unit. ValueError: a part of it is not
+    understood, or said twice, or has been left open as `?`; says which.
     """
     quantities: dict[str, list[float]] = {}
     named: dict[str, float] = {}
@@ -115,9 +112,8 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
         raise ValueError(f'no number follows "{short(begun.strip())}".')
     if word:
         raise ValueError(f'nothing follows "{word}".')
-    return Phrase(
-        quantities={name: tuple(some) for name, some in quantities.items()}, named=named, directions=directions
-    )
+    said = {name: tuple(some) for name, some in quantities.items()}
+    return Phrase(quantities=said, named=named, directions=directions)
 
 
 def _number(part: str) -> tuple[float, str]:

@@ -23,7 +23,6 @@ from wirerope_mj.foundation.units import (
 )
 
 Points = tuple[tuple[float, float], ...]
-
 PSD_UNITS = dict.fromkeys(("g^2/Hz", "g2/Hz", "g²/Hz"), STANDARD_GRAVITY**2) | dict.fromkeys(
     ("(m/s^2)^2/Hz", "(m/s2)2/Hz", "(m/s²)²/Hz", "m^2/s^3", "m2/s3"), 1.0
 )

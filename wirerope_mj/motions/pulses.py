@@ -3,7 +3,7 @@
 import math
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any, ClassVar
@@ -57,10 +57,6 @@ class Pulse(StartedMotion):
     def shortest_time(self) -> float:
         """Length of the pulse [s]."""
         return self.duration
-
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values = {item.name: getattr(self, item.name) for item in fields(self)}
-        return {**values, "direction": plain_direction(self.direction)}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,12 +149,8 @@ class Trapezoid(Pulse):
 class VelocityStep(StartedMotion):
     """Sudden velocity of the base: at rest before `start`, at constant velocity from there on.
 
-    The acceleration is zero; the jump itself stands in `velocity_jumps`.
-
-    Args:
-        velocity: velocity after the step [m/s]; negative for a step against the direction.
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        start: instant of the step [s].
+    The acceleration is zero; the jump itself stands in `velocity_jumps`. The `velocity` [m/s] after the step at `start` [s] is
+    negative for a step against the `direction` (`"x"`, `"y"`, `"z"` or a 3-vector).
     """
 
     kind: ClassVar[str] = "velocity-step"

@@ -1,34 +1,31 @@
 """Stationary random vibration of a given power spectral density."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
-from typing import Any, ClassVar, Literal, get_args
+from typing import ClassVar, Literal, get_args
 
 import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes, random_phases, usual_ramp
 from wirerope_mj.motions.motion import StartedMotion
 from wirerope_mj.motions.piecewise import UniformSpline
-from wirerope_mj.motions.psd_lines import Points, checked_points, psd_power, psd_rms
+from wirerope_mj.motions.psd_lines import checked_points, psd_power, psd_rms
 
 Amplitudes = Literal["fixed", "random"]
-
 KNOTS_PER_PERIOD = 8  # knots of the acceleration in a period of the highest frequency
-
 MOST_POINTS = 1e8  # points of a random vibration: a gigabyte, more than an hour up to 2 kHz
 
 
-@dataclass(frozen=True, init=False, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class RandomVibration(AsCall, StartedMotion):
     """Gaussian vibration of a power spectral density, between a smooth rise from rest and a smooth fall back to it.
 
@@ -49,50 +46,32 @@ class RandomVibration(AsCall, StartedMotion):
     Memory is 8 bytes a knot: 80 MB for 10 minutes up to 2000 Hz. The phases are taken from a seed by a generator whose
     stream is the same everywhere; motions of different seeds are independent, those of the same seed, density and duration
     in different directions move together.
-
-    Args:
-        psd: points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero
-            outside. `psd_from_g` makes them from g^2/Hz.
-        duration: length of the vibration with rise and fall [s].
-        seed: integer >= 0 that chooses the phases, and the amplitudes if they are random.
-        direction: `"x"`, `"y"`, `"z"` or a 3-vector.
-        rise: length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of
-            the duration if that is shorter.
-        fall: the same for the fall.
-        start: instant at which the vibration begins [s].
-        amplitudes: `"fixed"` or `"random"`, see above; the phases of a seed are the same in both.
     """
 
     kind: ClassVar[str] = "random-vibration"
 
-    psd: Points
-    duration: float
-    seed: int
-    direction: Direction
-    rise: float
-    fall: float
-    start: float
-    amplitudes: Amplitudes
+    #: points (frequency [Hz], level [(m/s^2)^2/Hz]) with straight lines between them on logarithmic axes; zero outside.
+    #: `psd_from_g` makes them from g^2/Hz
+    psd: Sequence[Sequence[float]]
+    duration: float  #: length of the vibration with rise and fall [s]
+    seed: int  #: integer >= 0 that chooses the phases, and the amplitudes if they are random
+    direction: Direction  #: `"x"`, `"y"`, `"z"` or a 3-vector
+    #: length of the rise [s], at least a period of the lowest frequency; None: ten such periods, or a tenth of the duration if
+    #: that is shorter
+    rise: float = None  # type: ignore[assignment]
+    fall: float = None  # type: ignore[assignment]  #: the same for the fall
+    start: float = 0.0  #: instant at which the vibration begins [s]
+    amplitudes: Amplitudes = "fixed"  #: or "random", see above; the phases of a seed are the same in both
 
-    def __init__(
-        self,
-        *,
-        psd: Sequence[Sequence[float]],
-        duration: float,
-        seed: int,
-        direction: str | Sequence[float],
-        rise: float | None = None,
-        fall: float | None = None,
-        start: float = 0.0,
-        amplitudes: Amplitudes = "fixed",
-    ) -> None:
-        object.__setattr__(self, "psd", checked_points("psd", psd, quantity="level"))
-        object.__setattr__(self, "duration", ranges.length("duration", duration))
-        self._set(seed=integer("seed", seed, least=0), direction=checked_direction(direction))
-        for name, length in (("rise", rise), ("fall", fall)):
-            object.__setattr__(self, name, usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration))
+    def __post_init__(self) -> None:
+        self._set(psd=checked_points("psd", self.psd, quantity="level"))
+        self._set(duration=ranges.length("duration", self.duration))
+        self._set(seed=integer("seed", self.seed, least=0), direction=checked_direction(self.direction))
+        for name, length in (("rise", self.rise), ("fall", self.fall)):
+            self._set(**{name: usual_ramp(name, length, lowest=self.psd[0][0], duration=self.duration)})
         check_room(self.duration, self.rise, self.fall)
-        self._set(start=ranges.start("start", start), amplitudes=one_of("amplitudes", amplitudes, get_args(Amplitudes)))
+        self._set(start=ranges.start("start", self.start))
+        one_of("amplitudes", self.amplitudes, get_args(Amplitudes))
 
     @property
     def rms(self) -> float:
@@ -131,11 +110,6 @@ class RandomVibration(AsCall, StartedMotion):
     def shortest_time(self) -> float:
         """Period of the highest frequency [s]."""
         return 1 / self.psd[-1][0]
-
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values = {"psd": [list(point) for point in self.psd], "duration": self.duration, "seed": self.seed}
-        ramps = {"rise": self.rise, "fall": self.fall, "start": self.start}
-        return {**values, "direction": plain_direction(self.direction), **ramps, "amplitudes": self.amplitudes}
 
     @property
     def _intervals(self) -> int:

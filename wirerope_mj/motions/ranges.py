@@ -7,7 +7,6 @@ from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, posi
 SLOWEST, FASTEST = 1e-6, 1e6  # frequencies [Hz]
 SHORTEST, LONGEST = 1e-9, 1e9  # lengths [s]: instants closer than 1e-10 s are one
 LATEST = 1e6  # instants [s]: later ones are not told apart to 1e-10 s
-
 # magnitudes of accelerations, velocities, displacements, forces, in SI units, and of factors on them
 SMALLEST, LARGEST = 1e-12, 1e12
 

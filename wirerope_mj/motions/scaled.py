@@ -16,9 +16,7 @@ from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
-
-# largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
-_SQUARE = 1e-9
+_SQUARE = 1e-9  # largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
 
 
 def _same(name: str) -> Any:
@@ -116,12 +114,9 @@ class Turned(_Changed):
     direction: Direction | None
 
     def __init__(
-        self,
-        motion: BaseMotion,
-        *,
-        rotation: ArrayLike | None = None,
+        self, motion: BaseMotion, *, rotation: ArrayLike | None = None,
         direction: str | Sequence[float] | Array | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         object.__setattr__(self, "motion", motion)
         super().__post_init__()
         if (rotation is None) == (direction is None):

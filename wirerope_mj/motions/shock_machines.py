@@ -19,7 +19,6 @@ from wirerope_mj.motions.motion import StartedMotion, unique_times
 from wirerope_mj.motions.pulses import HalfSine
 
 LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
-
 # length of a blow times the decay rate of the deck, at most: what its beginning sets off is gone long before its end, and e
 # to that power is far from the largest number
 SLOWEST_BLOW = 100.0
@@ -64,16 +63,9 @@ class DecayingSine(StartedMotion):
     duration: float  #: time until a thousandth of the oscillation is left [s]; it goes on, exactly, after that
 
     def __init__(
-        self,
-        *,
-        frequency: float,
-        damping: float,
-        direction: str | Sequence[float],
-        velocity: float | None = None,
-        acceleration: float | None = None,
-        impact_duration: float = 0.0,
-        start: float = 0.0,
-    ) -> None:
+        self, *, frequency: float, damping: float, direction: str | Sequence[float], velocity: float | None = None,
+        acceleration: float | None = None, impact_duration: float = 0.0, start: float = 0.0,
+    ) -> None:  # fmt: skip
         self._set(frequency=ranges.frequency("frequency", frequency))
         if not 0 < finite("damping", damping) < 1:
             raise ValueError(
@@ -167,9 +159,8 @@ class DecayingSine(StartedMotion):
         if self.impact_duration:
             q, k = self._forced
             p = 1j * math.pi / self.impact_duration
-            during = np.imag(q * p**order * np.exp(p * since)) + np.real(
-                k * self._root**order * np.exp(self._root * since)
-            )
+            swinging = np.real(k * self._root**order * np.exp(self._root * since))
+            during = np.imag(q * p**order * np.exp(p * since)) + swinging
             value = np.where(t < self.start + self.impact_duration, during, value)
         return np.where(t >= self.start, self.velocity_change * value, 0.0)
 
@@ -193,9 +184,8 @@ class ShockTableImpact(StartedMotion):
 
     drop_height: float  #: height h [m]
     rebound: float = 0.0  #: rebound velocity over impact velocity e, from 0 (the table stays) to 1
-    pulse_duration: float | None = (
-        None  #: length D of the programmer's half-sine [s]; None: the velocity changes at once
-    )
+    #: length D of the programmer's half-sine [s]; None: the velocity changes at once
+    pulse_duration: float | None = None
     direction: Direction = "z"  #: of the shock, against that of the fall: `"x"`, `"y"`, `"z"` or a 3-vector
     start: float = 0.0  #: instant at which the motion begins [s]: the impact, or the release if the fall is played
     fall: bool = False  #: whether the fall before the impact is played
@@ -279,15 +269,10 @@ class ShockTableImpact(StartedMotion):
 
     def _along(self, t: Array, order: int) -> Array:
         fallen, since = np.clip(t - self.start, 0.0, self.fall_duration), np.maximum(t - self.impact, 0.0)
-        fall = (
-            -self.gravity * fallen * (fallen / 2 + since),
-            -self.gravity * fallen,
-            np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0),
-        )[order]
+        falling = np.where((t >= self.start) & (t < self.impact), -self.gravity, 0.0)
+        fall = (-self.gravity * fallen * (fallen / 2 + since), -self.gravity * fallen, falling)[order]
         if self.pulse_duration is not None:
             return fall + self._pulse(self.pulse_duration)._along(t, order)
         if order == 2:
             return fall
-        return fall + (
-            self.velocity_change * since if order == 0 else np.where(t >= self.impact, self.velocity_change, 0.0)
-        )
+        return fall + self.velocity_change * (since if order == 0 else np.where(t >= self.impact, 1.0, 0.0))

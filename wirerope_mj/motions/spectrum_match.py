@@ -24,7 +24,6 @@ from wirerope_mj.motions.vibration_lines import VibrationLines
 
 _PER_OCTAVE = 192  # frequencies at which an envelope is looked at: dips between the lines were seen 2 % wide
 LINES_PER_OCTAVE = 12  # least number of lines, which are also the frequencies at which the spectrum is matched
-
 # largest relative distance of the lines over the damping ratio; an oscillator's half-power band is 2 damping ratios wide, so
 # at least one line lies within it. Twelve to an octave for 5 %.
 SPACING_PER_DAMPING = 1.2
@@ -32,7 +31,6 @@ LEAST_DAMPING = 0.01  # smallest damping ratio of a spectrum that is matched; th
 SAMPLES_PER_PERIOD = 20  # samples in a period of the highest frequency: twice what the spectrum asks for
 OF_A_SAMPLE = 48  # bytes of a line at an instant: its sine and cosine, both lines and what they are made of
 ITERATIONS = 60  # corrections after which the search ends; those seen took 2 to 22
-
 # added to the squared relative sensitivities, which are of order 1: a correction that gains little must not be large. With
 # ten times as much or a tenth the search was seen to take two or three times as many corrections.
 REGULARISATION = 1e-3
@@ -100,17 +98,10 @@ class SpectrumMatch(Brief):
 
 
 def match_spectrum(
-    target: Sequence[Sequence[float]],
-    *,
-    duration: float,
-    seed: int,
-    direction: str | Sequence[float],
-    damping: float = 0.05,
-    tolerance: float = 0.02,
-    rise: float | None = None,
-    fall: float | None = None,
+    target: Sequence[Sequence[float]], *, duration: float, seed: int, direction: str | Sequence[float],
+    damping: float = 0.05, tolerance: float = 0.02, rise: float | None = None, fall: float | None = None,
     start: float = 0.0,
-) -> SpectrumMatch:
+) -> SpectrumMatch:  # fmt: skip
     """Return a base motion whose response spectrum is the target within the tolerance.
 
     The motion is a sum of sines, twelve to an octave (more for damping below 5 %), with random phases between a smooth
@@ -198,10 +189,9 @@ class _Matching:
         impulse = np.zeros(self.time.size)
         impulse[0] = 1.0
         reach = -math.log(FORGOTTEN) / (2 * np.pi * frequencies * damping * step)
-        self.impulses = [
-            scipy.signal.lfilter(*coefficients, impulse[: math.ceil(length) + 1])
-            for coefficients, length in zip(self.filters, reach, strict=True)
-        ]
+        lengths = [math.ceil(length) + 1 for length in reach]
+        pairs = zip(self.filters, lengths, strict=True)
+        self.impulses = [scipy.signal.lfilter(*coefficients, impulse[:length]) for coefficients, length in pairs]
 
     def run(self, seed: int, tolerance: float) -> tuple[Array, Array, int]:
         """Return the amplitudes of sine and cosine (2, n), the spectrum (n,) and the number of corrections."""

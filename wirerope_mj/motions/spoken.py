@@ -24,13 +24,10 @@ from wirerope_mj.motions.underwater import StruckPlate
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
-
 Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
-
 _PULSE = {"acceleration": 1, "time": 1}
 _RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
-
 _SHAFT: dict[str, Any] = {
     "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
     "may": {"time": 1, "frequency": 2},
@@ -113,9 +110,8 @@ def _harmonic(quantity: str) -> Make:
     def make(phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
         amplitude: dict[str, Any] = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
         length = phrase.one("time")
-        return HarmonicForce(
-            site=site, frequency=phrase.one("frequency"), duration=length, start=phrase.start, **amplitude
-        )
+        amplitude |= {"frequency": phrase.one("frequency"), "duration": length}
+        return HarmonicForce(site=site, start=phrase.start, **amplitude)
 
     return make
 

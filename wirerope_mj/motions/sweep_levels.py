@@ -13,10 +13,7 @@ from wirerope_mj.foundation.arrays import Array
 _SERIES_FROM = 50.0
 _FACTORIALS = np.array([math.factorial(n) for n in range(30)], dtype=float)
 _HARMONIC_FACTORIALS = _FACTORIALS * np.concatenate([[0.0], np.cumsum(1 / np.arange(1.0, 30.0))])
-
-# From here on the others leave every bit of the sum as it is: 16! / 1000^16 is 2e-35.
-_FEW_FROM, _FEW = 1000.0, 16
-
+_FEW_FROM, _FEW = 1000.0, 16  # From here on the others leave every bit of the sum as it is: 16! / 1000^16 is 2e-35.
 # Step of the double-exponential rule: measured error 4e-10 at 1/10, 5e-12 at 1/12, roundoff (2e-15) from 1/16 on.
 # Its nodes run from where exp(-exp(4)) to where exp(-exp(3.8)) is below 1e-19.
 _STEP = 1 / 16
@@ -178,22 +175,15 @@ def _acceleration_of_displacement(course: Course, t: Array) -> Array:
 
 
 Form = Callable[[Course, Array], Array]
-
 # by the quantity whose amplitude is constant: displacement, velocity and acceleration for an amplitude of 1
 FORMS: dict[str, tuple[Form, Form, Form]] = {
-    "acceleration": (
-        _displacement_of_acceleration,
-        _velocity_of_acceleration,
-        lambda course, t: np.sin(course.phase(t)),
-    ),
+    "acceleration": (_displacement_of_acceleration, _velocity_of_acceleration, lambda course, t: np.sin(course.phase(t))),
     "velocity": (
-        _displacement_of_velocity,
-        lambda course, t: -np.cos(course.phase(t)),
+        _displacement_of_velocity, lambda course, t: -np.cos(course.phase(t)),
         lambda course, t: course.omega(t) * np.sin(course.phase(t)),
     ),
     "displacement": (
-        lambda course, t: -np.sin(course.phase(t)),
-        lambda course, t: -course.omega(t) * np.cos(course.phase(t)),
+        lambda course, t: -np.sin(course.phase(t)), lambda course, t: -course.omega(t) * np.cos(course.phase(t)),
         _acceleration_of_displacement,
     ),
-}
+}  # fmt: skip

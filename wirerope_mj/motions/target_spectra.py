@@ -23,19 +23,14 @@ EN1998_TYPE_1 = {
 }
 LONGEST_PERIOD = 4.0  # longest period of the shape of EN 1998-1 [s]
 AC156_FREQUENCIES = (1.3, 8.3, 33.3)  # ends of the plateau and of the slope of ICC-ES AC156 [Hz]
-
 # peak, velocity and displacement of the pulse over the spectrum's: as the BV 043/85 literature uses them, from memory
 FACTORS = (0.6, 0.75, 1.05)
 
 
 def en1998_spectrum(
-    frequencies: ArrayLike,
-    *,
-    ground_acceleration: float,
-    soil_factor: float,
-    corner_periods: tuple[float, float, float],
-    damping: float = 0.05,
-) -> Array:
+    frequencies: ArrayLike, *, ground_acceleration: float, soil_factor: float,
+    corner_periods: tuple[float, float, float], damping: float = 0.05,
+) -> Array:  # fmt: skip
     """Return the horizontal elastic response spectrum of EN 1998-1, 3.2.2.2 [m/s^2].
 
     With T = 1/f and eta = sqrt(10/(5 + 100 damping)), at least 0.55,
@@ -145,14 +140,9 @@ class DesignSpectrum:
         return DoubleHalfSine(**self._levels(factors), direction=direction, start=start)
 
     def double_triangle(
-        self,
-        *,
-        direction: str | Sequence[float],
-        factors: Sequence[float] = FACTORS,
-        start: float = 0.0,
-        r1: float = 0.4,
-        r2: float = 0.4,
-    ) -> DoubleTriangle:
+        self, *, direction: str | Sequence[float], factors: Sequence[float] = FACTORS, start: float = 0.0,
+        r1: float = 0.4, r2: float = 0.4,
+    ) -> DoubleTriangle:  # fmt: skip
         """Make the double triangle that stands for the spectrum: as `double_half_sine`, and where its peaks lie.
 
         `r1` and `r2` say where in their triangles, from 0 to 1; for r2 sources give 0.4 and 0.6.

@@ -103,10 +103,8 @@ class Unbalance(PayloadForce):
         (cosine, sine), square = (np.cos(angle), np.sin(angle)), (k * omega) ** 2
         u, v = self._across
         wrench = np.zeros((t.size, 6))
-        wrench[:, :3] = self.unbalance * (
-            (square * cosine + k * alpha * sine)[:, np.newaxis] * u
-            + (square * sine - k * alpha * cosine)[:, np.newaxis] * v
-        )
+        along_u, along_v = square * cosine + k * alpha * sine, square * sine - k * alpha * cosine
+        wrench[:, :3] = self.unbalance * (along_u[:, np.newaxis] * u + along_v[:, np.newaxis] * v)
         return wrench
 
     @property
@@ -119,11 +117,8 @@ class Unbalance(PayloadForce):
     @property
     def description(self) -> str:
         """For instance `unbalance 0.02 kg m at engine about x, 25 Hz`."""
-        way = (
-            f"about {direction_text(self.axis)}"
-            if self.axis is not None
-            else f"along {direction_text(self.line or 'z')}"
-        )
+        about, along = (direction_text(one) for one in (self.axis or "z", self.line or "z"))
+        way = f"about {about}" if self.axis is not None else f"along {along}"
         speed = f"{self.frequency:.4g} Hz"
         if self.final_frequency is not None:
             speed = f"{self.frequency:.4g} to {self.final_frequency:.4g} Hz in {self.run_up:.4g} s"

@@ -61,22 +61,13 @@ class VibrationLines(AsCall, StartedMotion):
     duration: float
 
     def __init__(
-        self,
-        *,
-        direction: str | Sequence[float],
-        acceleration: Sequence[Sequence[float]] | None = None,
-        velocity: Sequence[Sequence[float]] | None = None,
-        displacement: Sequence[Sequence[float]] | None = None,
-        phases: Sequence[float] | None = None,
-        seed: int | None = None,
-        duration: float | None = None,
-        rise: float | None = None,
-        fall: float | None = None,
-        start: float = 0.0,
-    ) -> None:
-        quantity, points = the_one_given(
-            {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
-        )
+        self, *, direction: str | Sequence[float], acceleration: Sequence[Sequence[float]] | None = None,
+        velocity: Sequence[Sequence[float]] | None = None, displacement: Sequence[Sequence[float]] | None = None,
+        phases: Sequence[float] | None = None, seed: int | None = None, duration: float | None = None,
+        rise: float | None = None, fall: float | None = None, start: float = 0.0,
+    ) -> None:  # fmt: skip
+        given = {"acceleration": acceleration, "velocity": velocity, "displacement": displacement}
+        quantity, points = the_one_given(given)
         lines = checked_points(quantity, points, quantity=f"amplitude [{_UNIT[quantity]}]", least=1)
         self._set(quantity=quantity, lines=lines, direction=checked_direction(direction))
         if phases is not None and seed is not None:

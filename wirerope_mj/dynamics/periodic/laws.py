@@ -31,7 +31,7 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Parallel, Smoothed
 from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, SMOOTHED, TABULATED
-from wirerope_mj.mounts.laws.smoothed import with_width
+from wirerope_mj.mounts.laws.wrapped import with_width
 
 # Fraction of alpha: far above the rounding of f, 1e-16 alpha, that is left where the state is saturated; at z = 0, where f'
 # is infinite, a millionth of it is what stays in the equation.

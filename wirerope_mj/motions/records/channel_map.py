@@ -9,7 +9,6 @@ from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH
 
 Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "force"]
 Axis = Literal["x", "y", "z"]
-
 LENGTHS = {**LENGTH_UNITS, "um": 1e-6}
 UNITS: Mapping[Quantity, Mapping[str, float]] = {
     "acceleration": ACCELERATION_UNITS,
@@ -23,7 +22,6 @@ UNITS: Mapping[Quantity, Mapping[str, float]] = {
 SI: Mapping[Quantity, str] = {
     "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N",
 }  # fmt: skip
-
 _OF_MOUNT: Mapping[str, Axis] = {"roll": "x", "shear": "y", "axial": "z"}
 _KINDS = ("body", "point", "mount")
 _EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" or "mount/m1 axial force kN"'

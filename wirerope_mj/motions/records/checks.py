@@ -14,41 +14,31 @@ from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, pe
 from wirerope_mj.motions.records.resolution import resolution_warnings
 
 _FEWEST = 16  # samples below which nothing is judged: a record so short was written by hand
-
 # fraction of the peak from which the first or last sample of a pulse, of a vibration, is too large: a Gaussian vibration is
 # above half of its peak in two of a hundred samples
 _PULSE_END, _VIBRATION_END = 0.1, 0.5
-
 # a flat top has three equal samples or more; one top's length before and after it a smooth one fell by nine steps
 _TOP, _FALL, _STEPS = 3, 0.02, 20.0
-
 # runs in which noise stands at a limit, and how many more samples stand there than within a fraction of the range, or two
 # steps of the converter, below: of noise that nothing cuts off fewer stand at its largest value than just below
 _RUNS, _CROWDED, _JUST = 4, 3.0, 0.002
-
 # fraction of a flat top's height by which a rectangle jumps from one sample to the next on both of its sides; the flanks of
 # what a sensor measured take more than a sample
 _JUMP = 0.99
-
 # relative error within which a level at rest is what gravity would be in another unit: tilt and calibration are less
 _NEAR = 0.03
-
 # peaks beyond which units are questioned [m/s^2]: 10 000 g is gunfire on bare steel, 1 mg the noise of most sensors
 LARGEST_PEAK, SMALLEST_PEAK = 1e5, 1e-2
 LARGEST_RATE, SMALLEST_RATE = 2e6, 20.0  # sampling beyond which the unit of time is questioned [Hz]
-
 # speed [m/s] and travel [m] of a base beyond which a record is questioned: shocks of ships, drops and crashes stay below
 LARGEST_SPEED, LARGEST_TRAVEL = 30.0, 10.0
-
 # of a record without a quiet part: final velocity over the range of what is left when a steady drift is taken off, from which
 # the drift rules; the velocity that does not matter [m/s]; the fraction of the peak above which a mean is that of a pulse
 # that fills its record
 _DRIFT, _SLOW, _OFFSET = 3.0, 0.1, 0.2
-
 # velocity that a level at rest adds up to, over the range of that of the motion itself, from which it is warned of
 _GAIN = 0.1
 _MEDIAN_STEP = 0.954  # median of the steps from sample to sample of white noise, over its rms
-
 # peak [m/s^2] below which a single pulse given in mm/s^2 is questioned: 0.05 g is no shock, but 50 g in m/s^2 is one
 _WEAK = 0.5
 

@@ -24,7 +24,6 @@ from wirerope_mj.motions.records.table import read_columns
 from wirerope_mj.motions.records.uff import is_uff, read_uff_columns
 
 BASELINES = ("none", "rest", "mean")
-
 _FEWEST = 16  # samples below which nothing can be said of a response
 _OFFSET = 0.02  # level at rest, as a fraction of a channel's range, from which it is warned of
 
@@ -93,8 +92,7 @@ class Measured(Summarised):
     def base(self) -> Record:
         """Measured acceleration of the base as a motion, as `load_record` reads it from the same file with the same start.
 
-        Raises:
-            RecordError: the map names no acceleration of the base, or the clock is not the file's.
+        RecordError: the map names no acceleration of the base, or the clock is not the file's.
         """
         parts = {one.column: one for one in self.channels if one.subject == "base" and one.quantity == "acceleration"}
         if not parts:
@@ -104,9 +102,7 @@ class Measured(Summarised):
             )
         units = {one.unit for one in parts.values()}
         if self.clock != 1.0 or len(units) > 1:
-            fault = (
-                f"its clock is changed by {self.clock!r}" if len(units) == 1 else f"its units are {', '.join(units)}"
-            )
+            fault = f"its units are {', '.join(units)}" if len(units) > 1 else f"its clock is changed by {self.clock!r}"
             raise RecordError(
                 f"{self.path}: the base cannot be played from this file, {fault}; a base is played on its file's own clock, "
                 "with one unit for all axes."
@@ -124,15 +120,9 @@ class Measured(Summarised):
 
 
 def load_measured(
-    path: str | Path,
-    *,
-    channels: Mapping[str, str],
-    name: str | None = None,
-    start: float = 0.0,
-    clock: float = 1.0,
-    baseline: str = "none",
-    gaps: str = "refuse",
-) -> Measured:
+    path: str | Path, *, channels: Mapping[str, str], name: str | None = None, start: float = 0.0, clock: float = 1.0,
+    baseline: str = "none", gaps: str = "refuse",
+) -> Measured:  # fmt: skip
     """Read measured responses from a CSV, MATLAB, XLSX or Parquet file, or a universal file (dataset 58).
 
     A phrase says what each column is: what it was measured at ("base", "body/floor", "point/rack_top", "mount/m1"), its axis
@@ -223,14 +213,9 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
 
 
 def _warnings(
-    where: str,
-    values: Array,
-    tops: list[tuple[float, int]],
-    rate: float,
-    known: Quantity,
-    baseline: str,
+    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str,
     rest: float | None,
-) -> Iterator[str]:
+) -> Iterator[str]:  # fmt: skip
     """Yield what looks wrong about a channel as it was measured [SI]."""
     unit, spread = SI[known], float(np.ptp(values))
     if spread == 0.0:

@@ -10,16 +10,11 @@ from wirerope_mj.foundation.directions import Direction, unit_vector
 
 # a record rests at its median if so many of its samples lie near it, within a fraction of its range or of the median
 _RESTS, _BAND, _NEAR = 0.3, 0.02, 0.1
-
 # median deviations, three standard deviations of noise, within which samples are quiet; samples that give the median
 _NOISE, _ENOUGH = 4.5, 100_000
-
-# four standard errors of a median of noise, in median deviations over the root of the number of samples
-_ERRORS = 7.4
-
+_ERRORS = 7.4  # four standard errors of a median of noise, in median deviations over the root of the number of samples
 # least samples at either end that say whether a record begins or ends quietly; fraction of samples one step off a level
 _FEW, _DITHERED = 16, 0.05
-
 # half waves above a tenth of the peak up to which a record is of a pulse, which begins and ends near zero
 _PULSE_WAVES = 10
 

@@ -25,9 +25,7 @@ from wirerope_mj.motions.records.uff import is_uff, read_uff, uff_channels
 
 # A sampled signal is taken to hold nothing shorter than four samples, twice the shortest period it could.
 _SAMPLES_PER_PERIOD = 4
-
 _EVEN = 1e-3  # of an interval, by which the last digit of an instant may shift it: as much as counts as even in a file
-
 _BLOCK = 100_000  # samples that are looked at together, so that a long record is not copied
 
 
@@ -130,17 +128,10 @@ class Record(BaseMotion):
 
 
 def load_record(
-    path: str | Path,
-    *,
-    channels: Mapping[str, str | Sequence[float]] | None = None,
-    scale: float = 1.0,
-    baseline: str = "none",
-    start: float = 0.0,
-    highpass: float | None = None,
-    resample: float | None = None,
-    gaps: str = "refuse",
-    unit: str | None = None,
-) -> Record:
+    path: str | Path, *, channels: Mapping[str, str | Sequence[float]] | None = None, scale: float = 1.0,
+    baseline: str = "none", start: float = 0.0, highpass: float | None = None, resample: float | None = None,
+    gaps: str = "refuse", unit: str | None = None,
+) -> Record:  # fmt: skip
     """Return the base motion that a table or a universal file (dataset 58) holds, on up to three axes at once.
 
     The header of a CSV file names its columns with their units, for instance `time [s], x [g], z [m/s^2]`; time is the first;
@@ -243,8 +234,7 @@ def is_measurement(path: Path) -> bool:
 def record_channels(path: str | Path) -> tuple[str, ...]:
     """Return the names of a record's channels, as `load_record` takes them.
 
-    Raises:
-        RecordError: the file is no record.
+    RecordError: the file is no record.
     """
     file = Path(path).absolute()
     return uff_channels(file) if is_uff(file) else table_channels(file)
@@ -268,9 +258,8 @@ def _checked_channels(channels: Mapping[str, str | Sequence[float]]) -> dict[str
         raise ValueError('`channels` must name at least one column, for instance {"ch3": "z"}, got none.')
     directions = {name: checked_direction(direction) for name, direction in channels.items()}
     for name, direction in directions.items():
-        alike = [
-            other for other in directions if np.array_equal(unit_vector(directions[other]), unit_vector(direction))
-        ]
+        here = unit_vector(direction)
+        alike = [other for other in directions if np.array_equal(unit_vector(directions[other]), here)]
         if len(alike) > 1:
             raise ValueError(f"`channels` gives {name} and {alike[1]} the same direction {direction_text(direction)}.")
     return directions

@@ -12,12 +12,9 @@ from wirerope_mj.motions.records.reading import is_pulse, peak_from
 # but three others do, and its neighbours agree with theirs to a tenth of that. A step leaves one neighbour alone, and of a
 # vibration many samples stand out alike.
 _TALL, _ALONE, _LEVEL, _SEVERAL = 0.1, 10.0, 0.1, 3
-
-# fraction of the peak above which samples belong to a half wave; from which a half wave counts
-_FOOT, _HIGH = 0.1, 0.5
+_FOOT, _HIGH = 0.1, 0.5  # fraction of the peak above which samples belong to a half wave; from which a half wave counts
 _FEW = 4  # samples across a half-sine up to which its peak may be 13 % higher or more; of five it may be 7 %
 _WIDE = 1.0 - 2.0 * math.asin(_FOOT) / math.pi  # part of a half-sine's length in which it is above its foot
-
 # mean square of the steps from sample to sample over that of the samples: 2 for white noise and for a sine of four samples a
 # period, 4 at the Nyquist frequency. Above it most of the energy is faster than 3.6 samples a period. Standard errors of that
 # of white noise, 2 over the root of the samples that count, which it must be above 2, too.
@@ -51,9 +48,8 @@ def _lone_samples(a: Array) -> list[int]:
     for number in sorted(tallest[out[tallest] > usual], key=lambda one: -out[one]):
         i, height = int(number) + 1, float(out[number])
         beside = np.diff(a[max(i - 2, 0) : i]).tolist() + np.diff(a[i + 1 : i + 3]).tolist()
-        flat = (
-            max(map(abs, beside), default=0.0) <= _LEVEL * height and abs(float(a[i + 1] - a[i - 1])) <= _LEVEL * height
-        )
+        level = max([*map(abs, beside), abs(float(a[i + 1] - a[i - 1]))])
+        flat = level <= _LEVEL * height
         if flat and height > _ALONE * usual and height >= _TALL * float(np.ptp(np.delete(a, i))):
             found.append(i)
     return found
@@ -98,11 +94,8 @@ def _shortest(a: Array, peak: float) -> tuple[int, int]:
     """Return where the shortest half wave of at least half the peak begins and ends; a rests at zero."""
     sign = np.where(np.abs(a) > _FOOT * peak, np.sign(a), 0.0)
     starts = np.flatnonzero(np.diff(np.concatenate([[0.0], sign, [0.0]]))).tolist()
-    waves = [
-        (first, last)
-        for first, last in zip(starts[:-1], starts[1:], strict=True)
-        if sign[first] and float(np.abs(a[first:last]).max()) >= _HIGH * peak
-    ]
+    above = [pair for pair in zip(starts[:-1], starts[1:], strict=True) if sign[pair[0]]]
+    waves = [pair for pair in above if float(np.abs(a[slice(*pair)]).max()) >= _HIGH * peak]
     return min(waves, key=lambda wave: wave[1] - wave[0])
 
 

@@ -14,37 +14,29 @@ from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of
 # of the prediction, and the samples next to an end that it is made from: sixteen lines, a thousandth of the rate apart
 _LAGS, _WINDOW = 32, 1000
 _EXACT = 1e-10  # error of the prediction, as a fraction of the signal's power, at which it is good enough
-
 # fraction of an interval by which an instant may be off without further reason: far below what a clock's jitter does
 _ROUNDED = 1e-3
-
 # the same for instants that are printed with few digits: with fewer still the sampling cannot be told from uneven one
 _COARSE = 1 / 3
 _REGULAR = 0.9  # fraction of equal intervals from which on the others are gaps in an even sampling
 _GAP = 1.5  # usual intervals from which on a longer one is a gap
 _FEWEST = 16  # samples below which a record was written by hand and means the straight lines between its corners
-
 # usual intervals from which on nothing but a straight line is drawn between two samples: a curve would run away
 _FAR = 3.0
 _FINEST = 8  # instants per usual interval at which an uneven record is interpolated, at most, before the filter
-
 # anti-alias filter: attenuation from the Nyquist frequency up, and fraction of it up to which all passes
 _STOP_DB, _PASS = 80.0, 0.8
 _BLOCK = 100_000  # samples that are looked at together
-
 # samples at equal intervals that are made of a record whose own are not, at most: so many, or so many for each of its own.
 # Beyond, nine tenths of it would be straight lines, from a time stamp that is wrong.
 _MOST_MADE, _MOST_TIMES = 1_000_000, 10
 _LARGEST_FACTOR = 10_000  # of a change of rate, as a fraction: the filter has some fifty taps for each
 BASELINES = ("none", "rest", "mean", "velocity", "highpass")
-
 # of the Butterworth filter; it is run forward and backward, so that its gain is that of the fourth order, without phase
 _FILTER_ORDER = 2
-
 # periods of the cutoff by which a record is lengthened at either end, at rest, for the filter's answer, which comes before a
 # shock as well as after it. It has died away there to 1e-4.
 _QUIET = 2.0
-
 # samples that may be added: a cutoff far below anything in a record would fill the memory with rest
 _MOST_ADDED = 20_000_000
 
@@ -139,10 +131,8 @@ def resampled(reading: Reading, rate: float) -> Reading:
     """Return an evenly sampled record at another rate [Hz], through a zero-phase anti-alias filter.
 
     The filter (a Kaiser window, applied in polyphase form) passes what lies below 0.8 of the lower of the two Nyquist
-    frequencies to 1e-4 and attenuates what lies above it by 80 dB.
-
-    Raises:
-        ValueError: the two rates are no fraction of integers up to 10 000.
+    frequencies to 1e-4 and attenuates what lies above it by 80 dB. ValueError: the two rates are no fraction of integers up
+    to 10 000.
     """
     step = float(reading.time[1] - reading.time[0])
     ratio = Fraction(rate * step).limit_denominator(_LARGEST_FACTOR)
@@ -244,10 +234,8 @@ def without_baseline(time: Array, samples: Array, baseline: str, highpass: float
     """Return instants [s], (n,), and accelerations, (n, 3), without a constant, or without what is slower than a cutoff [Hz].
 
     `baseline` is one of `BASELINES`; the filter has the gain one half at its cutoff `highpass`. Samples are changed in place,
-    unless they are filtered: a record is then longer, by rest at both ends.
-
-    Raises:
-        ValueError: the cutoff is half the sampling rate or more, or lower than can be meant.
+    unless they are filtered: a record is then longer, by rest at both ends. ValueError: the cutoff is half the sampling rate
+    or more, or lower than can be meant.
     """
     if highpass is not None:
         return _highpassed(time, samples, highpass)

@@ -29,7 +29,6 @@ from wirerope_mj.motions.records.reading import Reading, axes_of
 from wirerope_mj.motions.records.whole_tables import check_whole_table, is_whole_table, read_whole_table
 
 _BLOCK = 50_000  # rows that are read at once: a record may be longer than what fits into memory several times over
-
 _AXIS_COLUMN = re.compile(r"(?:(?:a|acc|acceleration)[ _]?)?([xyz])", re.IGNORECASE)
 
 
@@ -38,9 +37,7 @@ def read_blocks(header: Header, columns: Sequence[int], *, missing: bool = False
 
     Every row must have the header's number of cells: in one that has more or fewer, such as one with decimal commas between
     commas, nothing says which number belongs to which column. If `missing`, cells behind the time may be empty or NaN.
-
-    Raises:
-        RecordError: a row has another number of cells than the header, or a cell is no number or not finite.
+    RecordError: a row has another number of cells than the header, or a cell is no number or not finite.
     """
     with header.path.open(encoding="latin-1") as file:  # numbers are ASCII; comments of any encoding are skipped
         for _ in range(header.line):

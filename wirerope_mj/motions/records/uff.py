@@ -16,7 +16,6 @@ from wirerope_mj.motions.records.reading import Reading, axes_of
 
 _ENDS = {1: "x", 2: "y", 3: "z", -1: "-x", -2: "-y", -3: "-z"}
 _VECTORS: dict[str, Direction] = {"-x": (-1.0, 0.0, 0.0), "-y": (0.0, -1.0, 0.0), "-z": (0.0, 0.0, -1.0)}
-
 _TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
 _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
 # specific data types of an ordinate that are measured: word behind the name of a channel, and its unit in SI
@@ -28,17 +27,13 @@ _MEASURED = {
     9: ("force", "N"),
 }
 # units as they are spelled, by their small letters
-_SPELLED = {
-    unit.lower(): unit for units in (ACCELERATION_UNITS, VELOCITY_UNITS, LENGTH_UNITS, FORCE_UNITS) for unit in units
-}
+_UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
+_SPELLED = {unit.lower(): unit for unit in _UNITS}
 _REAL = (2, 4)
 _SI = 1  # code of the system of units
-
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
-
 Histories = list[tuple[int, dict[str, Any]]]  # number and header of each
-
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
 _DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
 
@@ -74,17 +69,9 @@ def read_uff(path: Path, channels: Mapping[str, Direction] | None, unit: str | N
     histories, systems = _histories(path, unit)
     chosen = _all_of_one_node(path, histories) if channels is None else _named(path, histories, channels)
     heads = dict(histories)
-    time, columns, units = np.zeros(0), list[Array](), list[str]()
-    for number in chosen:
-        name = _name(heads[number])
-        known_unit, factor = _unit(path, heads[number], unit, systems)
-        clock, values = _values(path, number, name)
-        if columns and not _same_clock(time, clock):
-            raise RecordError(f"{path}: {name} is sampled at other instants than {_name(heads[next(iter(chosen))])}.")
-        time = clock if not columns else time
-        columns.append(values * factor)
-        units.append(known_unit)
-    reading = Reading(time, np.column_stack(columns) @ axes_of(chosen.values()), tuple(dict.fromkeys(units)))
+    units, factors = zip(*(_unit(path, heads[number], unit, systems) for number in chosen), strict=True)
+    time, samples = _on_one_clock(path, {number: _name(heads[number]) for number in chosen})
+    reading = Reading(time, (samples * factors) @ axes_of(chosen.values()), tuple(dict.fromkeys(units)))
     if _is_complete(path):
         return reading
     return reading.warned("the end of this universal file is missing; what was cut off is not read.")
@@ -103,26 +90,22 @@ def read_uff_columns(path: Path, names: Sequence[str]) -> tuple[Reading, tuple[s
     kinds = [int(head.get("ordinate_spec_data_type", 0)) for _, head in histories]
     pairs = zip(histories, kinds, strict=True)
     names_there = [f"{_name(head)} {_MEASURED.get(kind, ('',))[0]}".strip() for (_, head), kind in pairs]
-    columns, units, time = list[Array](), list[str | None](), np.zeros(0)
+    chosen, units = dict[int, str](), list[str | None]()
     for name in names:
         if names_there.count(name) != 1:
-            fault = (
-                f'there is no history "{name}"' if name not in names_there else f'several histories are called "{name}"'
-            )
+            several = f'several histories are called "{name}"'
+            fault = several if name in names_there else f'there is no history "{name}"'
             raise RecordError(f"{path}: {fault}; the file holds {', '.join(names_there)}.")
         place = names_there.index(name)
         (number, head), kind = histories[place], kinds[place]
-        clock, values = _values(path, number, name)
-        if columns and not _same_clock(time, clock):
-            raise RecordError(f"{path}: {name} is sampled at other instants than {names[0]}. Read them as two tests.")
-        time = time if columns else clock
-        columns.append(values)
+        chosen[number] = name
         label = _label(head, "ordinate")
         unit: str | None = _SPELLED.get(label, label) or None
         if unit is None and kind in _MEASURED and systems and int(systems[-1]["units_code"]) == _SI:
             unit = _MEASURED[kind][1]
         units.append(unit)
-    return Reading(time, np.column_stack(columns), ()), tuple(units)
+    time, samples = _on_one_clock(path, chosen, " Read them as two tests.")
+    return Reading(time, samples, ()), tuple(units)
 
 
 def _open(path: Path) -> Any:
@@ -263,5 +246,14 @@ def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:
     return time * factor, values
 
 
-def _same_clock(a: Array, b: Array) -> bool:
-    return a.size == b.size and bool(np.max(np.abs(a - b)) <= _SAME_CLOCK * (a[1] - a[0]))
+def _on_one_clock(path: Path, chosen: Mapping[int, str], remedy: str = "") -> tuple[Array, Array]:
+    """Return the instants [s] of histories, by number, and their values side by side; RecordError where clocks differ."""
+    time, columns = np.zeros(0), list[Array]()
+    for number, name in chosen.items():
+        clock, values = _values(path, number, name)
+        time = time if columns else clock
+        if time.size != clock.size or np.max(np.abs(time - clock)) > _SAME_CLOCK * (time[1] - time[0]):
+            first = next(iter(chosen.values()))
+            raise RecordError(f"{path}: {name} is sampled at other instants than {first}.{remedy}")
+        columns.append(values)
+    return time, np.column_stack(columns)

@@ -26,9 +26,7 @@ def read_whole_table(path: Path) -> tuple[Header, Array]:
     """Read all columns of numbers, (n, n_columns), NaN where a cell is empty, and their header; time is the first of them.
 
     A unit stands in brackets behind a column's name, or nowhere. The time is the column "time" or "t", also "time_s".
-
-    Raises:
-        RecordError: the file cannot be read, or has no time.
+    RecordError: the file cannot be read, or has no time.
     """
     header, columns = _READERS[path.suffix.lower()](path)
     times = [number for number, name in enumerate(header.names) if _TIME.fullmatch(name)]

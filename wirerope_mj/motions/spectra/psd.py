@@ -14,14 +14,11 @@ from wirerope_mj.motions.spectra.ramp import check_samples
 
 # half-overlapping segments by default: 28 degrees of freedom, a density within about 27 % (one standard error)
 SEGMENTS = 15
-
 # statistical bandwidth of a line seen through a Hann window, in resolutions: 1 / (2 int rho^2) with rho the window's
 # autocorrelation over lags of 0 to 1 segment
 WINDOW_BANDWIDTH = 2.079
-
 # exponent with which the bandwidths of a resonance and of the window add up: within 7 % from a resolution on
 BLUR = 1.25
-
 # samples a segment must have: fewer leave a window with hardly a frequency between its main lobe and half the rate
 LEAST_SAMPLES = 8
 

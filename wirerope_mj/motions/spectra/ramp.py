@@ -12,7 +12,6 @@ from wirerope_mj.foundation.jit import inlined, njit
 # each stands the lowest
 ACCELERATION, DISPLACEMENT, VELOCITY = 0, 2, 4
 EXTREMES = 6
-
 # largest distance of an instant from its uniform position, in steps: what rounding to a few digits leaves in a file
 JITTER = 0.01
 
@@ -102,8 +101,7 @@ def ramp_extremes(x: Array, step: Array, frequency: float, damping: float, prima
 def check_samples(time: npt.ArrayLike, acceleration: npt.ArrayLike) -> tuple[Array, float]:
     """Return the samples as an array, (n,) or (n, k), and their step [s].
 
-    Raises:
-        ValueError: instants and samples do not belong together, are too few, not finite or not uniform.
+    ValueError: instants and samples do not belong together, are too few, not finite or not uniform.
     """
     instants, values = np.asarray(time, dtype=np.float64), np.asarray(acceleration, dtype=np.float64)
     if instants.ndim != 1 or instants.size < 2:

@@ -5,6 +5,7 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -31,7 +32,6 @@ OSCILLATOR = 1e-8  # time of a step of an oscillator at the least [s]
 OF_A_LINE = 3 * 128.0  # bytes of a line: exponentials, (4, 4), and what they are made of
 HALVINGS, TERMS = 4, 18  # of the series of an exponential: what is left out of a norm of 10 is 1e-20
 LOWEST_FREQUENCY = 1.0  # first of the default frequencies [Hz], below what equipment on isolators answers with
-
 _QUANTITIES = (
     ("acceleration/positive", "m/s^2", lambda s: s.acceleration.positive),
     ("acceleration/negative", "m/s^2", lambda s: s.acceleration.negative),
@@ -67,6 +67,12 @@ class Extremes(Brief):
         )
 
 
+def _of_acceleration(name: str, which: str) -> Any:
+    """Make a property that is that of the absolute acceleration."""
+    doc = f"Largest absolute acceleration {which} [m/s^2]."
+    return property(lambda self: getattr(self.acceleration, name), doc=doc)
+
+
 @dataclass(frozen=True, kw_only=True, repr=False)
 class ShockResponseSpectrum(Summarised):
     """Peaks of oscillators on a base that moves with an acceleration, over their undamped frequency: those of ISO 18431-4.
@@ -82,30 +88,11 @@ class ShockResponseSpectrum(Summarised):
     velocity: Extremes  #: of the mass relative to the base [m/s]
     q: float  #: amplification at resonance, 1 / (2 zeta); infinite = undamped
 
-    @property
-    def positive(self) -> Array:
-        """Largest absolute acceleration in the positive direction [m/s^2]."""
-        return self.acceleration.positive
-
-    @property
-    def negative(self) -> Array:
-        """Largest absolute acceleration in the negative direction [m/s^2]."""
-        return self.acceleration.negative
-
-    @property
-    def primary(self) -> Array:
-        """Largest absolute acceleration while the base accelerates [m/s^2]."""
-        return self.acceleration.primary
-
-    @property
-    def residual(self) -> Array:
-        """Largest absolute acceleration afterwards [m/s^2]."""
-        return self.acceleration.residual
-
-    @property
-    def maximax(self) -> Array:
-        """Largest absolute acceleration of all [m/s^2]."""
-        return self.acceleration.maximax
+    positive = _of_acceleration("positive", "in the positive direction")
+    negative = _of_acceleration("negative", "in the negative direction")
+    primary = _of_acceleration("primary", "while the base accelerates")
+    residual = _of_acceleration("residual", "afterwards")
+    maximax = _of_acceleration("maximax", "of all")
 
     @property
     def relative_displacement(self) -> Array:
@@ -179,9 +166,8 @@ def shock_response_spectrum(
         for j, angle in enumerate(angles):
             ramp_extremes(driven, steps[j], angle, damping, primary[i, j], residual[i, j])
     # (n_f,) or (n_f, k), the extremes in front
-    during, after = (
-        phase.transpose(2, 1, 0).reshape(EXTREMES, wanted.size, *values.shape[1:]) for phase in (primary, residual)
-    )
+    shape = (EXTREMES, wanted.size, *values.shape[1:])
+    during, after = (phase.transpose(2, 1, 0).reshape(shape) for phase in (primary, residual))
     return ShockResponseSpectrum(
         frequencies=wanted, acceleration=Extremes.of(during, after, ACCELERATION, 1.0),
         displacement=Extremes.of(during, after, DISPLACEMENT, step**2),

@@ -15,13 +15,10 @@ from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.psd_lines import Points, checked_points
 
 Method = Literal["dirlik", "narrow-band"]
-
 _POWERS = (0, 1, 2, 4)  # powers of the frequency in the moments that the rules of damage take
-
 _PER_OCTAVE = 400  # Frequencies to an octave by which a density is integrated: 1e-4 of the moments of Q = 50
 _ROUNDS, _EQUAL = 60, 1e-3  # Corrections of an equivalent density, and the relative error of its damage that ends them
 _LEAST = 1e-6  # of the largest level
-
 # half-power bandwidths to either side of a resonance between which the integral is parted, so that it sees the peak
 _NEAR = 40.0
 
@@ -55,8 +52,7 @@ class VibrationSpectrum(Brief):
             method: "dirlik" (1985): rainflow amplitudes of a Gaussian process of any bandwidth; "narrow-band": as many cycles
                 as upward crossings, with Rayleigh's amplitudes, D = v0 T (sqrt(2) s)^b Gamma(1 + b/2).
 
-        Raises:
-            ValueError: an argument is out of its range.
+        ValueError: an argument is out of its range.
         """
         b, time = positive("exponent", exponent), positive("duration", duration, unit="s")
         one_of("method", method, get_args(Method))
@@ -102,14 +98,9 @@ def vibration_response_spectrum(
 
 
 def equivalent_psd(
-    frequencies: npt.ArrayLike,
-    damage: npt.ArrayLike,
-    *,
-    exponent: float,
-    duration: float,
-    q: float = 10.0,
+    frequencies: npt.ArrayLike, damage: npt.ArrayLike, *, exponent: float, duration: float, q: float = 10.0,
     method: Method = "dirlik",
-) -> tuple[Points, float]:
+) -> tuple[Points, float]:  # fmt: skip
     """Find the power spectral density that does the damage of a damage spectrum within a duration [s].
 
     The levels at the frequencies are corrected by (wanted / found)^(2 / b) until the damage is the wanted one. Where the

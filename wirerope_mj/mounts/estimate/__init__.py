@@ -5,4 +5,4 @@ from wirerope_mj.mounts.estimate.estimate import LoopEstimate as LoopEstimate
 from wirerope_mj.mounts.estimate.estimate import estimate_loop as estimate_loop
 from wirerope_mj.mounts.estimate.estimate import estimated_isolator as estimated_isolator
 from wirerope_mj.mounts.estimate.trends import LoopValues as LoopValues
-from wirerope_mj.mounts.estimate.vendor_loops import check_vendor_loops as check_vendor_loops
+from wirerope_mj.mounts.estimate.trends import check_vendor_loops as check_vendor_loops

@@ -8,6 +8,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.trends import (
+    ENIDINE,
     LARGEST_ROPE,
     SAME_ROPE,
     SMALLEST_ROPE,
@@ -17,7 +18,6 @@ from wirerope_mj.mounts.estimate.trends import (
     left_out_errors,
     other_vendor_errors,
 )
-from wirerope_mj.mounts.estimate.vendor_loops import ENIDINE
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Rotation, Spread
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, rotational_stiffness
 from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, VendorPart
@@ -130,8 +130,7 @@ _AXIS_VALUE = {"roll": "shear shock", "shear": "shear shock", "axial": "compress
 def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isolator:
     """Return an isolator with the estimated values; its spread is the scatter of the estimates of known parts.
 
-    Raises:
-        ConvergenceError: no law has all the values.
+    ConvergenceError: no law has all the values.
     """
     values = estimate.values
     modes = {
@@ -168,9 +167,8 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     geometry = fitted.geometry
     if geometry is not None and estimate.bar_assumed:
         geometry = replace(geometry, bar=None)
-    return replace(
-        fitted, provenance=provenance, spread=_spread(fitted, estimate), rotation=rotation, geometry=geometry
-    )
+    spread = _spread(fitted, estimate)
+    return replace(fitted, provenance=provenance, spread=spread, rotation=rotation, geometry=geometry)
 
 
 def _rounded(value: float) -> float:
@@ -220,6 +218,5 @@ def _spread(isolator: Isolator, estimate: LoopEstimate) -> Spread:
         zero = np.zeros((len(names), len(known)))
         covariance = np.block([[covariance, zero], [zero.T, known]])
         names += isolator.spread.parameters
-    return Spread(
-        parameters=tuple(names), covariance=tuple(tuple(float(f"{v:.9g}") for v in row) for row in covariance)
-    )
+    rounded = tuple(tuple(float(f"{value:.9g}") for value in row) for row in covariance)
+    return Spread(parameters=tuple(names), covariance=rounded)

@@ -1,11 +1,11 @@
 """Choice of a law by residuals and amplitudes left out, and of a method by what its searches take."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 
@@ -30,18 +30,18 @@ class LawRow:
     """Fit of one law."""
 
     law: str  # its name
-    free: int  # number of its free parameters
+    free: int = 0  # number of its free parameters
     # Bayesian information criterion, N ln(S / N) + p ln N, of all loops; infinite if the law could not be fitted
-    criterion: float
-    behind: float  # criterion minus that of the best law
+    criterion: float = math.inf
+    behind: float = math.inf  # criterion minus that of the best law
     # root mean square of force minus measured force over half of the force range, of the fit to all loops at each amplitude,
     # (n_amplitudes,): the `residuals` of an identification
     errors: Array
     # the same, each of the fit to all other amplitudes, (n_amplitudes,); NaN where there is none
     errors_left_out: Array
-    converged: bool  # whether all searches ended by themselves
+    converged: bool = False  # whether all searches ended by themselves
     message: str  # how the fit to all loops ended, or why there is none
-    fit: Identification | None  # that fit; None if there is none
+    fit: Identification | None = None  # that fit; None if there is none
     why_not_left_out: str = ""  # why there is no fit to all other amplitudes for one of them; empty if there is
 
 
@@ -61,9 +61,8 @@ class LawComparison(Brief):
     @property
     def most_general(self) -> LawRow:
         """The law whose largest error on an amplitude left out is smallest; the best one if no law has such errors."""
-        return min(
-            self.rows, key=lambda row: math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max()
-        )
+        errors = [math.inf if np.isnan(row.errors_left_out).any() else row.errors_left_out.max() for row in self.rows]
+        return self.rows[int(np.argmin(errors))]
 
     @property
     def recommended(self) -> LawRow:
@@ -96,13 +95,9 @@ class LawComparison(Brief):
 
 
 def compare_laws(
-    loops: Sequence[Loop],
-    *,
-    laws: Sequence[type[Law]] = USUAL,
-    elements: int = 5,
-    weights: str = "range",
+    loops: Sequence[Loop], *, laws: Sequence[type[Law]] = USUAL, elements: int = 5, weights: str = "range",
     leave_out: bool = True,
-) -> LawComparison:
+) -> LawComparison:  # fmt: skip
     """Return the fits of several laws to the same loops, and their errors on amplitudes that they have not seen.
 
     The criterion is the Bayesian one. With a thousand samples Akaike's correction for few samples vanishes, and what is left
@@ -132,61 +127,50 @@ def compare_laws(
     order = sorted(loops, key=lambda loop: float(np.ptp(loop.deflection)))
     measured = prepare(order, weights=weights)
     groups = amplitude_groups(measured)
-    rows = [_row(kind, order, measured, groups, elements, weights, leave_out) for kind in laws]
+    fit = partial(identify, elements=elements, weights=weights)
+    rows = [_row(partial(fit, law=kind), kind.name, order, measured, groups if leave_out else []) for kind in laws]
     least = min(row.criterion for row in rows)
-    rows = [
-        replace(row, behind=row.criterion - least if row.fit is not None else math.inf)
-        for row in sorted(rows, key=lambda row: row.criterion)
-    ]
+    rows.sort(key=lambda row: row.criterion)
+    rows = [replace(row, behind=math.inf if row.fit is None else row.criterion - least) for row in rows]
     sizes = np.array([np.mean([measured[index].amplitude for index in group]) for group in groups])
     return LawComparison(rows=tuple(rows), amplitudes=sizes, weights=weights)
 
 
 def _row(
-    kind: type[Law],
-    loops: Sequence[Loop],
-    measured: Sequence[MeasuredLoop],
-    groups: Sequence[Sequence[int]],
-    elements: int,
-    weights: str,
-    leave_out: bool,
-) -> LawRow:
-    """Return the fit of one law, its distance to the best not yet known."""
-    nothing = np.full(len(groups), np.nan)
+    fit_to: Callable[..., Identification], name: str, loops: Sequence[Loop], measured: Sequence[MeasuredLoop],
+    left_out: Sequence[Sequence[int]],
+) -> LawRow:  # fmt: skip
+    """Return the fit of one law, its distance to the best not yet known, and its errors at the groups that are left out."""
+    groups = amplitude_groups(measured)
+    errors = np.full(len(groups), np.nan)
     try:
-        fit = identify(loops, law=kind, elements=elements, weights=weights)
+        fit = fit_to(loops)
     except ValueError as failure:
-        return LawRow(
-            law=kind.name, free=0, criterion=math.inf, behind=math.inf, errors=nothing, errors_left_out=nothing,
-            converged=False, message=str(failure), fit=None,
-        )  # fmt: skip
-    left_out, converged, why_not = nothing.copy(), fit.converged, ""
-    for number, group in enumerate(groups) if leave_out else ():
-        others = [loop for index, loop in enumerate(loops) if index not in group]
+        return LawRow(law=name, errors=errors, errors_left_out=errors, message=str(failure))
+    converged, why_not = fit.converged, ""
+    for number, group in enumerate(left_out):
         try:
-            other = _refitted(fit, others, elements, weights)
+            other = _refitted(fit_to, fit.law, [loop for index, loop in enumerate(loops) if index not in group])
         except ValueError as failure:
             why_not = str(failure)
             continue
-        left_out[number] = group_error(other.law, measured, group)
+        errors[number] = group_error(other.law, measured, group)
         converged = converged and other.converged
     free = len(fit.uncertainty.free)
     return LawRow(
-        law=kind.name, free=free, criterion=criterion(fit, free), behind=math.inf,
-        errors=np.array([group_error(fit.law, measured, group) for group in groups]),
-        errors_left_out=left_out, converged=converged, message=fit.message, fit=fit, why_not_left_out=why_not,
+        law=name, free=free, criterion=criterion(fit, free),
+        errors=np.array([group_error(fit.law, measured, group) for group in groups]), errors_left_out=errors,
+        converged=converged, message=fit.message, fit=fit, why_not_left_out=why_not,
     )  # fmt: skip
 
 
-def _refitted(fit: Identification, loops: Sequence[Loop], elements: int, weights: str) -> Identification:
+def _refitted(fit_to: Callable[..., Identification], begin: Law, loops: Sequence[Loop]) -> Identification:
     """Return the fit to fewer loops, begun at the fit to all, else from the grid."""
     if not loops:
         raise ValueError("there is only one amplitude.")
-    again = partial(
-        identify, loops, law=type(fit.law), elements=elements, weights=weights, method="time", profiles=False
-    )
+    again = partial(fit_to, loops, method="time", profiles=False)
     try:
-        return again(start=fit.law, grid=False)
+        return again(start=begin, grid=False)
     except ValueError:
         return again()
 
@@ -197,10 +181,10 @@ class MethodRow:
 
     method: str  # "three-stage", "time" or "frequency"
     start: str
-    iterations: int  # steps of the searches, all stages together
-    evaluations: int  # of a residual, Jacobians included
-    error: float  # root mean square of force minus measured force, each loop's over its half force range [-]
-    converged: bool  # whether the last search ended by itself
+    iterations: int = 0  # steps of the searches, all stages together
+    evaluations: int = 0  # of a residual, Jacobians included
+    error: float = math.inf  # root mean square of force minus measured force, each loop's over its half force range [-]
+    converged: bool = False  # whether the last search ended by itself
     message: str  # how it ended
 
 
@@ -214,10 +198,8 @@ class MethodComparison:
         """The table, errors in percent."""
         lines = [f"{'start':16s}{'method':14s}{'iterations':>11s}{'evaluations':>12s}{'error':>10s}  converged"]
         for row in self.rows:
-            lines.append(
-                f"{row.start:16s}{row.method:14s}{row.iterations:11d}{row.evaluations:12d}{100 * row.error:>8.2f} %"
-                f"  {'yes' if row.converged else 'no'}"
-            )
+            counts = f"{row.iterations:11d}{row.evaluations:12d}{100 * row.error:>8.2f} %"
+            lines.append(f"{row.start:16s}{row.method:14s}{counts}  {'yes' if row.converged else 'no'}")
         return "\n".join(lines)
 
 
@@ -245,17 +227,12 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
                 loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False
             )
         except ValueError as failure:
-            ended: dict[str, Any] = {
-                "iterations": 0,
-                "evaluations": 0,
-                "error": math.inf,
-                "converged": False,
-                "message": str(failure),
-            }
+            rows.append(MethodRow(method=method, start=name, message=str(failure)))
         else:
-            ended = {
-                "iterations": sum(stage.iterations for stage in fit.stages), "evaluations": fit.evaluations,
-                "error": fit.residual, "converged": fit.converged, "message": fit.message,
-            }  # fmt: skip
-        rows.append(MethodRow(method=method, start=name, **ended))
+            rows.append(
+                MethodRow(
+                    method=method, start=name, iterations=sum(stage.iterations for stage in fit.stages),
+                    evaluations=fit.evaluations, error=fit.residual, converged=fit.converged, message=fit.message,
+                )
+            )  # fmt: skip
     return MethodComparison(rows=tuple(rows))

@@ -1,4 +1,4 @@
-"""Coordinates of the laws that cyclic tests can fix.
+"""Coordinates in which laws are searched for, and those of the laws that cyclic tests can fix.
 
 A Bouc-Wen law is searched for by its normalised form (z_max, x_y, sigma, n), whose numbers are less correlated than alpha, beta
 and gamma; b and c of Ni's law by their product, the only one that acts; Jenkin elements by their stiffnesses and the
@@ -6,13 +6,13 @@ deflections at which they slip, each further than the last.
 """
 
 import math
-from dataclasses import replace
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import integer
-from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Family, Scales
 from wirerope_mj.mounts.laws import (
     AsymmetricBoucWen,
     BoucWen,
@@ -26,6 +26,67 @@ from wirerope_mj.mounts.laws import (
     SymmetricBoucWen,
     VaianaRosati,
 )
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scales:
+    """Sizes of the measured loops."""
+
+    deflection: float  # the largest amplitude [m]
+    least: float  # the least amplitude [m]
+    force: float  # half the largest force range [N]
+    # how far a stop's sides that close were deflected [m]; 0 of one that does not
+    below: float = 0.0
+    above: float = 0.0
+
+
+# Fraction of the least amplitude below which a deflection of slip is not seen: of a sine's 200 samples nine behind a turning
+# point still show the stiffness before it, fewer show a jump of the force alone.
+SEEN = 0.02
+
+
+@dataclass(frozen=True)
+class Coordinate:
+    """One number that is searched for."""
+
+    name: str  # as tables print it
+    unit: str
+    # bounds of its value; a coordinate with a lower bound > 0 is searched for by its logarithm
+    lower: float
+    upper: float
+    scale: float = 1.0  # size of its value, for one that may be zero
+    linear: bool = False  # whether the force is proportional to it, all others given
+    stiffness: bool = False  # whether it belongs to the elastic part, which the first of the thesis' three stages fits
+
+    @property
+    def logarithmic(self) -> bool:
+        """True if it is searched for by its logarithm."""
+        return self.lower > 0.0
+
+    def inside(self, value: float) -> float:
+        """Return the number that stands for a value, within the bounds."""
+        value = min(max(value, self.lower), self.upper)
+        return math.log(value) if self.logarithmic else value / self.scale
+
+    def value(self, number: float) -> float:
+        """Return the value that a number stands for."""
+        return math.exp(number) if self.logarithmic else number * self.scale
+
+    def slope(self, number: float) -> float:
+        """Return the derivative of the value by the number."""
+        return math.exp(number) if self.logarithmic else self.scale
+
+
+@dataclass(frozen=True, kw_only=True)
+class Family:
+    """Coordinates of the laws of one class."""
+
+    coordinates: Callable[[Scales], list[Coordinate]]  # the numbers, from the sizes of the measured loops
+    make: Callable[[dict[str, float]], Law]  # the law of their values
+    read: Callable[[Law], dict[str, float]]  # the values of a law
+    # values of coordinates that are given unless they are asked for, or a start has others
+    usual: Mapping[str, float] = field(default_factory=dict)
+
 
 ELASTIC = 1e-6  # Loss below which a stop is elastic: no test shows it, and the state of a lossy one costs time
 
@@ -98,11 +159,8 @@ def _vaiana_rosati(s: Scales) -> list[Coordinate]:
 
 def _stop(s: Scales) -> list[Coordinate]:
     x, f = s.deflection, s.force
-    gaps = [
-        Coordinate(name, "m", 0.0, reach, scale=x, stiffness=True)
-        for name, reach in (("gap_below", s.below), ("gap_above", s.above))
-        if reach > 0.0
-    ]
+    reaches = {"gap_below": s.below, "gap_above": s.above}
+    gaps = [Coordinate(name, "m", 0.0, end, scale=x, stiffness=True) for name, end in reaches.items() if end > 0.0]
     # The depth may be a hundredth of the amplitude, and k is the force over its power.
     return [
         *gaps,
@@ -120,16 +178,16 @@ def _make_stop(values: dict[str, float]) -> Law:
     return Stop(**values)  # type: ignore[arg-type]
 
 
-def _read_stop(law: Law) -> dict[str, float]:
-    assert isinstance(law, Stop)
-    values = {
-        key: getattr(law, key) for key in ("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal")
-    }
-    return {key: value for key, value in values.items() if value is not None}
+def _reader(*names: str) -> Callable[[Law], dict[str, float]]:
+    """Return what reads these parameters of a law, those that it has."""
+    return lambda law: {name: value for name in names if (value := getattr(law, name)) is not None}
 
 
 # Stops with a gap on the sides that close; viscous loss does not show in quasi-static tests.
-STOP = Family(coordinates=_stop, make=_make_stop, read=_read_stop, usual={"exponent": 1.0, "rounding": 0.0})
+STOP = Family(
+    coordinates=_stop, make=_make_stop, usual={"exponent": 1.0, "rounding": 0.0},
+    read=_reader("gap_below", "gap_above", "k", "exponent", "rounding", "loss", "reversal"),
+)  # fmt: skip
 
 
 def beside_known(family: Family, known: Law | None) -> Family:
@@ -160,11 +218,8 @@ def masing_family(elements: int) -> Family:
         assert isinstance(law, Masing)
         pairs = sorted(zip(law.stiffness, law.slip_force, strict=True), key=lambda pair: pair[1] / pair[0])
         slip = [h / c for c, h in pairs]
-        values = (
-            {"k": law.k, "k2": law.k2, "k3": law.k3}
-            | {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
-            | {"x1": slip[0]}
-        )
+        values = {"k": law.k, "k2": law.k2, "k3": law.k3, "x1": slip[0]}
+        values |= {f"c{e}": c for e, (c, _) in enumerate(pairs, start=1)}
         return values | {f"x{e + 1}/x{e}": slip[e] / slip[e - 1] for e in range(1, len(slip))}
 
     return Family(coordinates=coordinates, make=make, read=read, usual={"k2": 0.0, "k3": 0.0})
@@ -196,12 +251,12 @@ FAMILIES: dict[type[Law], Family] = {
             *_elastic(s, "k"),
         ],
         make=lambda values: EnhancedDryFriction(**values),
-        read=lambda law: {key: getattr(law, key) for key in ("d", "u_c", "k")},
+        read=_reader("d", "u_c", "k"),
     ),
     VaianaRosati: Family(
         coordinates=_vaiana_rosati,
         make=lambda values: VaianaRosati(**values),
-        read=lambda law: {key: getattr(law, key) for key in ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")},
+        read=_reader("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3"),
     ),
 }
 

@@ -11,10 +11,20 @@ from wirerope_mj.mounts.identification.families import beside_known, family_of
 from wirerope_mj.mounts.identification.left_out import supported_scales
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop, prepare, require_loops, scales_of
 from wirerope_mj.mounts.identification.profiles import Survey, survey
-from wirerope_mj.mounts.identification.residuals import Data, Residual, joined, loop_residual, rms
 from wirerope_mj.mounts.identification.result import Identification as Identification
 from wirerope_mj.mounts.identification.scales import SCALES, require_scales, scales_family
-from wirerope_mj.mounts.identification.search import Method, Minimum, Stage, Unknowns, run_stages
+from wirerope_mj.mounts.identification.search import (
+    Data,
+    Method,
+    Minimum,
+    Residual,
+    Stage,
+    Unknowns,
+    joined,
+    loop_residual,
+    rms,
+    run_stages,
+)
 from wirerope_mj.mounts.identification.start import grid_starts, scale_starts
 from wirerope_mj.mounts.identification.sufficient import (
     Constraint,
@@ -45,24 +55,12 @@ class _End:
 
 
 def identify(
-    loops: Sequence[Loop],
-    *,
-    law: type[Law] = AsymmetricBoucWen,
-    scales: int | Literal["auto"] = 1,
-    extra_residuals: Sequence[Residual] = (),
-    start: Law | None = None,
-    fixed: Mapping[str, float] | None = None,
-    free: Sequence[str] = (),
-    beside: Law | None = None,
-    constraint: Constraint | None = None,
-    elements: int = 5,
-    method: Method = "three-stage",
-    data: Data = "loops",
-    weights: str = "range",
-    noise: float | None = None,
-    grid: bool = True,
-    profiles: bool = True,
-) -> Identification:
+    loops: Sequence[Loop], *, law: type[Law] = AsymmetricBoucWen, scales: int | Literal["auto"] = 1,
+    extra_residuals: Sequence[Residual] = (), start: Law | None = None, fixed: Mapping[str, float] | None = None,
+    free: Sequence[str] = (), beside: Law | None = None, constraint: Constraint | None = None, elements: int = 5,
+    method: Method = "three-stage", data: Data = "loops", weights: str = "range", noise: float | None = None,
+    grid: bool = True, profiles: bool = True,
+) -> Identification:  # fmt: skip
     """Return the law of a class that fits closed cyclic loops best, and its uncertainty.
 
     The law is compared along each loop's own path of deflections: led through what a record holds before it where that is
@@ -134,11 +132,7 @@ def identify(
     full = joined(loop_residual(measured, data), extra_residuals)
     starts = [("given", family.read(start))] if start is not None else []
     if grid:
-        points = (
-            scale_starts(unknowns, measured, names)
-            if names
-            else grid_starts(unknowns.family, unknowns.coordinates, measured, unknowns.fixed, count=STARTS)
-        )
+        points = scale_starts(unknowns, measured, names) if names else grid_starts(unknowns, measured, count=STARTS)
         starts += [("grid", values) for values in points]
     ends: list[_End] = []
     failures: list[str] = []
@@ -163,25 +157,19 @@ def identify(
 
 
 def _best(
-    unknowns: Unknowns,
-    loops: list[MeasuredLoop],
-    full: Residual,
-    ends: list[_End],
-    noise: float | None,
-    profiles: bool,
-    data: Data,
-) -> tuple[_End, Survey, int]:
+    unknowns: Unknowns, loops: list[MeasuredLoop], full: Residual, ends: list[_End], noise: float | None,
+    profiles: bool, data: Data,
+) -> tuple[_End, Survey, int]:  # fmt: skip
     """Return the best end, its survey and all evaluations; a search goes on from a better fit that a survey shows."""
     evaluations = sum(stage.evaluations for end in ends for stage in end.stages)
     for left in range(DEEPER, -1, -1):
         least = min(end.minimum.cost for end in ends)
         best = next(end for end in ends if end.minimum.cost <= least * (1.0 + SAME / end.minimum.residual.size))
         rivals = [end.minimum for end in ends if end is not best]
-        around = (
-            survey(unknowns, full, best.minimum, rivals, noise)
-            if profiles
-            else Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
-        )
+        if profiles:
+            around = survey(unknowns, full, best.minimum, rivals, noise)
+        else:
+            around = Survey(uncertainty=uncertainty_of(unknowns, best.minimum, noise), better=None, evaluations=0)
         if noise is None and data == "loops":
             sizes = [loop.force.size for loop in loops]
             known = with_noise_of_each(around.uncertainty, unknowns, best.minimum, sizes)

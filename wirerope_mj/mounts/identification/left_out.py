@@ -13,11 +13,6 @@ from wirerope_mj.mounts.laws import Law, Loop
 SAME = 0.05  # Relative difference within which two amplitudes are one: a rig does not repeat its stroke closer
 
 
-def error_of(law: Law, loop: MeasuredLoop) -> float:
-    """Return the root mean square of a law's force minus the measured one, without means, over half of the force range."""
-    return float(np.std(loop.model_force(law) - loop.force) / (0.5 * np.ptp(loop.force)))
-
-
 def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
     """Return the indices of the loops of each amplitude; the loops are in the order of their amplitudes."""
     groups: list[list[int]] = []
@@ -30,8 +25,13 @@ def amplitude_groups(loops: Sequence[MeasuredLoop]) -> list[list[int]]:
 
 
 def group_error(law: Law, loops: Sequence[MeasuredLoop], group: Sequence[int]) -> float:
-    """Return the error of the loops of one amplitude."""
-    return float(np.sqrt(np.mean([error_of(law, loops[index]) ** 2 for index in group])))
+    """Return the root mean square of a law's force minus that of the loops of one amplitude, over half of the force range.
+
+    Both are without their means.
+    """
+    some = [loops[index] for index in group]
+    errors = [float(np.std(loop.model_force(law) - loop.force) / (0.5 * np.ptp(loop.force))) for loop in some]
+    return float(np.sqrt(np.mean(np.square(errors))))
 
 
 def criterion(fit: Identification, free: int) -> float:

@@ -10,7 +10,7 @@ import scipy
 
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.coordinates import Scales
+from wirerope_mj.mounts.identification.families import Scales
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Loop, SymmetricBoucWen
 from wirerope_mj.mounts.laws.steady import follow_force, settle
 from wirerope_mj.mounts.test_rig.passive import require_falling, require_unclipped
@@ -60,9 +60,8 @@ class MeasuredLoop:
     def thinned(self, samples: int) -> "MeasuredLoop":
         """Return about `samples` of the loop's samples, its turning points among them."""
         x = self.deflection
-        kept = np.unique(
-            np.concatenate([np.linspace(0, x.size - 1, samples).astype(int), [np.argmax(x), np.argmin(x)]])
-        )
+        even = np.linspace(0, x.size - 1, samples).astype(int)
+        kept = np.unique(np.concatenate([even, [np.argmax(x), np.argmin(x)]]))
         elapsed = self.elapsed[kept] if self.elapsed.size else self.elapsed
         return replace(self, deflection=x[kept], force=self.force[kept], elapsed=elapsed)
 
@@ -136,9 +135,7 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
     Noise of the deflection would turn every sample into a reversal; the monotone path nearest to the samples of each branch
     (isotonic regression) has none. Weights "range" divide residuals by each loop's half force range, so that small loops
     count as much as large ones, "equal" by that of the largest loop. A bare bump stop's force stands still within its gap.
-
-    Raises:
-        ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
+    ValueError: a loop is not a full cycle, its deflection does not move, or its force is clipped.
     """
     one_of("weights", weights, ("range", "equal"))
     largest = max((0.5 * float(np.ptp(loop.force)) for loop in loops), default=0.0)
@@ -156,9 +153,8 @@ def prepare(loops: Sequence[Loop], *, weights: str = "range", stop: bool = False
 def scales_of(loops: Sequence[MeasuredLoop]) -> Scales:
     """Return the sizes of the measured loops."""
     amplitudes = [loop.amplitude for loop in loops]
-    return Scales(
-        deflection=max(amplitudes), least=min(amplitudes), force=max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
-    )
+    force = max(float(np.ptp(loop.force)) / 2.0 for loop in loops)
+    return Scales(deflection=max(amplitudes), least=min(amplitudes), force=force)
 
 
 def _check(loop: Loop, number: int, stop: bool) -> None:

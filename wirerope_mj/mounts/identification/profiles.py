@@ -13,8 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.residuals import Residual
-from wirerope_mj.mounts.identification.search import Minimum, Unknowns, run_search
+from wirerope_mj.mounts.identification.search import Minimum, Residual, Unknowns, run_search
 from wirerope_mj.mounts.identification.uncertainty import OPEN, Parameter, Uncertainty, noise_of, uncertainty_of
 
 ERRORS = 3.0  # Standard errors by which a value is moved: the sum of squares then rises by their square, in variances

@@ -132,15 +132,9 @@ def _size(loop: Loop) -> str:
 
 
 def identified_isolator(
-    result: Identification,
-    *,
-    name: str,
-    axis: str,
-    files: Sequence[Path],
-    given: Sequence[str],
-    known: Isolator | None = None,
-    whole: Isolator | None = None,
-) -> Isolator:
+    result: Identification, *, name: str, axis: str, files: Sequence[Path], given: Sequence[str],
+    known: Isolator | None = None, whole: Isolator | None = None,
+) -> Isolator:  # fmt: skip
     """Return an isolator called `name` with the law of an identification on the axis that was tested.
 
     `files` are the records that were fitted, `given` is what was given to the fit, one text each. `known` is an isolator
@@ -170,8 +164,8 @@ def identified_isolator(
         before = whole.provenance
         provenance = replace(
             provenance,
-            source=_both(before.source, provenance.source),
-            fitted_to=_both(before.fitted_to, provenance.fitted_to),
+            source="; ".join(filter(None, [before.source, provenance.source])),
+            fitted_to="; ".join(filter(None, [before.fitted_to, provenance.fitted_to])),
             assumed=(*before.assumed, *(f"{axis}: {text}" for text in provenance.assumed)),
         )
         return replace(whole, name=name, provenance=provenance, spread=None, validity=validity, **axes)
@@ -191,11 +185,6 @@ def falling_in_rating(result: Identification, axis: str, rated: Isolator | None)
         return ""
     below, above = (travel or 0.0 for travel in rated.rated_travel(axis))
     return falling_text(result.law, -below, above)
-
-
-def _both(before: str, now: str) -> str:
-    """Return what is said of other axes before what is said of this one."""
-    return f"{before}; {now}" if before else now
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.mounts.identification.coordinates import SEEN
+from wirerope_mj.mounts.identification.families import SEEN
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
 from wirerope_mj.mounts.identification.search import Stage
@@ -122,11 +122,8 @@ class Identification(Summarised):
             for p in self.parameters.values()
         }
         error = f"error {100.0 * self.residual:.3g} % of half the force range over {len(self.loops)} loops"
-        kind = (
-            f"{len(self.scales)} scales of {type(self.law.components[0]).__name__}"
-            if self.scales
-            else type(self.law).__name__
-        )
+        kind = type(self.law.components[0]).__name__ if self.scales else type(self.law).__name__
+        kind = f"{len(self.scales)} scales of {kind}" if self.scales else kind
         return f"Identification of {kind}: {ended}, {error}", lines
 
     @property
@@ -137,11 +134,8 @@ class Identification(Summarised):
     @property
     def insignificant(self) -> tuple[str, ...]:
         """Names of the free parameters that lie within two of their standard errors of zero, and not at a bound."""
-        return tuple(
-            p.name
-            for p in self.parameters.values()
-            if not p.fixed and not p.at_bound and abs(p.value) < 2.0 * p.standard_error
-        )
+        free = [p for p in self.parameters.values() if not p.fixed and not p.at_bound]
+        return tuple(p.name for p in free if abs(p.value) < 2.0 * p.standard_error)
 
     @property
     def validity(self) -> str:

@@ -14,8 +14,7 @@ from dataclasses import replace
 from itertools import pairwise
 from typing import Any
 
-from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Family, Scales
-from wirerope_mj.mounts.identification.families import FAMILIES
+from wirerope_mj.mounts.identification.families import FAMILIES, SEEN, Coordinate, Family, Scales
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Parallel, SymmetricBoucWen
 
 # Names of the scales, the first with the largest yield deflection, by their number; a law of one scale needs none.

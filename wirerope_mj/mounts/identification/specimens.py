@@ -9,8 +9,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.summary import Brief
-from wirerope_mj.mounts.identification.coordinates import Family
-from wirerope_mj.mounts.identification.families import family_of
+from wirerope_mj.mounts.identification.families import Family, family_of
 from wirerope_mj.mounts.identification.identify import Identification, identify
 from wirerope_mj.mounts.identification.measured import require_loops
 from wirerope_mj.mounts.identification.scales import scales_family
@@ -58,32 +57,25 @@ class SpecimenFits(Brief):
     def spread(self, axis: str) -> Spread:
         """Return the scatter as an isolator file keeps it, its parameters named "axial.alpha" and so on by the tested axis."""
         one_of("axis", axis, ("roll", "shear", "axial"))
-        return Spread(
-            parameters=tuple(f"{axis}.{row.parameter}" for row in self.rows),
-            covariance=tuple(tuple(float(v) for v in row) for row in self.covariance),
-        )
+        names = tuple(f"{axis}.{row.parameter}" for row in self.rows)
+        return Spread(parameters=names, covariance=tuple(map(tuple, self.covariance.tolist())))
 
     def __str__(self) -> str:
         """The table: nominal value, mean, scatter, and the fraction of it that is the tests' noise."""
         lines = [f"{'parameter':16s}{'nominal':>13s}{'mean':>13s}{'deviation':>13s}{'of mean':>9s}{'of the fits':>13s}"]
         for row in self.rows:
             relative = abs(row.deviation / row.mean) if row.mean else np.inf
-            lines.append(
-                f"{row.parameter:16s}{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * relative:7.1f} %"
-                f"{row.fit_error:13.2g}"
+            sizes = (
+                f"{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * relative:7.1f} %{row.fit_error:13.2g}"
             )
+            lines.append(f"{row.parameter:16s}{sizes}")
         return "\n".join(lines)
 
 
 def identify_specimens(
-    specimens: Sequence[Sequence[Loop]],
-    *,
-    law: type[Law] = AsymmetricBoucWen,
-    scales: int = 1,
-    shared: Sequence[str] = (),
-    elements: int = 5,
-    weights: str = "range",
-) -> SpecimenFits:
+    specimens: Sequence[Sequence[Loop]], *, law: type[Law] = AsymmetricBoucWen, scales: int = 1,
+    shared: Sequence[str] = (), elements: int = 5, weights: str = "range",
+) -> SpecimenFits:  # fmt: skip
     """Return the nominal law of several specimens and the covariance of its parameters over them.
 
     The covariance is that of the law's own parameters, about their mean; noise of the tests is in it, and is stated beside it.
@@ -202,7 +194,5 @@ def _own_errors(fit: Identification, family: Family) -> dict[str, float]:
         after = own_parameters(family.make(values | {name: values[name] + step}))
         for parameter, value in after.items():
             slopes[parameter].append((value - before[parameter]) / step)
-    return {
-        name: float(np.sqrt(max(np.array(slope) @ fit.uncertainty.covariance @ np.array(slope), 0.0)))
-        for name, slope in slopes.items()
-    }
+    covariance, rows = fit.uncertainty.covariance, {name: np.array(slope) for name, slope in slopes.items()}
+    return {name: float(np.sqrt(max(row @ covariance @ row, 0.0))) for name, row in rows.items()}

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.coordinates import SEEN, Coordinate, Family
+from wirerope_mj.mounts.identification.families import SEEN, Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop
 from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns
@@ -20,14 +20,7 @@ from wirerope_mj.mounts.identification.search import Unknowns
 SAMPLES = 60  # Samples of each loop that the grid looks at: its shape, not its noise
 
 
-def grid_starts(
-    family: Family,
-    coordinates: Sequence[Coordinate],
-    loops: Sequence[MeasuredLoop],
-    fixed: Mapping[str, float],
-    *,
-    count: int,
-) -> list[dict[str, float]]:
+def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int) -> list[dict[str, float]]:
     """Return the values of the best points of the grid, and of the best for each pattern of signs that the grid has.
 
     Laws with coordinates of either sign can have a valley for each pattern, of depths that the noise does not tell apart: a
@@ -36,13 +29,12 @@ def grid_starts(
     """
     thin = [loop.thinned(SAMPLES) for loop in loops]
     amplitudes = np.array([np.ptp(loop.deflection) / 2.0 for loop in loops])
-    axes = {
-        c.name: [fixed[c.name]] if c.name in fixed else _grid_values(c, amplitudes) for c in coordinates if not c.linear
-    }
+    bending, fixed = [c for c in unknowns.coordinates if not c.linear], unknowns.fixed
+    axes = {c.name: [fixed[c.name]] if c.name in fixed else _grid_values(c, amplitudes) for c in bending}
     fits = []
     for point in product(*axes.values()):
         shape = dict(zip(axes, point, strict=True))
-        values, cost = _stretched(family, coordinates, thin, shape, fixed)
+        values, cost = _stretched(unknowns, thin, shape)
         if np.isfinite(cost):
             fits.append((cost, values))
     fits.sort(key=lambda pair: pair[0])
@@ -86,21 +78,18 @@ def _grid_values(c: Coordinate, amplitudes: Array) -> list[float]:
 
 
 def _stretched(
-    family: Family,
-    coordinates: Sequence[Coordinate],
-    loops: Sequence[MeasuredLoop],
-    shape: Mapping[str, float],
-    fixed: Mapping[str, float],
+    unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]
 ) -> tuple[dict[str, float], float]:
     """Return all values with the best linear ones, and the mean square that is left."""
-    linear = [c for c in coordinates if c.linear and c.name not in fixed]
-    base = {c.name: fixed.get(c.name, max(c.lower, 0.0)) for c in coordinates if c.linear} | dict(shape)
-    zero = _forces(family, base, loops)
+    linear = [c for c in unknowns.free if c.linear]
+    multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed
+    base = {c.name: fixed.get(c.name, max(c.lower, 0.0)) for c in multiplied} | dict(shape)
+    zero = _forces(unknowns.family, base, loops)
     columns = []
     for c in linear:
         size = c.scale if not c.logarithmic else 0.01 * np.sqrt(c.lower * c.upper) + 10.0 * c.lower
         moved = base | {c.name: base[c.name] + size}
-        columns.append((_forces(family, moved, loops) - zero) / size)
+        columns.append((_forces(unknowns.family, moved, loops) - zero) / size)
     measured = np.concatenate([(loop.force - loop.force.mean()) / loop.weight for loop in loops])
     matrix = np.stack(columns, axis=1)
     if not (np.isfinite(matrix).all() and np.isfinite(zero).all()):
@@ -125,7 +114,6 @@ _YIELD = 12  # Yield deflections of the grid, from twice what the least amplitud
 _EXPONENTS = (1.0, 2.0)  # the two with closed forms
 _SIGMAS = (0.5, 1.0)
 _ASYMMETRIES = (-1.0, -0.3, 0.0, 0.3, 1.0)  # times one over the largest amplitude
-
 _Point = tuple[float, dict[str, float]]  # of the grid: mean squares left, its values by coordinate
 
 
@@ -151,11 +139,8 @@ def _with_bend(
     yields = np.geomspace(2.0 * SEEN * min(amplitudes), max(amplitudes), _YIELD)
     shapes = [[loop.shape(float(x_y), sigma, n) for loop in loops] for x_y in yields]
     springs = [c for c in unknowns.coordinates if c.name in _POWERS]
-    choices = [
-        pick
-        for pick in combinations(range(_YIELD), len(names))
-        if all(yields[large] >= APART * yields[small] for small, large in pairwise(pick))
-    ]
+    picks = combinations(range(_YIELD), len(names))
+    choices = [pick for pick in picks if all(yields[b] >= APART * yields[a] for a, b in pairwise(pick))]
     measured = np.concatenate([(loop.force - loop.force.mean()) / loop.weight for loop in loops])
     points = []
     asymmetries = [0.0]
@@ -164,9 +149,8 @@ def _with_bend(
         asymmetries = [unknowns.fixed["c_ln_b"]] if "c_ln_b" in unknowns.fixed else tried
     for asymmetry in asymmetries:
         scale_columns = [_column(loops, shape, asymmetry) for shape in shapes]
-        spring_columns = [
-            _column(loops, [_spring(loop, _POWERS[c.name]) for loop in loops], asymmetry) for c in springs
-        ]
+        units = [[_spring(loop, _POWERS[c.name]) for loop in loops] for c in springs]
+        spring_columns = [_column(loops, forces, asymmetry) for forces in units]
         least = np.array([0.0] * len(names) + [c.lower for c in springs])
         for pick in choices:
             matrix = np.stack([*(scale_columns[index] for index in pick[::-1]), *spring_columns], axis=1)

@@ -10,10 +10,9 @@ import scipy
 
 from wirerope_mj.foundation.arguments import finite, one_of, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.coordinates import Coordinate, Family
+from wirerope_mj.mounts.identification.families import Coordinate, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
-from wirerope_mj.mounts.identification.residuals import THIN, Data, Residual
-from wirerope_mj.mounts.identification.search import Method, Unknowns
+from wirerope_mj.mounts.identification.search import THIN, Data, Method, Residual, Unknowns
 from wirerope_mj.mounts.laws import Law
 
 Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
@@ -44,14 +43,9 @@ def require_options(
 
 
 def unknowns_of(
-    law: type[Law],
-    family: Family,
-    coordinates: list[Coordinate],
-    fixed: dict[str, float],
-    free: Sequence[str],
-    constraint: Constraint | None,
-    start: Law | None,
-) -> Unknowns:
+    law: type[Law], family: Family, coordinates: list[Coordinate], fixed: dict[str, float], free: Sequence[str],
+    constraint: Constraint | None, start: Law | None,
+) -> Unknowns:  # fmt: skip
     """Return the coordinates that are searched for and those that are fixed; ValueError where the options contradict."""
     if start is not None and type(start) is not law:
         raise ValueError(f"`start` must be a {law.name} law, got {start!r}.")
@@ -67,9 +61,8 @@ def unknowns_of(
     if both := [name for name in free if name in fixed]:
         raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
     begun = family.read(start) if start is not None else {}
-    usual = {
-        name: value for name, value in family.usual.items() if name not in free and begun.get(name, value) == value
-    }
+    kept = [(name, value) for name, value in family.usual.items() if begun.get(name, value) == value]
+    usual = {name: value for name, value in kept if name not in free}
     fixed = {**usual, **fixed}
     if start is not None and (missing := [n for n in names if n not in fixed and n not in begun]):
         raise ValueError(
@@ -154,10 +147,7 @@ LEAST = 0.02
 def closing(loops: Sequence[MeasuredLoop], known: Law | None) -> tuple[list[MeasuredLoop], dict[str, float]]:
     """Return the loops that count for a stop, and how far beyond zero the sides that close were pressed [m], 0 of others.
 
-    Loops within the gap of a bare stop hold noise alone and do not count.
-
-    Raises:
-        ValueError: none closes.
+    Loops within the gap of a bare stop hold noise alone and do not count. ValueError: none closes.
     """
     counted = [loop for loop in loops if known is not None or closes(loop)]
     low, high = (pick(float(pick(loop.deflection)) for loop in loops) for pick in (min, max))

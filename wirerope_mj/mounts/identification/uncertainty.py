@@ -58,9 +58,8 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     spread = noise_of(unknowns, minimum, noise)
     _, singular, combinations = np.linalg.svd(minimum.jacobian, full_matrices=False)
     combinations[np.abs(combinations) < ROUNDING] = 0.0  # else what is not identified at all spoils what is
-    singular = np.where(
-        singular > np.finfo(float).eps * singular.max(initial=0.0), singular, 0.0
-    )  # rounding moves nothing
+    rounding = np.finfo(float).eps * singular.max(initial=0.0)  # which moves nothing
+    singular = np.where(singular > rounding, singular, 0.0)
     singular = np.concatenate([singular, np.zeros(len(free) - singular.size)])
     combinations = np.vstack([combinations, np.zeros((len(free) - combinations.shape[0], len(free)))])
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -73,18 +72,12 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     with np.errstate(divide="ignore", invalid="ignore"):
         correlation = np.nan_to_num(covariance / np.outer(deviations, deviations), nan=0.0)
     names = tuple(c.name for c in free)
+    loose = [(row, float(error)) for row, error in zip(combinations, errors, strict=True) if error > OPEN]
     return Uncertainty(
-        parameters=_parameters(unknowns, minimum, deviations),
-        covariance=covariance,
-        correlation=correlation,
-        free=names,
+        parameters=_parameters(unknowns, minimum, deviations), covariance=covariance, correlation=correlation, free=names,
         singular_values=singular / spread if spread > 0.0 else np.full(len(free), np.inf),
-        non_identifiable=tuple(
-            _message(names, combination, float(error))
-            for combination, error in zip(combinations, errors, strict=True)
-            if error > OPEN
-        ),
-    )
+        non_identifiable=tuple(_message(names, row, error) for row, error in loose),
+    )  # fmt: skip
 
 
 def noise_of(unknowns: Unknowns, minimum: Minimum, noise: float | None) -> float:
@@ -99,10 +92,8 @@ def _parameters(unknowns: Unknowns, minimum: Minimum, deviations: Array) -> dict
     values, (low, high) = unknowns.values(minimum.numbers), unknowns.bounds
     room = np.minimum(minimum.numbers - low, high - minimum.numbers)
     errors = np.where(deviations < 1e100, deviations, np.inf)
-    fitted = {
-        c.name: (float(error), bool(bounded))
-        for c, error, bounded in zip(unknowns.free, errors, room <= AT_BOUND * (high - low), strict=True)
-    }
+    bounded = room <= AT_BOUND * (high - low)
+    fitted = {c.name: (float(errors[i]), bool(bounded[i])) for i, c in enumerate(unknowns.free)}
     parameters = {}
     for c in unknowns.coordinates:
         error, at_bound = fitted.get(c.name, (0.0, False))

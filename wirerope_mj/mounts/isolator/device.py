@@ -169,9 +169,8 @@ class Isolator(Brief):
         for axis, stiffness in bracket.stated.items():
             law = self.axes[axis]
             if law is None or AXES.index(axis) in self.coupled_axes:
-                why = (
-                    "has no law" if law is None else f"is coupled ({self.coupling}); leave the coupling out of its file"
-                )
+                coupled = f"is coupled ({self.coupling}); leave the coupling out of its file"
+                why = "has no law" if law is None else coupled
                 raise ValueError(f"`bracket` holds {axis}, along which {self.name} {why}.")
             laws[axis] = on_bracket(law, stiffness)
         return replace(self, spread=None, **laws)  # type: ignore[arg-type]
@@ -216,9 +215,8 @@ class Isolator(Brief):
     def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
         """Return the isolator that a file's content describes; messages call it `where`, points in a CSV file lie in `folder`.
 
-        Raises:
-            ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where,
-                axis, key and rule.
+        ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where, axis, key
+        and rule.
         """
         try:
             return cls(**read_tables(content, where, folder))

@@ -53,22 +53,28 @@ def _in_metres(value: float) -> str:
     return f"If these are millimetres, write {1e-3 * value:.6g}."
 
 
-class _Part:
+class Part:
     """A part of an isolator, a dataclass."""
 
     @property
     def stated(self) -> dict[str, Any]:
         """The attributes that are stated, by name."""
-        values = {item.name: getattr(self, item.name) for item in fields(self)}  # type: ignore[arg-type]
-        return {key: value for key, value in values.items() if value is not None}
+        values = ((item.name, getattr(self, item.name)) for item in fields(self))  # type: ignore[arg-type]
+        return {name: value for name, value in values if value is not None}
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the part as it stands in an isolator file."""
-        return self.stated
+        """Return the part as it stands in an isolator file: what is stated and not empty."""
+        values = {key: _plain(value) for key, value in self.stated.items()}
+        return {key: value for key, value in values.items() if value or isinstance(value, float | int)}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value of a part as a file takes it."""
+    return value.to_dict() if isinstance(value, Part) else list(value) if isinstance(value, tuple) else value
 
 
 @dataclass(frozen=True, kw_only=True)
-class Bracket(_Part):
+class Bracket(Part):
     """Stiffness of what an isolator is bolted to, in series with it, by axis [N/m]; it has no mass. None = rigid."""
 
     roll: float | None = None
@@ -82,7 +88,7 @@ class Bracket(_Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Stiffening(_Part):
+class Stiffening(Part):
     """A factor on all forces of an isolator, 1 + after_50 ln(cycles) / ln(50), for the cycles that it has gone through.
 
     It is held constant within a run: the effect takes tens of cycles, a shock or a look at one resonance few. It multiplies
@@ -116,7 +122,7 @@ class Stiffening(_Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Travel(_Part):
+class Travel(Part):
     """Rated deflections [m], all positive; None where the vendor states none: not judged.
 
     compression and tension limit the axial deflection below and above zero, shear and roll both directions of theirs.
@@ -133,7 +139,7 @@ class Travel(_Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Limits(_Part):
+class Limits(Part):
     """Ratings of the isolator: static_load [N] in compression and travel [m]; None = not judged."""
 
     static_load: float | None = None
@@ -144,14 +150,9 @@ class Limits(_Part):
         if not isinstance(self.travel, Travel):
             raise ValueError(f"`travel` must be a Travel, got {self.travel!r}.")
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the limits as they stand in an isolator file."""
-        load = {} if self.static_load is None else {"static_load": self.static_load}
-        return {**load, **({"travel": self.travel.stated} if self.travel.stated else {})}
-
 
 @dataclass(frozen=True, kw_only=True)
-class Geometry(_Part):
+class Geometry(Part):
     """Unloaded envelope: height along the axial axis and width across the bars [m], thickness of one bar [m], and bolts.
 
     bar: at a compression of height - 2 bar the bars meet. The rope is held inside them and bulges aside, and takes no height:
@@ -202,7 +203,7 @@ class Geometry(_Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Rotation(_Part):
+class Rotation(Part):
     """Stiffness against turning the payload's bar relative to the base's [N m/rad], each >= 0.
 
     roll, shear and axial are about the axes x, y and z of the mount. For a turn theta about one of them the torque is
@@ -223,7 +224,7 @@ class Rotation(_Part):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Provenance(_Part):
+class Provenance(Part):
     """Origin of the parameters."""
 
     kind: str = "illustrative"  #: "catalogue", "identified", "published", "estimated" or "illustrative"
@@ -246,14 +247,9 @@ class Provenance(_Part):
         for key, value in self.check_45.items():
             finite(f"check_45.{key}", value)
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the provenance as it stands in an isolator file."""
-        stated = {key: value for key, value in self.stated.items() if value}
-        return {**stated, **({"assumed": list(self.assumed)} if self.assumed else {})}
-
 
 @dataclass(frozen=True, kw_only=True)
-class Spread(_Part):
+class Spread(Part):
     """Scatter of the parameters: names such as "axial.alpha" and their covariance in SI units, (n, n).
 
     It is that of specimens of one make, unless it was `calibrated`: then it is what tests of a system leave open.
@@ -267,11 +263,10 @@ class Spread(_Part):
         if not isinstance(self.parameters, list | tuple) or not all(isinstance(name, str) for name in self.parameters):
             raise ValueError(f"`parameters` must be a list of strings, got {self.parameters!r}.")
         object.__setattr__(self, "parameters", tuple(self.parameters))
-        if not isinstance(self.covariance, list | tuple) or not all(
-            isinstance(r, list | tuple) for r in self.covariance
-        ):
-            raise ValueError(f"`covariance` must be rows of numbers, got {self.covariance!r}.")
-        rows = tuple(tuple(finite("covariance", value) for value in row) for row in self.covariance)
+        matrix = self.covariance
+        if not isinstance(matrix, list | tuple) or not all(isinstance(row, list | tuple) for row in matrix):
+            raise ValueError(f"`covariance` must be rows of numbers, got {matrix!r}.")
+        rows = tuple(tuple(finite("covariance", value) for value in row) for row in matrix)
         n = len(self.parameters)
         if len(rows) != n or any(len(row) != n for row in rows):
             raise ValueError(f"`covariance` must have {n} rows of {n} numbers, one for each of `parameters`.")

@@ -157,16 +157,14 @@ def _read_parallel(table: dict[str, Any], location: str, folder: Path | None) ->
     for key in table:
         if key != "laws":
             raise ModelError(f"{location} `{key}` stands beside `laws`: put it into the table of a law in that list.")
-    laws = table["laws"]
+    laws, inside = table["laws"], f"{location} laws"
     if not isinstance(laws, list) or not all(isinstance(one, dict) for one in laws):
         raise ModelError(f"{location} `laws` must be a list of tables, each with its `law`, got {laws!r}.")
     for index, one in enumerate(laws):
         if "laws" in one:
-            raise ModelError(f"{location} laws[{index}] holds `laws` itself: put all of them into one list.")
+            raise ModelError(f"{inside}[{index}] holds `laws` itself: put all of them into one list.")
     try:
-        return Parallel(
-            laws=tuple(read_law(one, f"{location} laws[{index}]", folder) for index, one in enumerate(laws))
-        )
+        return Parallel(laws=tuple(read_law(one, f"{inside}[{number}]", folder) for number, one in enumerate(laws)))
     except ValueError as error:
         raise ModelError(f"{location} {error}") from error
 
@@ -185,23 +183,18 @@ def _read_part(name: str, table: dict[str, Any], location: str) -> Any:
     return _make(PARTS[name], table, location, f"the {name}")
 
 
-def _range(table: Any, location: str) -> MeasuredRange:
+def _range(table: Any, location: str) -> Any:
     """Return the range of validity along one axis."""
     if not isinstance(table, dict):
         raise ModelError(f"{location} must be a table of ranges, got {table!r}.")
-    range_: MeasuredRange = _make(MeasuredRange, table, location, "a range of validity")
-    return range_
+    return _make(MeasuredRange, table, location, "a range of validity")
 
 
 def _make(kind: Callable[..., Any], table: dict[str, Any], location: str, title: str) -> Any:
     """Return `kind(**table)` with integers made floats; ModelError for a missing, extra or wrong entry."""
-    known = [item.name for item in fields(kind)]  # type: ignore[arg-type]
-    required = [
-        item.name
-        for item in fields(kind)  # type: ignore[arg-type]
-        if item.default is MISSING and item.default_factory is MISSING
-    ]
-    _require_keys(table, required, known, location, title)
+    items = fields(kind)  # type: ignore[arg-type]
+    required = [item.name for item in items if item.default is item.default_factory is MISSING]
+    _require_keys(table, required, [item.name for item in items], location, title)
     try:
         return kind(**{key: _as_float(value) for key, value in table.items()})
     except ValueError as error:

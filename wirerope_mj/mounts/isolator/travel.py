@@ -72,10 +72,8 @@ def beyond_law(axes: Mapping[str, Law | None], lowest: Array, highest: Array, *,
     for (axis, law), low, high in zip(axes.items(), lowest, highest, strict=True):
         for sign, reached, end in zip((-1.0, 1.0), (-low, high), law.travel_ends if law else (), strict=False):
             if law is not None and reached > fraction * end + ROUNDING:
-                return (
-                    f"at {sign * reached:.4g} m on its {axis} axis, whose law holds up to {end:.4g} m, where "
-                    f"{law.travel_rule}"
-                )
+                place = f"at {sign * reached:.4g} m on its {axis} axis"
+                return f"{place}, whose law holds up to {end:.4g} m, where {law.travel_rule}"
     return ""
 
 
@@ -114,7 +112,6 @@ def _fall(law: Law, side: float, begin: float, end: float) -> float:
 
 def falling_text(law: Law, lowest: float, highest: float) -> str:
     """Return from which deflections on the tangent stiffness is negative, as text; "" where it is not."""
-    places = [
-        f"{'below' if x < 0.0 else 'above'} {1e3 * x:.3g} mm" for x in falling_from(law, lowest, highest).values()
-    ]
+    ends = falling_from(law, lowest, highest).values()
+    places = [f"{'below' if x < 0.0 else 'above'} {1e3 * x:.3g} mm" for x in ends]
     return f"the tangent stiffness is negative {' and '.join(places)}" if places else ""

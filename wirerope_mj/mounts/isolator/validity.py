@@ -1,11 +1,12 @@
 """Range of validity: the cycles that the laws of an isolator were identified from, and what of a motion lies outside them."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, fields
 from typing import Any
 
 from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.isolator.parts import Part
 
 SLACK = 0.05  # Ratio by which amplitudes may differ and count as one: strokes of one run at a rig differ by as much
 # Half-range of an axis over its mount's largest, below which its force decides nothing that small cycles could change.
@@ -15,7 +16,7 @@ Pair = tuple[float, float]
 
 
 @dataclass(frozen=True, kw_only=True)
-class MeasuredRange:
+class MeasuredRange(Part):
     """Cycles that were measured along one axis, each as its lowest and highest value."""
 
     amplitude: Pair  # half-ranges of the deflection [m], >= 0
@@ -50,11 +51,10 @@ class MeasuredRange:
         """Return the range of both; a pace that one of them does not know is that of the other."""
         if other is None:
             return self
-        pairs = {item.name: (getattr(self, item.name), getattr(other, item.name)) for item in fields(self)}
-        known = {name: [pair for pair in both if pair is not None] for name, both in pairs.items()}
-        return MeasuredRange(
-            **{name: (min(p[0] for p in both), max(p[1] for p in both)) for name, both in known.items() if both}
-        )
+        mine, others = self.stated, other.stated
+        known = {name: [one[name] for one in (mine, others) if name in one] for name in mine | others}
+        ends = {name: (min(pair[0] for pair in both), max(pair[1] for pair in both)) for name, both in known.items()}
+        return MeasuredRange(**ends)
 
     def outside(self, lowest: float, highest: float, *, small: bool) -> str:
         """Return how a motion between two deflections [m] leaves the range, as text; "" where it does not.
@@ -73,13 +73,9 @@ class MeasuredRange:
             return f"{ends[0]} to {ends[1]} mm (tested {tested[0]} to {tested[1]} mm)"
         return ""
 
-    def to_dict(self) -> dict[str, Any]:
-        """Return the range as it stands in an isolator file."""
-        return {item.name: list(pair) for item in fields(self) if (pair := getattr(self, item.name)) is not None}
-
 
 @dataclass(frozen=True, kw_only=True)
-class Validity:
+class Validity(Part):
     """Range of validity along each axis; None where nothing is said of it."""
 
     roll: MeasuredRange | None = None
@@ -91,11 +87,6 @@ class Validity:
             if not isinstance(getattr(self, item.name), MeasuredRange | None):
                 raise ValueError(f"`{item.name}` must be a MeasuredRange or None, got {getattr(self, item.name)!r}.")
 
-    @property
-    def stated(self) -> Mapping[str, MeasuredRange]:
-        """The ranges that are stated, by axis."""
-        return {item.name: one for item in fields(self) if (one := getattr(self, item.name)) is not None}
-
     def outside(
         self, lowest: Sequence[float] | Array, highest: Sequence[float] | Array, *, small: bool
     ) -> dict[str, str]:
@@ -104,19 +95,12 @@ class Validity:
         Deflections are those along roll, shear and axial [m], (3,). If `small`, small motions count along axes that move at
         least a tenth as far as the mount's farthest one.
         """
-        halves = {
-            item.name: 0.5 * float(high - low) for item, low, high in zip(fields(self), lowest, highest, strict=True)
-        }
-        ends = dict(zip(halves, zip(map(float, lowest), map(float, highest), strict=True), strict=True))
-        texts = {
-            axis: one.outside(*ends[axis], small=small and halves[axis] > MOVING * max(halves.values()))
-            for axis, one in self.stated.items()
-        }
+        pairs = zip(map(float, lowest), map(float, highest), strict=True)
+        ends = dict(zip((item.name for item in fields(self)), pairs, strict=True))
+        far = MOVING * max(high - low for low, high in ends.values())
+        moving = {axis: high - low > far for axis, (low, high) in ends.items()}
+        texts = {axis: one.outside(*ends[axis], small=small and moving[axis]) for axis, one in self.stated.items()}
         return {axis: text for axis, text in texts.items() if text}
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the ranges as they stand in an isolator file."""
-        return {axis: one.to_dict() for axis, one in self.stated.items()}
 
 
 def _pair(name: str, value: Any) -> Pair:

@@ -13,21 +13,21 @@ from wirerope_mj.mounts.laws.loop_plane import LoopBoucWen as LoopBoucWen
 from wirerope_mj.mounts.laws.loop_plane import LoopCoupling as LoopCoupling
 from wirerope_mj.mounts.laws.ni import AsymmetricBoucWen as AsymmetricBoucWen
 from wirerope_mj.mounts.laws.ni import SymmetricBoucWen as SymmetricBoucWen
-from wirerope_mj.mounts.laws.on_bracket import OnBracket as OnBracket
-from wirerope_mj.mounts.laws.on_bracket import on_bracket as on_bracket
 from wirerope_mj.mounts.laws.own import OwnLaw as OwnLaw
 from wirerope_mj.mounts.laws.parallel import Parallel as Parallel
 from wirerope_mj.mounts.laws.plane import BiaxialBoucWen as BiaxialBoucWen
 from wirerope_mj.mounts.laws.scragged import ScraggedBoucWen as ScraggedBoucWen
 from wirerope_mj.mounts.laws.semi_empirical import EquivalentViscous as EquivalentViscous
 from wirerope_mj.mounts.laws.semi_empirical import TinkerCutchins as TinkerCutchins
-from wirerope_mj.mounts.laws.smoothed import Smoothed as Smoothed
 from wirerope_mj.mounts.laws.stop import Stop as Stop
 from wirerope_mj.mounts.laws.tabulated import Tabulated as Tabulated
 from wirerope_mj.mounts.laws.timed import trace
 from wirerope_mj.mounts.laws.vaiana_rosati import VaianaRosati as VaianaRosati
 from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt as KelvinVoigt
 from wirerope_mj.mounts.laws.viscoelastic import Zener as Zener
+from wirerope_mj.mounts.laws.wrapped import OnBracket as OnBracket
+from wirerope_mj.mounts.laws.wrapped import Smoothed as Smoothed
+from wirerope_mj.mounts.laws.wrapped import on_bracket as on_bracket
 
 # The laws by the name that an isolator file calls them.
 LAWS: dict[str, type[Law]] = {

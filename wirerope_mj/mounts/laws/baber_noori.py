@@ -5,13 +5,10 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
-from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
-from wirerope_mj.mounts.laws.law import anywhere, require_not_negative
+from wirerope_mj.mounts.laws.law import anywhere
 
 BABER_NOORI = 8
 # Fraction of its first stiffness that a worn law keeps: at none, z would vanish over no distance if n < 1.
@@ -37,6 +34,12 @@ class BoucWenBaberNoori(Hysteresis):
 
     name: ClassVar[str] = "bouc-wen-baber-noori"
     kernel: ClassVar[int] = BABER_NOORI
+    state_names: ClassVar[tuple[str, ...]] = ("z", "e")  # the hysteretic force [N] and its work [J]
+    not_negative: ClassVar[tuple[str, ...]] = (
+        "k", "delta_alpha", "delta_nu", "delta_eta", "zeta", "q", "p", "psi", "delta_psi", "lam",
+    )  # fmt: skip
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
+    tangents: ClassVar[tuple[str, ...]] = ("alpha", "k")
 
     alpha: float
     beta: float
@@ -55,9 +58,6 @@ class BoucWenBaberNoori(Hysteresis):
 
     def _validate(self) -> None:
         super()._validate()
-        require_not_negative(
-            self, "k", "delta_alpha", "delta_nu", "delta_eta", "zeta", "q", "p", "psi", "delta_psi", "lam"
-        )
         if anywhere(self.beta + self.gamma <= 0.0):
             raise ValueError(f"`beta` + `gamma` must be > 0, got {self.beta + self.gamma}: z would have no bound.")
         if anywhere(self.zeta >= 1.0):
@@ -67,29 +67,10 @@ class BoucWenBaberNoori(Hysteresis):
                 "`psi` and one of `lam` and `p` must be > 0 if `zeta` is: the pinching would have no width."
             )
 
-    def kernel_parameters(self) -> Array:
-        """Return the parameters in the order of their declaration."""
-        return np.array(
-            [
-                self.alpha, self.beta, self.gamma, self.n, self.k, self.delta_alpha, self.delta_nu, self.delta_eta,
-                self.zeta, self.q, self.p, self.psi, self.delta_psi, self.lam,
-            ]
-        )  # fmt: skip
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The hysteretic force z [N] and its work e [J]."""
-        return ("z", "e")
-
     @property
     def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
         """Power of force in the unit of each parameter; the work e grows with the force."""
         return {**super().force_powers, "delta_nu": -1.0, "delta_eta": -1.0, "p": -1.0, "psi": 1.0}
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, alpha + k [N/m]."""
-        return self.alpha + self.k
 
 
 @njit

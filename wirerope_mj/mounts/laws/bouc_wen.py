@@ -8,7 +8,6 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, Normalised, bouc_wen_rate
-from wirerope_mj.mounts.laws.law import require_not_negative
 
 BOUC_WEN = 0
 
@@ -23,25 +22,15 @@ class BoucWen(Hysteresis):
     name: ClassVar[str] = "bouc-wen"
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
+    tangents: ClassVar[tuple[str, ...]] = ("alpha", "k")
 
     alpha: float
     beta: float
     gamma: float
     n: float
     k: float = 0.0
-
-    def _validate(self) -> None:
-        super()._validate()
-        require_not_negative(self, "k")
-
-    def kernel_parameters(self) -> Array:
-        """Return alpha, beta, gamma, n, k."""
-        return np.array([self.alpha, self.beta, self.gamma, self.n, self.k])
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, alpha + k [N/m]."""
-        return self.alpha + self.k
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -54,6 +43,9 @@ class Ozdemir(Hysteresis):
     name: ClassVar[str] = "ozdemir"
     kernel: ClassVar[int] = BOUC_WEN
     smoothable: ClassVar[bool] = True
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
+    tangents: ClassVar[tuple[str, ...]] = ("alpha", "k")
 
     alpha: float
     beta: float
@@ -68,18 +60,9 @@ class Ozdemir(Hysteresis):
         form = Normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n)
         return cls(alpha=form.z_max / form.x_y, beta=form.z_max ** (1.0 - n) / form.x_y, n=n, **others)
 
-    def _validate(self) -> None:
-        super()._validate()
-        require_not_negative(self, "k")
-
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, 0, n, k."""
         return np.array([self.alpha, self.beta, 0.0, self.n, self.k])
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, alpha + k [N/m]."""
-        return self.alpha + self.k
 
 
 @njit

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import count
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.hysteresis import Normalised
-from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.law import Law, anywhere
 from wirerope_mj.mounts.laws.ni import polynomial
 
 MASING = 6
@@ -34,31 +34,22 @@ class EnhancedDryFriction(Law):
     smoothable: ClassVar[bool] = True
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "d": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"u_c": 1.0}
+    state_names: ClassVar[tuple[str, ...]] = ("z",)
+    damping_parameters: ClassVar[tuple[str, ...]] = ("d",)
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    above_zero: ClassVar[tuple[str, ...]] = ("d", "u_c")
+    elastic: ClassVar[tuple[str, ...]] = ("k",)
 
     k: float
     d: float
     u_c: float
-
-    def _validate(self) -> None:
-        require_not_negative(self, "k")
-        require_positive(self, "d", "u_c")
 
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k of the Bouc-Wen kernel."""
         return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
 
     @property
-    def state_names(self) -> tuple[str, ...]:
-        """The friction force z."""
-        return ("z",)
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The friction force."""
-        return ("d",)
-
-    @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Bound d of the friction force [N]."""
         return self.d
 
@@ -71,11 +62,6 @@ class EnhancedDryFriction(Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, d / u_c + k [N/m]."""
         return self.d / self.u_c + self.k
-
-    @property
-    def largest_force(self) -> float:
-        """The friction force d without a spring, else infinite [N]."""
-        return self.d if self.k == 0.0 else float("inf")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,6 +84,9 @@ class Masing(Law):
     name: ClassVar[str] = "masing"
     kernel: ClassVar[int] = MASING
     lists: ClassVar[tuple[str, ...]] = ("stiffness", "slip_force")
+    damping_parameters: ClassVar[tuple[str, ...]] = lists
+    not_negative: ClassVar[tuple[str, ...]] = ("k",)
+    elastic: ClassVar[tuple[str, ...]] = ("k", "k2", "k3")
     force_powers: ClassVar[Mapping[str, float]] = {"stiffness": 1.0, "slip_force": 1.0, "k": 1.0, "k2": 1.0, "k3": 1.0}
     yield_powers: ClassVar[Mapping[str, float]] = {"stiffness": -1.0}
 
@@ -108,7 +97,7 @@ class Masing(Law):
     k3: float = 0.0
 
     def _validate(self) -> None:
-        require_not_negative(self, "k")
+        super()._validate()
         if not self.stiffness or len(self.stiffness) != len(self.slip_force):
             raise ValueError(
                 "`stiffness` and `slip_force` must have one entry for each Jenkin element, at least one, "
@@ -119,24 +108,18 @@ class Masing(Law):
                 if anywhere(value <= 0.0):
                     raise ValueError(f"every entry of `{key}` must be > 0, got {value}.")
 
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The Jenkin elements."""
-        return ("stiffness", "slip_force")
-
     def kernel_parameters(self) -> Array:
         """Return k, k2, k3, number of elements, their stiffnesses and slip forces."""
-        return np.array(
-            [self.k, self.k2, self.k3, len(self.stiffness), *self.stiffness, *self.slip_force], dtype=np.float64
-        )
+        elements = [len(self.stiffness), *self.stiffness, *self.slip_force]
+        return np.array([self.k, self.k2, self.k3, *elements], dtype=np.float64)
 
     @property
-    def state_names(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
         """The force z1, z2, ... of every Jenkin element."""
         return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
 
     @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Bound of the sliders' force, the sum of the slip forces [N]."""
         return float(sum(self.slip_force))
 
@@ -144,11 +127,6 @@ class Masing(Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, k plus all elements [N/m]."""
         return float(sum(self.stiffness) + self.k)
-
-    @property
-    def largest_force(self) -> float:
-        """Sum of the slip forces without a spring, else infinite [N]."""
-        return self.z_max if self.k == self.k2 == self.k3 == 0.0 else float("inf")
 
 
 @njit

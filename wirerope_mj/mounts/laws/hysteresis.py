@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.jit import inlined
@@ -29,18 +29,12 @@ class Normalised:
         dw/dx = (1 / x_y) {1 - [sigma sgn(xdot w) + 1 - sigma] |w|^n},   w = z / z_max
 
     Source: Ikhouane and Rodellar's form of the law; beta of the thesis multiplies the dissipative term.
-
-    Attributes:
-        z_max: bound of z, (alpha / (beta + gamma))^(1/n) [N].
-        x_y: yield deflection z_max / alpha [m].
-        sigma: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha.
-        n: sharpness of the transition [-].
     """
 
-    z_max: float
-    x_y: float
-    sigma: float
-    n: float
+    z_max: float  #: bound of z, (alpha / (beta + gamma))^(1/n) [N]
+    x_y: float  #: yield deflection z_max / alpha [m]
+    sigma: float  #: beta / (beta + gamma) [-]; with 1/2 the unloading branch leaves with the slope alpha
+    n: float  #: sharpness of the transition [-]
 
     def __post_init__(self) -> None:
         for name in ("z_max", "x_y", "sigma", "n"):
@@ -61,6 +55,7 @@ class Hysteresis(Law):
     n > 1 the force is infinite at a finite deflection.
     """
 
+    state_names: ClassVar[tuple[str, ...]] = ("z",)
     # Each law declares its parameters itself, in the order in which they are written; these are what all of them have.
     alpha: float
     beta: float
@@ -104,16 +99,12 @@ class Hysteresis(Law):
             raise ValueError(
                 f"`n` must be <= {LARGEST_EXPONENT:g}, got {self.n}: beyond, the loop is that of dry friction: take masing."
             )
+        super()._validate()
 
     @property
     def _total(self) -> float:
         """Sum of beta and gamma: what bends the loading branch."""
         return self.beta + getattr(self, "gamma", 0.0)
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The hysteretic force z."""
-        return ("z",)
 
     @property
     def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]
@@ -122,7 +113,7 @@ class Hysteresis(Law):
         return {"alpha": 1.0, **bends, **{name: 1.0 for name in _ELASTIC if hasattr(self, name)}}
 
     @property
-    def damping_parameters(self) -> tuple[str, ...]:
+    def damping_parameters(self) -> tuple[str, ...]:  # type: ignore[override]
         """All parameters of z, which is the hysteretic part."""
         return tuple(name for name in self.force_powers if name not in _ELASTIC)
 
@@ -132,12 +123,12 @@ class Hysteresis(Law):
         return {name: -1.0 for name in ("alpha", "beta", "gamma") if hasattr(self, name)}
 
     @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Bound of z, (alpha / (beta + gamma))^(1/n) [N], thesis (3.19); infinite if beta + gamma <= 0."""
         return (self.alpha / self._total) ** (1.0 / self.n) if self._total > 0.0 else math.inf
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """Deflection at which z becomes infinite on the virgin path [m]; infinite unless beta + gamma < 0 and n > 1.
 
         x* = (1/alpha) (alpha / |beta + gamma|)^(1/n) (pi/n) / sin(pi/n), the integral of dz / (alpha + |beta + gamma| z^n).
@@ -146,16 +137,6 @@ class Hysteresis(Law):
             return math.inf
         angle = math.pi / self.n
         return (self.alpha / -self._total) ** (1.0 / self.n) / self.alpha * angle / math.sin(angle)
-
-    @property
-    def largest_force(self) -> float:
-        """z_max if there is no elastic part beside z, else infinite [N]."""
-        return self.z_max if self._without_elastic_part else math.inf
-
-    @property
-    def _without_elastic_part(self) -> bool:
-        """True if z is all of the force."""
-        return getattr(self, "k", 1.0) == 0.0
 
 
 @inlined

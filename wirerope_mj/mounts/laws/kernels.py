@@ -25,22 +25,20 @@ from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
 from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
 from wirerope_mj.mounts.laws.friction import MASING, hold_slip, masing, masing_increment
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN, asymmetric_bouc_wen, symmetric_bouc_wen
-from wirerope_mj.mounts.laws.on_bracket import HEAD, ON_BRACKET
 from wirerope_mj.mounts.laws.parallel import PARALLEL
 from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN, scragged_bouc_wen
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS, tinker_cutchins
-from wirerope_mj.mounts.laws.smoothed import SMOOTHED
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import LOSS, advance_stop, stop, turned
 from wirerope_mj.mounts.laws.table_kernels import advance_table, tabulated
 from wirerope_mj.mounts.laws.tabulated import TABULATED
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI, approach, approach_work, vaiana_rosati
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, kelvin_voigt, zener
+from wirerope_mj.mounts.laws.wrapped import HEAD, ON_BRACKET, SMOOTHED
 
 # Kernels whose force depends on the deflection rate, those of the laws with `rate_independent` False; a stop's may, too.
 RATE_DEPENDENT = (KELVIN_VOIGT, ZENER, TINKER_CUTCHINS, SMOOTHED)
-# The function of a law that a program brings along, by its address: see `OwnLaw`.
-OWN = 17
+OWN = 17  # The function of a law that a program brings along, by its address: see `OwnLaw`.
 # Kernels whose parameters begin with alpha, beta, gamma, n and whose only state follows Bouc-Wen's equation.
 BOUC_WEN_LAWS = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN)
 

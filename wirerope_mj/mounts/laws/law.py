@@ -1,7 +1,7 @@
 """A restoring-force law: its parameters, what others ask of it, and how it is written to a file."""
 
 import math
-from abc import ABC, abstractmethod
+from abc import ABC
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
@@ -30,9 +30,24 @@ class Law(ABC):
     rate_independent: ClassVar[bool] = True
     # Whether its kernel is one of those that `Smoothed` takes: one state, its rate a slope for each direction times xdot.
     smoothable: ClassVar[bool] = False
+    # Derivative of the force by the deflection rate in the unloaded state [N s/m].
+    damping_coefficient: ClassVar[float] = 0.0
+    relaxation_rate: ClassVar[float] = 0.0  # at which internal states decay at rest [1/s]
+    # Parameters of an elastic part without which `z_max`, the bound of the hysteretic force [N], is all that a law bears.
+    elastic: ClassVar[tuple[str, ...]] = ()
+    z_max: ClassVar[float] = 0.0
+    # Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere.
+    finite_travel: ClassVar[float] = math.inf
     travel_rule: ClassVar[str] = "its force becomes infinite"
     # Whether a law that ends somewhere asks for a rated travel short of that: its force is nothing to run into.
     needs_rating: ClassVar[bool] = True
+    state_names: ClassVar[tuple[str, ...]] = ()  # of the internal states
+    not_negative: ClassVar[tuple[str, ...]] = ()  # parameters that must be >= 0
+    above_zero: ClassVar[tuple[str, ...]] = ()  # parameters that must be > 0
+    # Stiffnesses [N/m] whose sum is the tangent of the force at the unloaded state.
+    tangents: ClassVar[tuple[str, ...]] = ()
+    # Parameters of the hysteretic or viscous part of the force alone; none if it is no part that stands by itself.
+    damping_parameters: ClassVar[tuple[str, ...]] = ()
     # Power of force in the unit of each parameter, 1 for [N/m], -1 for [1/J]; those without force are left out.
     force_powers: ClassVar[Mapping[str, float]]
     # Power of the deflection over which friction builds up in the unit of each parameter; none of a law without friction.
@@ -58,9 +73,10 @@ class Law(ABC):
                 object.__setattr__(self, key, int(value) if isinstance(value, int | np.integer) else number)
         self._validate()
 
-    @abstractmethod
     def _validate(self) -> None:
         """Raise ValueError if the parameters are not those of a passive law."""
+        require_not_negative(self, *self.not_negative)
+        require_positive(self, *self.above_zero)
 
     @property
     def remembers_slow_paths(self) -> bool:
@@ -72,19 +88,14 @@ class Law(ABC):
         """The laws that make it up: itself, or those in parallel."""
         return (self,)
 
-    @abstractmethod
     def kernel_parameters(self) -> Array:
-        """Return the parameters in the order that the law's kernel reads, (n_p,)."""
+        """Return the parameters in the order that the law's kernel reads, (n_p,): that of their declaration for most laws."""
+        return np.array([getattr(self, field.name) for field in fields(self)], dtype=np.float64)
 
     @property
-    @abstractmethod
     def initial_stiffness(self) -> float:
         """Tangent of the force at the unloaded state [N/m]."""
-
-    @property
-    def damping_coefficient(self) -> float:
-        """Derivative of the force by the deflection rate in the unloaded state [N s/m]; 0 for a rate-independent law."""
-        return 0.0
+        return sum(getattr(self, name) for name in self.tangents)
 
     @property
     def closed_stiffness(self) -> float:
@@ -97,29 +108,14 @@ class Law(ABC):
         return self.damping_coefficient
 
     @property
-    def relaxation_rate(self) -> float:
-        """Rate at which internal states decay at rest [1/s]; 0 for a rate-independent law."""
-        return 0.0
-
-    @property
-    def finite_travel(self) -> float:
-        """Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere."""
-        return math.inf
+    def largest_force(self) -> float:
+        """Largest force at rest of a law without an elastic part [N]; infinite for every other."""
+        return self.z_max if self.elastic and not any(getattr(self, name) for name in self.elastic) else math.inf
 
     @property
     def travel_ends(self) -> tuple[float, float]:
         """Deflections below and above zero up to which the law holds [m], both positive; `finite_travel` for most laws."""
         return self.finite_travel, self.finite_travel
-
-    @property
-    def largest_force(self) -> float:
-        """Largest force of a law without an elastic part [N]; infinite for every other."""
-        return math.inf
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """Names of the internal states."""
-        return ()
 
     @property
     def n_states(self) -> int:
@@ -151,35 +147,22 @@ class Law(ABC):
         """Return the law whose force is `factor` times this one's along every path from the unloaded state.
 
         It is the same law in another unit of force: every parameter is multiplied by the factor to its power of force.
-
-        Raises:
-            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
         """
         return self._in_another_unit(factor, self.force_powers)
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """Parameters of the hysteretic or viscous part of the force alone; none if it is no part that stands by itself."""
-        return ()
 
     def with_damping(self, factor: float) -> Self:
         """Return the law whose hysteretic or viscous part is `factor` times this one's along every path, the rest the same.
 
         A hysteretic part resists small deflections too: with it the stiffness of a rope at small amplitudes changes. A law
-        without `damping_parameters` stays as it is.
-
-        Raises:
-            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        without `damping_parameters` stays as it is. ValueError as `scaled`.
         """
         return self._in_another_unit(factor, self.damping_parameters)
 
     def with_yield(self, factor: float) -> Self:
         """Return the law whose friction builds up over `factor` times the deflection, to the same force.
 
-        A law without `yield_powers` stays as it is.
-
-        Raises:
-            ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        A law without `yield_powers` stays as it is. ValueError as `scaled`.
         """
         return self._in_another_unit(factor, self.yield_powers, self.yield_powers)
 
@@ -217,29 +200,20 @@ class Law(ABC):
                 entries = list(whole.get(key, getattr(self, key)))
                 entries[int(index[:-1])] = value
                 whole[key] = tuple(entries)
-        follow = {
-            name: whole[leader]
-            for name, leader in self.leaders.items()
-            if leader in whole and name not in whole and getattr(self, name) == getattr(self, leader)
-        }
+        told = [(name, leader) for name, leader in self.leaders.items() if leader in whole and name not in whole]
+        follow = {name: whole[leader] for name, leader in told if getattr(self, name) == getattr(self, leader)}
         return {**whole, **follow}
 
     def to_dict(self) -> dict[str, Any]:
         """Return the law as it stands in an isolator file."""
         stated = {key: value for key, value in asdict(self).items() if value is not None and value != ()}
-        return {
-            "law": self.name,
-            **{key: list(value) if isinstance(value, tuple) else value for key, value in stated.items()},
-        }
+        plain = {key: list(value) if isinstance(value, tuple) else value for key, value in stated.items()}
+        return {"law": self.name, **plain}
 
     def trace(
-        self,
-        deflection: npt.ArrayLike,
-        *,
-        time: npt.ArrayLike | None = None,
-        rate: npt.ArrayLike | None = None,
+        self, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
         initial_states: npt.ArrayLike | None = None,
-    ) -> Loop:
+    ) -> Loop:  # fmt: skip
         """Return the loop that the law draws along a path of deflections, entered unloaded.
 
         Between samples the deflection of a rate-independent law runs monotonely, so that the result depends on the turning
@@ -253,9 +227,8 @@ class Law(ABC):
             rate: deflection rate at the samples [m/s], (n_t,); by second-order differences if it is not given.
             initial_states: internal states at the first sample, (n_states,); zero by default.
 
-        Raises:
-            ValueError: the path is not a finite series, a rate-dependent law has no `time`, or the force leaves the
-                finite numbers along the path.
+        ValueError: the path is not a finite series, a rate-dependent law has no `time`, or the force leaves the finite
+        numbers along the path.
         """
         return self._trace(deflection, time=time, rate=rate, initial_states=initial_states)
 
@@ -267,11 +240,6 @@ class Law(ABC):
             raise ValueError(
                 f"`deflection` must be finite, got {path[~np.isfinite(path)][0]} in sample {np.argmin(np.isfinite(path))}."
             )
-
-
-def of_law(name: str, doc: str) -> Any:
-    """Make a property that is that of `self.law`."""
-    return property(lambda self: getattr(self.law, name), doc=doc)
 
 
 def anywhere(condition: bool | npt.NDArray[np.bool_]) -> bool:

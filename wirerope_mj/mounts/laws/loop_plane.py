@@ -52,10 +52,8 @@ class LoopCoupling:
 
     def __post_init__(self) -> None:
         for name in ("roll", "compression", "tension"):
-            if positive(name, getattr(self, name), unit="m") > LARGEST:
-                raise ValueError(
-                    f"`{name}` must be at most {LARGEST:g} m, got {getattr(self, name)!r} m: check its unit."
-                )
+            if positive(name, end := getattr(self, name), unit="m") > LARGEST:
+                raise ValueError(f"`{name}` must be at most {LARGEST:g} m, got {end!r} m: check its unit.")
         rows = self.coefficients
         if not isinstance(rows, list | tuple) or not all(isinstance(row, list | tuple) for row in rows):
             raise ValueError(f"`coefficients` must be rows of numbers [J], got {rows!r}.")
@@ -72,12 +70,8 @@ class LoopCoupling:
     def energy(self, deflection: npt.ArrayLike) -> Array:
         """Return U [J], (...), at deflections roll and axial [m], (..., 2)."""
         inside, out_u, out_w = self._nearest(deflection)
-        return (
-            self._slope(inside)
-            + self._slope(inside, 1, 0) * out_u
-            + self._slope(inside, 0, 1) * out_w
-            + self._slope(inside, 1, 1) * out_u * out_w
-        )
+        straight = self._slope(inside) + self._slope(inside, 1, 0) * out_u + self._slope(inside, 0, 1) * out_w
+        return straight + self._slope(inside, 1, 1) * out_u * out_w
 
     def force(self, deflection: npt.ArrayLike) -> Array:
         """Return the gradient of U [N], (..., 2), at deflections roll and axial [m], (..., 2)."""

@@ -13,7 +13,6 @@ from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
 from wirerope_mj.mounts.laws.law import anywhere
 
 ASYMMETRIC_BOUC_WEN = 1
-
 SYMMETRIC_BOUC_WEN = 2
 
 
@@ -29,6 +28,7 @@ class SymmetricBoucWen(Hysteresis):
     name: ClassVar[str] = "symmetric-bouc-wen"
     kernel: ClassVar[int] = SYMMETRIC_BOUC_WEN
     smoothable: ClassVar[bool] = True
+    tangents: ClassVar[tuple[str, ...]] = ("alpha", "k1")
 
     alpha: float
     beta: float
@@ -37,15 +37,6 @@ class SymmetricBoucWen(Hysteresis):
     k1: float
     k2: float
     k3: float
-
-    def kernel_parameters(self) -> Array:
-        """Return alpha, beta, gamma, n, k1, k2, k3."""
-        return np.array([self.alpha, self.beta, self.gamma, self.n, self.k1, self.k2, self.k3])
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, alpha + k1 [N/m]."""
-        return self.alpha + self.k1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -73,7 +64,7 @@ class AsymmetricBoucWen(SymmetricBoucWen):
 
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k1, k2, k3, c ln b."""
-        return np.append(super().kernel_parameters(), self.asymmetry)
+        return np.append(super().kernel_parameters()[:7], self.asymmetry)
 
     @property
     def asymmetry(self) -> float:

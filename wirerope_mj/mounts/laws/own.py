@@ -128,17 +128,14 @@ class OwnLaw(Law):
 
     def kernel_parameters(self) -> Array:
         """Return the address of the function in this process and the fields in their order."""
-        return np.append(
-            float(_address(type(self).force, len(fields(self)), self.n_states, self.name)), self._numbers()
-        )
+        address = _address(type(self).force, len(fields(self)), self.n_states, self.name)
+        return np.append(float(address), self._numbers())
 
     @property
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state [N/m], by a difference."""
-        forces = [
-            self._tried(sign * TINY, sign, sign * TINY * self._tried(0.0, 1.0, np.zeros(self.n_states))[1])[0]
-            for sign in (1.0, -1.0)
-        ]
+        slopes = self._tried(0.0, 1.0, np.zeros(self.n_states))[1]
+        forces = [self._tried(sign * TINY, sign, sign * TINY * slopes)[0] for sign in (1.0, -1.0)]
         return (forces[0] - forces[1]) / (2.0 * TINY)
 
     def scaled(self, factor: float) -> Self:

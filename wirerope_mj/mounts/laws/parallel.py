@@ -13,7 +13,6 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
 
 PARALLEL = 14
-
 # Factors on all laws of an axis: on all their forces, on those of friction, on the deflection over which it builds up.
 FACTORS = ("stiffness", "friction", "yield")
 
@@ -57,9 +56,6 @@ class Parallel(Law):
             )
         object.__setattr__(self, "laws", laws)
 
-    def _validate(self) -> None:
-        """Do nothing: each law has checked itself."""
-
     def kernel_parameters(self) -> Array:
         """Return how many laws there are, number, first parameter and first state of each, and their parameters."""
         parameters = [law.kernel_parameters() for law in self.laws]
@@ -93,7 +89,7 @@ class Parallel(Law):
         return replace(self, laws=tuple(law.scaled(factor) for law in self.laws))
 
     @property
-    def damping_parameters(self) -> tuple[str, ...]:
+    def damping_parameters(self) -> tuple[str, ...]:  # type: ignore[override]
         """Those of each law, with its number counted from 1."""
         return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.damping_parameters)
 
@@ -102,12 +98,12 @@ class Parallel(Law):
         return replace(self, laws=tuple(law.with_damping(factor) for law in self.laws))
 
     @property
-    def state_names(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
         """Names of the states of each law, with its number counted from 1."""
         return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.state_names)
 
     @property
-    def relaxation_rate(self) -> float:
+    def relaxation_rate(self) -> float:  # type: ignore[override]
         """Fastest decay of an internal state at rest [1/s]."""
         return max(law.relaxation_rate for law in self.laws)
 
@@ -118,7 +114,7 @@ class Parallel(Law):
         return float(ends[0]), float(ends[1])
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """The shorter of both [m]."""
         return min(self.travel_ends)
 
@@ -167,9 +163,8 @@ class Parallel(Law):
     def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
         own = self._own(values)
-        varied = replace(
-            self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in zip(self.laws, own, strict=True))
-        )
+        pairs = zip(self.laws, own, strict=True)
+        varied = replace(self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in pairs))
         varied = varied.scaled(values["stiffness"]) if "stiffness" in values else varied
         varied = varied.with_damping(values["friction"]) if "friction" in values else varied
         varied = varied.with_yield(values["yield"]) if "yield" in values else varied

@@ -69,9 +69,8 @@ class PlaneLaw(ABC):
         path = np.asarray(deflection, dtype=np.float64)
         if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
             raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
-        followed = [
-            follow_plane(scale.kernel, scale.line_parameters(path[0], path[0])[0], path) for scale in self.scales
-        ]
+        of_scales = [(scale.kernel, scale.line_parameters(path[0], path[0])[0]) for scale in self.scales]
+        followed = [follow_plane(kernel, parameters, path) for kernel, parameters in of_scales]
         force, states, work = (sum(parts[1:], start=parts[0]) for parts in zip(*followed, strict=True))
         finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
         if not finite.all():

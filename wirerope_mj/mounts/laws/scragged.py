@@ -10,14 +10,13 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import where
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis, bouc_wen_rate
-from wirerope_mj.mounts.laws.law import anywhere, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.law import anywhere
 from wirerope_mj.mounts.laws.ni import polynomial
 
 SCRAGGED_BOUC_WEN = 15
-
+# Path, in units of `reach`, on which m closes all but 1/e of its distance to |x|: far below what the softening resolves, and
+# long enough for steps that resolve the motion. Without it the rate of m would jump, and a step would miss part of a peak.
 CATCHES_UP = 0.1
-"""Path, in units of `reach`, on which m closes all but 1/e of its distance to |x|: far below what the softening resolves, and
-long enough for steps that resolve the motion. Without it the rate of m would jump, and a step would miss part of a peak."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,6 +41,11 @@ class ScraggedBoucWen(Hysteresis):
 
     name: ClassVar[str] = "scragged-bouc-wen"
     kernel: ClassVar[int] = SCRAGGED_BOUC_WEN
+    # z before its softening [N], the deflection that is remembered [m]
+    state_names: ClassVar[tuple[str, ...]] = ("z", "m")
+    not_negative: ClassVar[tuple[str, ...]] = ("softening", "k1", "k3")
+    above_zero: ClassVar[tuple[str, ...]] = ("reach",)
+    tangents: ClassVar[tuple[str, ...]] = ("alpha", "k1")
 
     alpha: float
     beta: float
@@ -55,8 +59,6 @@ class ScraggedBoucWen(Hysteresis):
 
     def _validate(self) -> None:
         super()._validate()
-        require_not_negative(self, "softening", "k1", "k3")
-        require_positive(self, "reach")
         if anywhere(self.softening >= 1.0):
             raise ValueError(f"`softening` must be < 1, got {self.softening}: nothing of the force would be left.")
         if anywhere(self.k2 < -2.0 * np.sqrt(self.k1 * self.k3)):
@@ -67,19 +69,8 @@ class ScraggedBoucWen(Hysteresis):
 
     def kernel_parameters(self) -> Array:
         """Return alpha, beta, gamma, n, k1, k2, k3, softening, reach."""
-        return np.array(
-            [self.alpha, self.beta, self.gamma, self.n, self.k1, self.k2, self.k3, self.softening, self.reach]
-        )
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The hysteretic force z [N] before its softening, and the deflection m [m] that is remembered."""
-        return ("z", "m")
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Tangent at the unloaded state, alpha + k1 [N/m]."""
-        return self.alpha + self.k1
+        spring, lost = [self.k1, self.k2, self.k3], [self.softening, self.reach]
+        return np.array([self.alpha, self.beta, self.gamma, self.n, *spring, *lost])
 
 
 @njit

@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.foundation.lanes import raised, some, where
-from wirerope_mj.mounts.laws.law import Law, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.law import Law
 
 TINKER_CUTCHINS = 5
 
@@ -25,11 +25,10 @@ class TinkerCutchins(Law):
     n-th power term takes gamma_n c w^n A^(n+1) with gamma_n = 2 sqrt(pi) Gamma((n+2)/2) / Gamma((n+3)/2), friction
     4 f0 A + 2 f1 A^2 + (4/3) f2 A^3 for a small smoothing. The springs are stable if 2 k2^2 <= 9 k1 k3.
 
-    Source: Tinker and Cutchins (1992), thesis 2.5.2; how the friction
-    varies is our choice, the published polynomial was not reachable.
+    Source: Tinker and Cutchins (1992), thesis 2.5.2; how the friction varies is our choice.
 
-    Coulomb friction is undefined at rest, so it is smoothed: at the rate xdot the force is tanh(xdot / smoothing) times
-    it. The price is creep: a load F below the friction f0 is not held but sinks with smoothing * atanh(F / f0), and a static
+    Coulomb friction is undefined at rest, so it is smoothed: at the rate xdot the force is tanh(xdot / smoothing) times it. The
+    price is creep: a load F below the friction f0 is not held but sinks with smoothing * atanh(F / f0), and a static
     equilibrium rests on the springs alone. Choose `smoothing` near a hundredth of the rates that matter. The same velocity
     rounds |xdot|^n at rest if n < 1.
     """
@@ -38,6 +37,11 @@ class TinkerCutchins(Law):
     kernel: ClassVar[int] = TINKER_CUTCHINS
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "c", "f0", "f1", "f2"), 1.0)
+    damping_parameters: ClassVar[tuple[str, ...]] = ("c", "f0", "f1", "f2")
+    not_negative: ClassVar[tuple[str, ...]] = ("k1", "k3", "c", "f0", "f1", "f2")
+    above_zero: ClassVar[tuple[str, ...]] = ("n", "smoothing")
+    elastic: ClassVar[tuple[str, ...]] = ("k1", "k2", "k3")
+    tangents: ClassVar[tuple[str, ...]] = ("k1",)
 
     k1: float
     k2: float = 0.0
@@ -49,36 +53,11 @@ class TinkerCutchins(Law):
     f2: float = 0.0
     smoothing: float
 
-    def _validate(self) -> None:
-        require_not_negative(self, "k1", "k3", "c", "f0", "f1", "f2")
-        require_positive(self, "n", "smoothing")
-
     @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """Damper and friction."""
-        return ("c", "f0", "f1", "f2")
-
-    def kernel_parameters(self) -> Array:
-        """Return k1, k2, k3, c, n, f0, f1, f2, smoothing."""
-        return np.array(
-            [self.k1, self.k2, self.k3, self.c, self.n, self.f0, self.f1, self.f2, self.smoothing], dtype=np.float64
-        )
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Stiffness k1 [N/m]."""
-        return self.k1
-
-    @property
-    def damping_coefficient(self) -> float:
+    def damping_coefficient(self) -> float:  # type: ignore[override]
         """Slope of damping and friction at rest, at x = 0 [N s/m]."""
         damping = self.c if self.n == 1.0 else self.c * self.smoothing ** (self.n - 1.0) if self.n < 1.0 else 0.0
         return damping + self.f0 / self.smoothing
-
-    @property
-    def largest_force(self) -> float:
-        """Zero at rest without springs, else infinite [N]."""
-        return 0.0 if self.k1 == self.k2 == self.k3 == 0.0 else math.inf
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -87,8 +66,7 @@ class EquivalentViscous(Law):
 
         F = k1 x + k2 x^2 + k3 x^3 + c_eq xdot,   c_eq = W / (pi w A^2)
 
-    k1 [N/m], k2 [N/m^2], k3 [N/m^3]: mid-line at the amplitude A [m]; W: `energy` per cycle there [J]; w = 2 pi `frequency`
-    [Hz].
+    k1 [N/m], k2 [N/m^2], k3 [N/m^3]: mid-line at the `amplitude` A [m]; W: `energy` of a cycle there [J]; w = 2 pi `frequency`.
     Away from that amplitude and frequency the law does not hold: its ellipse grows with both, where a rope's loop does not know
     the frequency. Source: Ko et al. (1992), thesis 2.5.2.
     """
@@ -97,6 +75,10 @@ class EquivalentViscous(Law):
     kernel: ClassVar[int] = TINKER_CUTCHINS
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = dict.fromkeys(("k1", "k2", "k3", "energy"), 1.0)
+    damping_parameters: ClassVar[tuple[str, ...]] = ("energy",)
+    not_negative: ClassVar[tuple[str, ...]] = ("energy",)
+    above_zero: ClassVar[tuple[str, ...]] = ("amplitude", "frequency")
+    tangents: ClassVar[tuple[str, ...]] = ("k1",)
 
     k1: float
     k2: float = 0.0
@@ -106,29 +88,18 @@ class EquivalentViscous(Law):
     frequency: float
 
     def _validate(self) -> None:
-        require_not_negative(self, "energy")
-        require_positive(self, "amplitude", "frequency")
+        super()._validate()
         with np.errstate(all="ignore"):
             damping = np.divide(self.energy, self.frequency * np.square(self.amplitude))
         if not np.all(np.isfinite(damping)):
             raise ValueError(f"`amplitude` must not be so small that the damping is infinite, got {self.amplitude}.")
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The energy of its ellipse."""
-        return ("energy",)
 
     def kernel_parameters(self) -> Array:
         """Return the parameters of Tinker and Cutchins' kernel: the mid-line and linear damping, no friction."""
         return np.array([self.k1, self.k2, self.k3, self.damping_coefficient, 1.0, 0.0, 0.0, 0.0, 1.0])
 
     @property
-    def initial_stiffness(self) -> float:
-        """Slope k1 of the mid-line at zero [N/m]."""
-        return self.k1
-
-    @property
-    def damping_coefficient(self) -> float:
+    def damping_coefficient(self) -> float:  # type: ignore[override]
         """Equivalent viscous coefficient c_eq [N s/m]."""
         return self.energy / (math.pi * 2.0 * math.pi * self.frequency * self.amplitude**2)
 

@@ -13,7 +13,6 @@ from wirerope_mj.mounts.laws.stop_kernels import elastic, seated
 from wirerope_mj.mounts.laws.table_kernels import level_cubics, monotone, packed
 
 STOP = 13
-
 NEVER = 1e300  # Gap of a side without a stop [m]
 
 
@@ -45,6 +44,7 @@ class Stop(Law):
     kernel: ClassVar[int] = STOP
     smoothable: ClassVar[bool] = True
     lists: ClassVar[tuple[str, ...]] = ("depths", "forces")
+    not_negative: ClassVar[tuple[str, ...]] = ("rounding", "loss", "c")
 
     gap_below: float | None = None
     gap_above: float | None = None
@@ -61,7 +61,7 @@ class Stop(Law):
         if self.gap_below is None and self.gap_above is None:
             raise ValueError("`gap_below` or `gap_above` must be given: a stop acts on at least one side.")
         require_not_negative(self, *(name for name in ("gap_below", "gap_above") if getattr(self, name) is not None))
-        require_not_negative(self, "rounding", "loss", "c")
+        super()._validate()
         if (self.k is None) == (not self.depths and not self.forces):
             raise ValueError("`k`, or `depths` and `forces`, must be given, and not both.")
         if self.k is not None:
@@ -139,7 +139,7 @@ class Stop(Law):
         return True
 
     @property
-    def state_names(self) -> tuple[str, ...]:
+    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
         """The state w of the loss, between -1 and 1; none without loss."""
         return ("w",) if self.loss > 0.0 else ()
 

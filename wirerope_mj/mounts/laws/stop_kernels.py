@@ -11,8 +11,6 @@ from wirerope_mj.mounts.laws.table_kernels import ROW, cubics, row_at
 
 # Offsets of a stop's parameters behind 1 / reversal (twice), 0 and 1, which are those of a Bouc-Wen law with n = 1.
 LOSS, VISCOUS, BELOW, ABOVE, ROUNDING, STIFFNESS, EXPONENT, N_POINTS, POINTS = range(4, 13)
-
-
 _SHORTEST = 1e-12  # Fraction of an interval that is passed over where rounding holds a path on a corner
 _NO_ROUNDING = 1e-300  # Taken for a rounding of zero [m], of which no depth is a fraction
 # Panels at least: within its rounding a hardening stop begins as depth^(3 exponent), which eight points have to 1e-10 then.

@@ -49,6 +49,7 @@ class Tabulated(AsCall, Law):
     name: ClassVar[str] = "tabulated"
     kernel: ClassVar[int] = TABULATED
     smoothable: ClassVar[bool] = True
+    state_names: ClassVar[tuple[str, ...]] = ("z",)  # the hysteretic force where the loop is widest
     travel_rule: ClassVar[str] = "its table ends (`extrapolate = true` goes on with its end slope)"
     needs_rating: ClassVar[bool] = False
     lists: ClassVar[tuple[str, ...]] = ("deflection", "upper", "lower", "force", "amplitudes", "areas")
@@ -65,9 +66,8 @@ class Tabulated(AsCall, Law):
     #: x_y, the length over which unloading leaves one limit curve for the other by 1 - 1/e [m]; > 0 if there is hysteresis
     yield_deflection: float = 0.0
     symmetric: bool = False  #: the points begin at 0 and are mirrored about it
-    extrapolate: bool = (
-        False  #: beyond its ends the table goes on with their slope and g; else the law does not hold there
-    )
+    #: beyond its ends the table goes on with their slope and g; else the law does not hold there
+    extrapolate: bool = False
 
     def _validate(self) -> None:
         x = np.array(self.deflection)
@@ -131,10 +131,8 @@ class Tabulated(AsCall, Law):
         x = self._mirrored(np.array(self.deflection), odd=True)
         if self.upper:
             upper, lower = np.array(self.upper), np.array(self.lower)
-            mean, half = (
-                self._mirrored(0.5 * (upper + lower), odd=True),
-                self._mirrored(0.5 * (upper - lower), odd=False),
-            )
+            mean = self._mirrored(0.5 * (upper + lower), odd=True)
+            half = self._mirrored(0.5 * (upper - lower), odd=False)
             z_max = float(half.max())
             fraction = monotone(x, half / z_max if z_max > 0.0 else half)
         else:
@@ -143,9 +141,8 @@ class Tabulated(AsCall, Law):
             fraction = level_cubics(self.amplitudes, widths, z_max)
             mean = self._mirrored(np.array(self.force), odd=True)
             if self.curve == "virgin" and z_max > 0.0:
-                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * np.expm1(
-                    -np.abs(x) / self.yield_deflection
-                )
+                built_up = np.expm1(-np.abs(x) / self.yield_deflection)
+                mean = mean + z_max * fraction(held(x, fraction)) * np.sign(x) * built_up
         curve = monotone(x, mean)
         if not self.symmetric:
             curve.c[-1] -= curve(0.0)
@@ -193,12 +190,7 @@ class Tabulated(AsCall, Law):
         return {"law": self.name, **{key: list(v) if isinstance(v, tuple) else v for key, v in stated.items()}}
 
     @property
-    def state_names(self) -> tuple[str, ...]:
-        """The hysteretic force z where the loop is widest."""
-        return ("z",)
-
-    @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Largest half distance of the limit curves [N], the bound of z; 0 without hysteresis."""
         return self._curves[2]
 
@@ -206,10 +198,8 @@ class Tabulated(AsCall, Law):
     def initial_stiffness(self) -> float:
         """Tangent at the unloaded state, M'(0) + g(0) z_max / x_y [N/m]."""
         curve, fraction, z_max = self._curves
-        friction = (
-            float(fraction(held(np.zeros(1), fraction))[0]) * z_max / self.yield_deflection if z_max > 0.0 else 0.0
-        )
-        return float(curve(0.0, 1)) + friction
+        share = float(fraction(held(np.zeros(1), fraction))[0])
+        return float(curve(0.0, 1)) + (share * z_max / self.yield_deflection if z_max > 0.0 else 0.0)
 
     @property
     def travel_ends(self) -> tuple[float, float]:
@@ -220,7 +210,7 @@ class Tabulated(AsCall, Law):
         return (above if self.symmetric else -self.deflection[0]), above
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """Shorter of both sides of the table [m]."""
         return min(self.travel_ends)
 

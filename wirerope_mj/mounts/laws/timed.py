@@ -15,10 +15,10 @@ from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.loop import Loop
 from wirerope_mj.mounts.laws.path import SCRATCH, follow_path, segment_of_one
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
-from wirerope_mj.mounts.laws.smoothed import SMOOTHED
 from wirerope_mj.mounts.laws.stop import STOP
 from wirerope_mj.mounts.laws.stop_kernels import VISCOUS, stop_work
 from wirerope_mj.mounts.laws.viscoelastic import KELVIN_VOIGT, ZENER, zener_state
+from wirerope_mj.mounts.laws.wrapped import SMOOTHED
 
 # Error of a step as a fraction of the state, or of what it would gain over the interval; hundreds of steps stay below 1e-8.
 TOLERANCE = 1e-11
@@ -179,13 +179,9 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
 
 
 def trace(
-    law: Law,
-    deflection: npt.ArrayLike,
-    *,
-    time: npt.ArrayLike | None = None,
-    rate: npt.ArrayLike | None = None,
+    law: Law, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
     initial_states: npt.ArrayLike | None = None,
-) -> Loop:
+) -> Loop:  # fmt: skip
     """Return the loop of a law; arguments and errors as in `Law.trace`."""
     path = np.asarray(deflection, dtype=np.float64)
     law.check_path(path)

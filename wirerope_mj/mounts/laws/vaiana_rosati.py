@@ -14,8 +14,6 @@ from wirerope_mj.foundation.lanes import where
 from wirerope_mj.mounts.laws.law import Law, anywhere
 
 VAIANA_ROSATI = 7
-
-
 _NAMES = ("kb", "f0", "alpha", "b1", "b2", "g1", "g2", "g3")
 
 
@@ -44,6 +42,7 @@ class VaianaRosati(Law):
     name: ClassVar[str] = "vaiana-rosati"
     kernel: ClassVar[int] = VAIANA_ROSATI
     smoothable: ClassVar[bool] = True
+    state_names: ClassVar[tuple[str, ...]] = ("z",)  # the force from the mean of the limit curves
     travel_rule: ClassVar[str] = "its limit curves cross"
     leaders: ClassVar[Mapping[str, str]] = {f"{name}_minus": name for name in _NAMES}
     force_powers: ClassVar[Mapping[str, float]] = {
@@ -111,12 +110,7 @@ class VaianaRosati(Law):
             return upper + p[1] - (lower - p[9])
 
     @property
-    def state_names(self) -> tuple[str, ...]:
-        """The force z from the mean of the limit curves."""
-        return ("z",)
-
-    @property
-    def z_max(self) -> float:
+    def z_max(self) -> float:  # type: ignore[override]
         """Half the distance of the limit curves at zero [N], the bound of z if both have the same shape."""
         return 0.5 * float(self._gap(0.0))
 
@@ -127,7 +121,7 @@ class VaianaRosati(Law):
         return max(upper_slope + self.alpha * self.z_max, lower_slope + self._parameters[10] * self.z_max)
 
     @property
-    def finite_travel(self) -> float:
+    def finite_travel(self) -> float:  # type: ignore[override]
         """Smallest deflection to either side at which the limit curves cross [m]; infinite if they never do."""
         p = self._parameters
         if all(np.array_equal(p[i], p[i + 8]) for i in (0, 3, 4, 5, 6, 7)):
@@ -147,9 +141,8 @@ class VaianaRosati(Law):
             if (gaps <= 0.0).any():
                 first = int(np.argmax(gaps <= 0.0))
                 inside = steps[first - 1] if first else 0.0
-                crossings.append(
-                    float(scipy.optimize.brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15))
-                )
+                crossing = scipy.optimize.brentq(lambda x, s=sign: self._gap(s * x), inside, steps[first], xtol=1e-15)
+                crossings.append(float(crossing))
         return min(crossings, default=math.inf)
 
     def check_path(self, path: Array) -> None:

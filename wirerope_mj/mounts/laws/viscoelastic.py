@@ -9,10 +9,9 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.mounts.laws.law import Law, anywhere, require_not_negative, require_positive
+from wirerope_mj.mounts.laws.law import Law, anywhere
 
 KELVIN_VOIGT = 3
-
 ZENER = 4
 
 
@@ -24,31 +23,20 @@ class KelvinVoigt(Law):
     kernel: ClassVar[int] = KELVIN_VOIGT
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = {"k": 1.0, "c": 1.0}
+    damping_parameters: ClassVar[tuple[str, ...]] = ("c",)
+    not_negative: ClassVar[tuple[str, ...]] = ("k", "c")
+    tangents: ClassVar[tuple[str, ...]] = ("k",)
 
     k: float
     c: float
 
     def _validate(self) -> None:
-        require_not_negative(self, "k", "c")
+        super()._validate()
         if anywhere((self.k == 0.0) & (self.c == 0.0)):
             raise ValueError("`k` and `c` must not both be 0: leave the axis out of the isolator instead.")
 
-    def kernel_parameters(self) -> Array:
-        """Return k, c."""
-        return np.array([self.k, self.c])
-
     @property
-    def initial_stiffness(self) -> float:
-        """Stiffness k [N/m]."""
-        return self.k
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The damper."""
-        return ("c",)
-
-    @property
-    def damping_coefficient(self) -> float:
+    def damping_coefficient(self) -> float:  # type: ignore[override]
         """Damping c [N s/m]."""
         return self.c
 
@@ -68,43 +56,25 @@ class Zener(Law):
     kernel: ClassVar[int] = ZENER
     rate_independent: ClassVar[bool] = False
     force_powers: ClassVar[Mapping[str, float]] = {"k0": 1.0, "k1": 1.0, "c": 1.0}
+    state_names: ClassVar[tuple[str, ...]] = ("z",)  # the force of the branch with the damper
+    damping_parameters: ClassVar[tuple[str, ...]] = ("k1", "c")  # that branch, whose force decays as fast as before
+    not_negative: ClassVar[tuple[str, ...]] = ("k0",)
+    above_zero: ClassVar[tuple[str, ...]] = ("k1", "c")
+    elastic: ClassVar[tuple[str, ...]] = ("k0",)
+    tangents: ClassVar[tuple[str, ...]] = ("k0", "k1")  # against a sudden deflection
 
     k0: float
     k1: float
     c: float
-
-    def _validate(self) -> None:
-        require_not_negative(self, "k0")
-        require_positive(self, "k1", "c")
 
     def kernel_parameters(self) -> Array:
         """Return k0, k1, k1 / c."""
         return np.array([self.k0, self.k1, self.relaxation_rate])
 
     @property
-    def damping_parameters(self) -> tuple[str, ...]:
-        """The branch with the damper, whose force decays as fast as before."""
-        return ("k1", "c")
-
-    @property
-    def state_names(self) -> tuple[str, ...]:
-        """The force z of the branch with the damper."""
-        return ("z",)
-
-    @property
-    def initial_stiffness(self) -> float:
-        """Stiffness against a sudden deflection, k0 + k1 [N/m]."""
-        return self.k0 + self.k1
-
-    @property
-    def relaxation_rate(self) -> float:
+    def relaxation_rate(self) -> float:  # type: ignore[override]
         """Rate k1 / c at which the damper lets its branch's force decay [1/s]."""
         return self.k1 / self.c
-
-    @property
-    def largest_force(self) -> float:
-        """Zero at rest if k0 is, else infinite [N]."""
-        return 0.0 if self.k0 == 0.0 else float("inf")
 
 
 @njit

@@ -8,5 +8,5 @@ from wirerope_mj.mounts.rope_loop.fitted import AxisCurves as AxisCurves
 from wirerope_mj.mounts.rope_loop.fitted import CouplingFit as CouplingFit
 from wirerope_mj.mounts.rope_loop.fitted import axis_curves as axis_curves
 from wirerope_mj.mounts.rope_loop.fitted import fit_coupling as fit_coupling
-from wirerope_mj.mounts.rope_loop.shape import LoopShape as LoopShape
-from wirerope_mj.mounts.rope_loop.shape import loop_shape as loop_shape
+from wirerope_mj.mounts.rope_loop.half_loop import LoopShape as LoopShape
+from wirerope_mj.mounts.rope_loop.half_loop import loop_shape as loop_shape

@@ -7,8 +7,7 @@ import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop
-from wirerope_mj.mounts.rope_loop.shape import LoopShape
+from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop, LoopShape
 
 # Distance of the clamped ends over the rope's length up to which a loop is solved: beyond, an inextensible rope is taut, its
 # force goes to infinity, and a real one is held by what it stretches and by how it is clamped.
@@ -93,13 +92,9 @@ def loop_positions(loops: int, bar_length: float) -> Array:
 
 
 def rotational_stiffness(
-    shape: LoopShape,
-    *,
-    bending_stiffness: float,
-    positions: npt.ArrayLike,
-    axial: float | None = None,
+    shape: LoopShape, *, bending_stiffness: float, positions: npt.ArrayLike, axial: float | None = None,
     roll: float | None = None,
-) -> Array:
+) -> Array:  # fmt: skip
     """Return the rotational stiffness of an isolator about its own axes x (roll), y (shear) and z (axial) [N m/rad], (3,).
 
     It belongs to a small turn of the payload about the unloaded isolator's middle: half way between the bars, in the middle
@@ -113,9 +108,7 @@ def rotational_stiffness(
     The torsion of single loops about x and z is left out: it is small against loops that are spread out. EI is the bending
     stiffness of the rope [N m^2], y_i the positions of the loops along the bars from their middle [m], (n,). Stiffnesses of
     all loops along the axis and across the bars [N/m] take the place of the elastica's where they are known, except about y.
-
-    Raises:
-        ValueError: an argument is out of range.
+    ValueError: an argument is out of range.
     """
     y = np.asarray(positions, dtype=float)
     if y.ndim != 1 or y.size == 0 or not np.all(np.isfinite(y)):

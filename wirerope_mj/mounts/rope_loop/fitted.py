@@ -12,7 +12,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
-from wirerope_mj.mounts.rope_loop.shape import LoopShape, loop_shape
+from wirerope_mj.mounts.rope_loop.half_loop import LoopShape, loop_shape
 
 # Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
 # coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where
@@ -36,15 +36,9 @@ class CouplingFit:
 
 
 def fit_coupling(
-    shape: LoopShape,
-    *,
-    bending_stiffness: float,
-    loops: float,
-    roll: float,
-    compression: float,
-    tension: float,
+    shape: LoopShape, *, bending_stiffness: float, loops: float, roll: float, compression: float, tension: float,
     terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
-) -> CouplingFit:
+) -> CouplingFit:  # fmt: skip
     """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers, and its error.
 
     The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box; the error is
@@ -81,10 +75,7 @@ def fit_coupling(
 
 
 def _coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array, Array]:
-    """Return all pairs (u, w) of two lists of deflections [m], (n, 2), and the forces there for EI = 1 N m^2, (n, 2).
-
-    First those beyond what (u, 0) and (0, w) have alone, then the whole ones.
-    """
+    """Return all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces beyond those of (u, 0) and (0, w), and the whole."""
     u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
     state = loop.state(u, w)
     across = np.repeat(loop.state(roll, 0.0).roll_force, len(axial))
@@ -137,10 +128,7 @@ def axis_curves(
     """Return the curves of an isolator's loop from its envelope and its rated travels [m].
 
     The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not
-    known.
-
-    Raises:
-        ValueError: no loop has these measures, or its rope is taut within the travel.
+    known. ValueError: no loop has these measures, or its rope is taut within the travel.
     """
     shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
     loop = RopeLoop(shape, ELEMENTS)

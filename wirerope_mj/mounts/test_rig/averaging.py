@@ -143,10 +143,7 @@ def _bin(phase: Array, bins: int) -> npt.NDArray[np.int64]:
 
 
 def _mean_over_bins(cycles: list[PhasedCycle], values: list[Array], bins: int) -> Array:
-    """Return the mean over cycles of their means over bins, (bins,); 0 where no cycle has a sample.
-
-    Cycles count alike in a bin, however many samples they have there: while they still change they are not alike.
-    """
+    """Return the mean over cycles, which count alike, of their means over bins, (bins,); 0 where no cycle has a sample."""
     sums, counts = np.zeros(bins), np.zeros(bins)
     for cycle, own in zip(cycles, values, strict=True):
         numbers = _bin(cycle.phase, bins)

@@ -157,10 +157,8 @@ def _led_there(trace: Trace, runs: list[tuple[int, int]], loops: list[RecordedLo
         ends = (loop.deflection.min(), loop.deflection.max())
         for index in range(first, last + 1):
             turning[index] = ends[int(turning[index] > 0.5 * sum(ends))]
-    return [
-        replace(loop, history=np.concatenate([[0.0], turning[: last + 1 - 2 * loop.averaged]]))
-        for (_, last), loop in zip(runs, loops, strict=True)
-    ]
+    counts = [last + 1 - 2 * loop.averaged for (_, last), loop in zip(runs, loops, strict=True)]
+    return [replace(loop, history=np.append(0.0, turning[:n])) for loop, n in zip(loops, counts, strict=True)]
 
 
 def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Locate, stop: bool) -> RecordedLoop:
@@ -194,9 +192,8 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
 def _drift(trace: Trace, kept: list[PhasedCycle], force: Array, last: int) -> float:
     """Return how fast the zero of the force drifts [N/s]: from the mean force of the first kept cycle to that of the last.
 
-    The means of all samples are surer than forces at the turning points, which would close the loop exactly and their noise
-    with it. They are of whole cycles, whose ends lie between samples: of 37 samples in a cycle one more or less at a tip would
-    be a drift by a per cent of the force.
+    These are of whole cycles, whose ends lie between samples, and surer than forces at turning points, which would close the
+    loop exactly and their noise with it.
     """
     since = force - force[0]  # so that a force that stands still has no drift by rounding
     work = np.concatenate([[0.0], np.cumsum(0.5 * (since[1:] + since[:-1]) * np.diff(trace.time))])

@@ -60,11 +60,8 @@ def lag_in(time: Array, deflection: Array, force: Array) -> Lag | None:
         whole = time.size - time.size % count
         time, deflection, force = (one[:whole].reshape(-1, count).mean(axis=1) for one in (time, deflection, force))
         trace = find_turning_points(deflection, time)
-    found = [
-        one
-        for run in _runs(trace)
-        if (alike := _alike(trace, run)) is not None and (one := _of_run(alike, time, force)) is not None
-    ]
+    runs = [alike for run in _runs(trace) if (alike := _alike(trace, run)) is not None]
+    found = [lag for run in runs if (lag := _of_run(run, time, force)) is not None]
     if not found:
         return None
     weights = np.array([one.error**-2.0 for one in found])
@@ -186,9 +183,8 @@ class _Window:
     ) -> None:
         first, last = (np.searchsorted(time, alike.instants + centre + side * width) for side in (-1.0, 1.0))
         kept = last - first > 2
-        rows = np.concatenate(
-            [np.arange(*ends) for ends in zip(first[kept], last[kept], strict=True)] or [np.zeros(0, int)]
-        )
+        windows = [np.arange(*ends) for ends in zip(first[kept], last[kept], strict=True)]
+        rows = np.concatenate(windows or [np.zeros(0, int)])
         self._counts = (last - first)[kept]
         self._starts = np.concatenate([[0], np.cumsum(self._counts)[:-1]])
         self._since = time[rows] - np.repeat(alike.instants[kept], self._counts)
@@ -228,8 +224,8 @@ class _Window:
     def _fit(self, delay: float) -> tuple[Array, Array, Array]:
         """Return the matrix, what is left, and the fitted factors."""
         matrix = self._matrix(delay)
-        factors = np.asarray(
-            np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0], dtype=np.float64
+        factors = np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0].astype(
+            np.float64, copy=False
         )
         return matrix, matrix @ factors - self._measured, factors
 

@@ -28,14 +28,12 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
     one path, and 0.5 that the smaller loops run in the middle of the largest, as thin loops about a common elastic line do.
 
     Ni, Ko, Wong and Zhan (1999) named it after isolators that harden in tension (thesis, section 3.2.1 and figure 3.9). A
-    loop that saturates without hardening loads along one path too: look at `softening_to_hardening` or at the loops for
-    the hardening itself. Loops far smaller than the yield deflection never saturate and count towards 0.5; the integrals
-    give them the weight of their own deflection. Loops of nearly one amplitude overlap whatever their law: compare values of
-    the same ratios of amplitude only. Each gap is averaged over twentieths of the span before its size
-    counts, so that the noise of a measurement adds little.
-
-    Raises:
-        ValueError: fewer than two amplitudes, loops that do not share a side in tension, or a largest loop without an area.
+    loop that saturates without hardening loads along one path too: look at `softening_to_hardening` or at the loops for the
+    hardening itself. Loops far smaller than the yield deflection never saturate and count towards 0.5; the integrals give
+    them the weight of their own deflection. Loops of nearly one amplitude overlap whatever their law: compare values of the
+    same ratios of amplitude only. Each gap is averaged over twentieths of the span before its size counts, so that the noise
+    of a measurement adds little. ValueError: fewer than two amplitudes, loops that do not share a side in tension, or a
+    largest loop without an area.
     """
     amplitudes = {loop.amplitude for loop in loops}
     if len(amplitudes) < 2:
@@ -85,9 +83,7 @@ def softening_to_hardening(loops: Sequence[Loop], *, rise: float = 1e-6) -> Tran
     K(A) = [F(x_max) - F(x_min)] / 2A of each loop is joined by a cubic spline over log A, and its least value looked for on
     both sides of the smallest tested K, which K must exceed by the fraction `rise` at some smaller and some larger amplitude:
     for measured loops the scatter of their stiffnesses. Source: the soft-hardening of thesis section 3.2.1 and figure 3.8.
-
-    Raises:
-        ValueError: fewer than three different amplitudes, or `rise` is negative.
+    ValueError: fewer than three different amplitudes, or `rise` is negative.
     """
     not_negative("rise", rise)
     stiffness_at = {loop.amplitude: loop.secant_stiffness for loop in loops}

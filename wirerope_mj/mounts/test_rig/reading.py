@@ -19,13 +19,9 @@ from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 
 def save_cyclic_test(
-    loops: Sequence[Loop],
-    path: str | Path,
-    *,
-    frequency: float | None = None,
-    deflection_unit: str = "m",
+    loops: Sequence[Loop], path: str | Path, *, frequency: float | None = None, deflection_unit: str = "m",
     force_unit: str = "N",
-) -> None:
+) -> None:  # fmt: skip
     """Write loops as a CSV file with units in its header, atomically.
 
     The columns are loop (1, 2, ...), time if a frequency is given, deflection and force: what a rig records. In m and N,
@@ -150,10 +146,8 @@ def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
     groups: dict[str, Samples] = {}
     samples = None
     for line, location, cells in rows_below(header):
-        values = {
-            name: factor * number_in(location, header.names[columns[name]], cells[columns[name]])
-            for name, factor in factors.items()
-        }
+        texts = {name: (header.names[columns[name]], cells[columns[name]]) for name in factors}
+        values = {name: factors[name] * number_in(location, *text) for name, text in texts.items()}
         label = cells[columns[key]] if key else "1"
         if samples is None or label != samples.label:
             if label in groups:

@@ -25,14 +25,9 @@ _FOLLOWED = 512
 
 
 def cyclic_test(
-    law: Law,
-    amplitudes: npt.ArrayLike,
-    *,
-    operating_point: float = 0.0,
-    frequency: float = 1.0,
-    cycles: int | None = None,
-    points_per_cycle: int = 400,
-) -> list[Loop]:
+    law: Law, amplitudes: npt.ArrayLike, *, operating_point: float = 0.0, frequency: float = 1.0,
+    cycles: int | None = None, points_per_cycle: int = 400,
+) -> list[Loop]:  # fmt: skip
     """Return one loop for each amplitude: the last cycle of a sinusoidal test about the operating point.
 
     Each test starts unloaded, ramps to the operating point within one period and goes on from there as
@@ -60,16 +55,13 @@ def cyclic_test(
         integer("cycles", cycles, least=1)
     if integer("points_per_cycle", points_per_cycle, least=4) % 4:
         raise ValueError(f"`points_per_cycle` must be a multiple of 4 and >= 4, got {points_per_cycle}.")
-    require_memory(
-        f"{len(sizes)} loops of {points_per_cycle} points",
+    size, remedy = (
         OF_A_POINT * float(points_per_cycle) * (len(sizes) + 1),
         "Use fewer `points_per_cycle`, or fewer `amplitudes`.",
     )
-    require_time(
-        f"{len(sizes)} loops of {cycles or 1} cycles",
-        len(sizes) * float(cycles or 1) * points_per_cycle,
-        "Run fewer `cycles`.",
-    )
+    require_memory(f"{len(sizes)} loops of {points_per_cycle} points", size, remedy)
+    steps = len(sizes) * float(cycles or 1) * points_per_cycle
+    require_time(f"{len(sizes)} loops of {cycles or 1} cycles", steps, "Run fewer `cycles`.")
     return [_test_one(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
 
 
@@ -112,11 +104,7 @@ def _led_on(law: Law, path: Array, states: Array, tolerance: float) -> Array:
 
 
 def _quarters(points: int) -> tuple[Array, Array]:
-    """Return sine and cosine over one period, (points + 1,) each.
-
-    Every quarter mirrors the first, so that turning points, zeros and the two ends are exact: closure is then the law's,
-    not rounding's.
-    """
+    """Return sine and cosine over one period, (points + 1,) each, every quarter a mirror of the first: closure is the law's."""
     first = np.sin(2.0 * np.pi * np.arange(points // 4 + 1) / points)
     half = np.concatenate([first, first[-2::-1]])
     sine = np.concatenate([half, -half[1:]])
@@ -128,15 +116,9 @@ _FEWEST_POINTS = 8
 
 
 def measured(
-    loops: Sequence[Loop],
-    *,
-    seed: int,
-    points_per_cycle: int = 200,
-    force_noise: float = 0.0,
-    deflection_noise: float = 0.0,
-    force_resolution: float = 0.0,
-    deflection_resolution: float = 0.0,
-) -> list[Loop]:
+    loops: Sequence[Loop], *, seed: int, points_per_cycle: int = 200, force_noise: float = 0.0,
+    deflection_noise: float = 0.0, force_resolution: float = 0.0, deflection_resolution: float = 0.0,
+) -> list[Loop]:  # fmt: skip
     """Return the loops as a test rig would have recorded them: fewer samples, Gaussian noise, steps of the converter.
 
     A loop's samples count as uniform in time, as those of `cyclic_test` are, and are interpolated linearly: samples that

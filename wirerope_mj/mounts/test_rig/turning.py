@@ -39,9 +39,8 @@ class Trace:
     @property
     def raw_turning(self) -> Array:
         """Farthest recorded deflections at the turning points [m], (n,): smoothing cuts those at the end of a ramp off."""
-        around = np.lib.stride_tricks.sliding_window_view(
-            np.pad(self.deflection, self.window, "edge"), 2 * self.window + 1
-        )
+        padded = np.pad(self.deflection, self.window, "edge")
+        around = np.lib.stride_tricks.sliding_window_view(padded, 2 * self.window + 1)
         rising = np.diff(self.smooth[self.turns], prepend=self.smooth[self.turns[1]]) > 0.0
         return np.where(rising, around[self.turns].max(axis=1), around[self.turns].min(axis=1))
 
@@ -111,10 +110,7 @@ def _reversals(values: Array, threshold: float) -> npt.NDArray[np.int64]:
 
 
 def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
-    """Return the time in the middle between the crossings on both sides of each turning point.
-
-    Near its turning point a sine hardly moves, so that noise shifts the largest sample far; its crossings it does not.
-    """
+    """Return the time in the middle between the crossings on both sides of each turning point, which noise hardly shifts."""
     times = time[turns].astype(np.float64)
     for index in range(1, turns.size - 1):
         before, here, after = (int(turn) for turn in turns[index - 1 : index + 2])

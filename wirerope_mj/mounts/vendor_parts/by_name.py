@@ -44,10 +44,8 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | 
     """Find the isolator file called `name`, or the part of the vendors' tables.
 
     A file is looked up as it stands under the folder `beside` (that of the model file; the current folder by default), then
-    by its last part in the catalogue that ships with the package. The ending `.toml` may be left out.
-
-    Raises:
-        ModelError: there is neither; names the nearest.
+    by its last part in the catalogue that ships with the package. The ending `.toml` may be left out. ModelError: there is
+    neither; names the nearest.
     """
     catalogue = catalogue_folder()
     wanted = Path(f"{name}" if f"{name}".endswith(".toml") else f"{name}.toml")

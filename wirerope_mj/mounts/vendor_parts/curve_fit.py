@@ -64,11 +64,8 @@ def read_curve_sheet(content: Mapping[str, Any], path: Path) -> CurveSheet:
     curve = table.text("curve")
     if curve not in KINDS:
         raise ModelError(f"{path}: `curve` must be one of {', '.join(KINDS)}, got {curve!r}.")
-    sides = {
-        name: _side(TomlTable(table.entries.pop(name), f"{path}: [{name}]"), path.parent)
-        for name in _SIDES
-        if name in table.entries
-    }
+    tables = {name: TomlTable(table.entries.pop(name), f"{path}: [{name}]") for name in _SIDES if name in table.entries}
+    sides = {name: _side(one, path.parent) for name, one in tables.items()}
     for name, side in sides.items():
         if curve not in side.curves:
             raise ModelError(
@@ -165,11 +162,8 @@ def fit_curves(content: Mapping[str, Any], path: Path) -> Isolator:
     except ValueError as error:
         raise ModelError(f"{path}: {error}") from None
     other = next(kind for kind in KINDS if kind != sheet.curve)
-    rows = [
-        f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N"
-        for row in curve_values(sheet, isolator)
-        if row.name.startswith(other)
-    ]
+    others = [row for row in curve_values(sheet, isolator) if row.name.startswith(other)]
+    rows = [f"{row.axis} {row.name} {row.vendor:.5g} N, here {row.fitted:.5g} N" for row in others]
     fitted_to = provenance.fitted_to + (f". Not fitted: {'; '.join(rows)}" if rows else "")
     return replace(isolator, provenance=replace(provenance, fitted_to=fitted_to))
 
@@ -201,11 +195,8 @@ def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
     points = [(0.0, 0.0), *side.curves[sheet.curve]]
     if other is not None:
         points = [(-x, -f) for x, f in points[:0:-1]] + [(0.0, 0.0), *other.curves[sheet.curve]]
-    values: dict[str, Any] = {
-        "deflection": [x for x, _ in points],
-        "force": [f for _, f in points],
-        "symmetric": other is None,
-    }
+    deflection, force = ([row[column] for row in points] for column in (0, 1))
+    values: dict[str, Any] = {"deflection": deflection, "force": force, "symmetric": other is None}
     stated = np.array(side.areas or side.damping).reshape(-1, 2).T
     law = Tabulated(**values)
     if not stated.size:
@@ -219,9 +210,8 @@ def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
     if side.areas:
         return Tabulated(**values, areas=stated[1])
     # 2 pi zeta K A^2 with the curve's secant, corrected by what cycles of the law measure.
-    areas = [
-        2.0 * np.pi * zeta * 0.5 * float(np.ptp(law.trace([0.0, a, -a]).force[1:])) * a for a, zeta in side.damping
-    ]
+    ranges = [float(np.ptp(law.trace([0.0, a, -a]).force[1:])) for a, _ in side.damping]
+    areas = [2.0 * np.pi * zeta * 0.5 * size * a for (a, zeta), size in zip(side.damping, ranges, strict=True)]
     for _ in range(50):
         law = Tabulated(**values, areas=areas)
         ratios = [zeta / law_values.damping_ratio(law, a) for a, zeta in side.damping]

@@ -8,16 +8,10 @@ from pathlib import Path
 from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import catalogue_folder
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STIFFNESS_UNITS, in_si
 
 MODES = ("compression", "45", "shear")  # Loading modes of the tables; shear stands for roll as well
-_UNITS = {
-    "-": 1.0,
-    **LENGTH_UNITS,
-    **FORCE_UNITS,
-    "N/mm": 1e3,
-    "lb/in": 175.12683524647636,  # 4.4482216152605 N / 0.0254 m
-}
+_UNITS = {"-": 1.0, **LENGTH_UNITS, **FORCE_UNITS, **STIFFNESS_UNITS}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,8 +68,7 @@ class VendorPart:
     def with_loops(self, loops: int) -> "VendorPart":
         """Return the part with fewer loops: load and stiffness in proportion (the vendor's own rule).
 
-        Raises:
-            ValueError: the part has no more loops than that, or the vendor does not say how many.
+        ValueError: the part has no more loops than that, or the vendor does not say how many.
         """
         if self.loops is None or not 0 < loops < self.loops:
             have = "an unknown number of" if self.loops is None else str(self.loops)
@@ -108,22 +101,17 @@ def _part(
     location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series
 ) -> VendorPart:
     """Return the part of one row."""
-    values = {
-        name: _stated(location, name, cell, factor)
-        for name, cell, factor in zip(names, cells, factors, strict=True)
-        if name != "part"
-    }
+    columns = [column for column in zip(names, cells, factors, strict=True) if column[0] != "part"]
+    values = {name: _stated(location, name, cell, factor) for name, cell, factor in columns}
     loops = values["loops"]
+    modes = {
+        mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)})
+        for mode in MODES
+    }
     return VendorPart(
-        name=cells[names.index("part")],
-        series=series,
-        loops=None if loops is None else round(loops),
+        name=cells[names.index("part")], series=series, loops=None if loops is None else round(loops), modes=modes,
         **{key: values.get(key) for key in ("rope", "height", "width", "bar")},
-        modes={
-            mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)})
-            for mode in MODES
-        },
-    )
+    )  # fmt: skip
 
 
 def _stated(location: str, name: str, cell: str, factor: float) -> float | None:

@@ -90,11 +90,8 @@ class FitRule:
             half = 0.5 * np.diff(ends)[:, None]
             way = ends[:-1, None] + half * (1.0 + NODES)
             after = (way - zero) / reach
-            rising = (
-                -np.expm1(-after)
-                if self.n == 1
-                else np.where(after < 0.0, np.tan(np.minimum(after, 0.0)), np.tanh(after))
-            )
+            square = np.where(after < 0.0, np.tan(np.minimum(after, 0.0)), np.tanh(after))
+            rising = -np.expm1(-after) if self.n == 1 else square
             total += share * float(np.sum(half * WEIGHTS * np.cosh(asymmetry * (way - amplitude)) * rising))
         return 2.0 * total
 
@@ -162,10 +159,8 @@ def fit_secants(
 ) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
-    `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule.
-
-    Raises:
-        ConvergenceError: the secants ask for friction or a spring that is not positive.
+    `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule. ConvergenceError: the
+    secants ask for friction or a spring that is not positive.
     """
     friction, spring = _sizes(secants, curve, yielding, rule)
     return rule.law(friction, yielding, spring, curve)
@@ -189,8 +184,7 @@ def fit_damped(
 ) -> NiLaw | Parallel:
     """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
 
-    Raises:
-        ConvergenceError: no yield deflection gives that damping; says what can be reached.
+    ConvergenceError: no yield deflection gives that damping; says what can be reached.
     """
     exponent = curve.asymmetry or 0.0
 

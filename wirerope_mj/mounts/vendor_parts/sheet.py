@@ -98,9 +98,8 @@ class DataSheet:
     rope: float  # diameter [m]
     bar: float  # thickness of one bar [m]
     compression: AxisValues  # values of the axial axis
-    shear: (
-        AxisValues | None
-    )  # values of the shear axis, and of roll where it has none of its own; None where there are none
+    # values of the shear axis, and of roll where it has none of its own; None where there are none
+    shear: AxisValues | None
     static_load: float | None  # rated load in compression [N]; None where it is not stated
     damping_amplitude: float  # amplitude of the damping ratios [m]
     bar_assumed: bool = False  # whether nobody states it: good for the shape of the loop, not for where the bars meet
@@ -153,26 +152,16 @@ def read_datasheet(path: str | Path) -> DataSheet:
         raise ModelError(f"{path}: `scales` must be {' or '.join(map(str, RULES))}, got {scales}.")
     if axes["compression"].damping is None:
         axes["compression"] = replace(axes["compression"], damping=target)
+    height, width, rope, bar = (table.quantity(name, LENGTH) for name in ("height", "width", "rope", "bar"))
     sheet = DataSheet(
-        name=table.text("name"),
-        source=table.text("source"),
-        height=table.quantity("height", LENGTH),
-        width=table.quantity("width", LENGTH),
-        rope=table.quantity("rope", LENGTH),
-        bar=table.quantity("bar", LENGTH),
-        bar_assumed=table.flag("bar_assumed"),
-        loops=table.optional_integer("loops"),
-        bar_length=table.optional_quantity("bar_length", LENGTH),
-        static_load=table.quantity("static_load", FORCE),
+        name=table.text("name"), source=table.text("source"), height=height, width=width, rope=rope, bar=bar,
+        bar_assumed=table.flag("bar_assumed"), loops=table.optional_integer("loops"),
+        bar_length=table.optional_quantity("bar_length", LENGTH), static_load=table.quantity("static_load", FORCE),
         damping_amplitude=table.optional_quantity("damping_amplitude", LENGTH)
         or _damping_amplitude(axes["compression"], scales),
-        scales=scales,
-        roll_of_loop=_roll_of_loop(table),
-        yielding=table.optional_quantity("yield_deflection", LENGTH),
-        damping_range=_damping_range(table, axes),
-        assumed=table.texts("assumed"),
-        **axes,
-    )
+        scales=scales, roll_of_loop=_roll_of_loop(table), yielding=table.optional_quantity("yield_deflection", LENGTH),
+        damping_range=_damping_range(table, axes), assumed=table.texts("assumed"), **axes,
+    )  # fmt: skip
     table.require_empty()
     if (sheet.yielding is None) == (sheet.compression.damping is None):
         raise ModelError(
@@ -226,9 +215,8 @@ def _axis(table: TomlTable) -> AxisValues:
     for name in compared:
         if name not in names:
             raise ModelError(f"{table.location} `compared` names {name!r}, which the table does not state.")
-    values = tuple(
-        replace(value, fitted=value.fitted and name not in compared) for name, value in zip(names, stated, strict=True)
-    )
+    pairs = zip(names, stated, strict=True)
+    values = tuple(replace(value, fitted=value.fitted and name not in compared) for name, value in pairs)
     if sum(value.fitted for value in values) < 2:
         raise ModelError(f"{table.location} must state at least two stiffnesses or points to fit.")
     return AxisValues(travel=travel, stated=values, damping=damping, hardening=hardening or 1.0)
@@ -266,6 +254,5 @@ def _curve_points(table: TomlTable) -> list[StatedValue]:
 
 def _force(name: str, deflection: float, force: float) -> StatedValue:
     """Return a force on the virgin path as a stated value."""
-    return StatedValue(
-        name=name, unit="N", secant=Secant(deflection=deflection, stiffness=force / deflection, steady=False)
-    )
+    secant = Secant(deflection=deflection, stiffness=force / deflection, steady=False)
+    return StatedValue(name=name, unit="N", secant=secant)

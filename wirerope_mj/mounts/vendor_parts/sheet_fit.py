@@ -69,32 +69,22 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         ConvergenceError: no law has all its values.
     """
     compression, shear = sheet.compression, sheet.shear
+    rated = {} if shear is None else {"shear": shear.travel, "roll": (sheet.roll or shear).travel}
     curves = axis_curves(
         height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
-        compression=compression.travel, roll=None if shear is None else (sheet.roll or shear).travel,
+        compression=compression.travel, roll=rated.get("roll"),
     )  # fmt: skip
     rule = RULES[sheet.scales]
-    along = ElasticShape(
-        asymmetry=rule.asymmetry * curves.asymmetry, cubic=rule.asymmetry * curves.axial_cubic * compression.hardening
-    )
+    cubic = rule.asymmetry * curves.axial_cubic * compression.hardening
+    along = ElasticShape(asymmetry=rule.asymmetry * curves.asymmetry, cubic=cubic)
     axial = _fit(compression, along, sheet.yielding, sheet.damping_amplitude, rule)
     across = {} if shear is None else _across(sheet, shear, axial, curves)
     isolator = Isolator(
-        name=sheet.name,
-        axial=axial,
-        limits=Limits(
-            static_load=sheet.static_load,
-            travel=Travel(
-                compression=compression.travel,
-                shear=None if shear is None else shear.travel,
-                roll=None if shear is None else (sheet.roll or shear).travel,
-            ),
-        ),
+        name=sheet.name, axial=axial, spread=_spread(axial, curves, rule),
+        limits=Limits(static_load=sheet.static_load, travel=Travel(compression=compression.travel, **rated)),
         geometry=Geometry(height=sheet.height, width=sheet.width, bar=None if sheet.bar_assumed else sheet.bar),
-        spread=_spread(axial, curves, rule),
-        rotation=_rotation(sheet, axial, across.get("roll"), curves),
-        **across,
-    )
+        rotation=_rotation(sheet, axial, across.get("roll"), curves), **across,
+    )  # fmt: skip
     provenance = Provenance(
         kind=kind, source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
         check_45=_check_45(sheet, isolator),
@@ -115,7 +105,7 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
     curve, rule = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening), RULES[sheet.scales]
     yielding = rule.shear_yield * first_state(axial).normalised.x_y
     law = _fit(shear, curve, yielding, sheet.damping_amplitude, rule)
-    roll, reach_of_roll = law, (sheet.roll or shear).travel
+    roll = law
     if sheet.roll is not None:
         curve = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * sheet.roll.hardening)
         roll = _fit(sheet.roll, curve, yielding, sheet.damping_amplitude, rule)
@@ -123,12 +113,8 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
         spring, beside = first_state(axial).k1 * curves.roll_stiffness / curves.axial_stiffness, first_state(law)
         friction, reach = beside.normalised.z_max * spring / beside.k1, beside.normalised.x_y
         roll = rule.law(friction, reach, spring, ElasticShape(asymmetry=None, cubic=curves.roll_cubic))
-    return {
-        "shear": law,
-        "roll": roll,
-        "coupling": "loop",
-        "loop": _coupling(sheet, reach_of_roll, axial, roll, curves),
-    }
+    loop = _coupling(sheet, (sheet.roll or shear).travel, axial, roll, curves)
+    return {"shear": law, "roll": roll, "coupling": "loop", "loop": loop}
 
 
 def _fit(
@@ -162,17 +148,13 @@ def _rotation(
 def _coupling(
     sheet: DataSheet, range_of_roll: float, axial: NiLaw | Parallel, roll: NiLaw | Parallel, curves: AxisCurves
 ) -> LoopCoupling:
-    """Return the loop's coupling energy, in the size that both axes ask for: the geometric mean of their EI.
-
-    Over the 50 parts of Enidine's table that leaves 45 degrees nearest to the catalogue.
-    """
+    """Return the loop's coupling energy with the geometric mean of both axes' EI, by which 45 degrees is nearest to Enidine."""
     sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
     shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
-    travel = sheet.compression.travel
+    travel, size = sheet.compression.travel, math.sqrt(sizes[0] * sizes[1])
     coupling = fit_coupling(
-        shape, bending_stiffness=math.sqrt(sizes[0] * sizes[1]), loops=1,
-        roll=range_of_roll, compression=travel, tension=travel,
-    ).coupling  # fmt: skip
+        shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel
+    ).coupling
     ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
     return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in coupling.coefficients])
 
@@ -183,9 +165,8 @@ def _fitted_to(sheet: DataSheet) -> str:
     for name, axis in {"axial": sheet.compression, **sheet.across}.items():
         fitted = [_stated(value) for value in axis.stated if value.fitted]
         if axis.damping is not None:
-            fitted.append(
-                f"damping ratio {axis.damping:g} of the steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
-            )
+            loop = f"steady loop of {1e3 * sheet.damping_amplitude:.3g} mm"
+            fitted.append(f"damping ratio {axis.damping:g} of the {loop}")
         axes.append(f"{name}: {', '.join(fitted)}")
     return "; ".join(axes)
 

@@ -5,17 +5,15 @@ from collections.abc import Callable
 from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
+from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STIFFNESS_UNITS, in_si
 
 _UNITS = {
     **LENGTH_UNITS,
     **FORCE_UNITS,
-    "N_per_mm": 1e3,
-    "lb_per_in": 175.12683524647636,  # 4.4482216152605 N / 0.0254 m
+    **{unit.replace("/", "_per_"): n for unit, n in STIFFNESS_UNITS.items()},
     "Hz": 1.0,
 }
 LENGTH, FORCE, STIFFNESS, FREQUENCY = ("mm", "in"), ("N", "daN", "kN"), ("N_per_mm", "lb_per_in"), ("Hz",)
-
 Pairs = list[tuple[float, float]]
 
 

@@ -1,0 +1,178 @@
+"""A law around another one: smoothed, for what differentiates it at reversals, or in series with an elastic bracket."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from wirerope_mj.foundation.arguments import positive
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
+from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
+from wirerope_mj.mounts.laws.parallel import Parallel
+from wirerope_mj.mounts.laws.tabulated import TABULATED
+from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
+from wirerope_mj.mounts.laws.viscoelastic import KelvinVoigt, Zener
+
+SMOOTHED = 10
+ON_BRACKET = 16
+HEAD = 2  # parameters of a bracketed law before those of the laws, which stand as in `Parallel`
+# One state whose rate is a slope for each direction times that of the deflection, and a force that depends on no rate.
+_BEHIND = (BOUC_WEN, SYMMETRIC_BOUC_WEN, ASYMMETRIC_BOUC_WEN, TABULATED, VAIANA_ROSATI)
+
+
+def _of_law(name: str, doc: str) -> Any:
+    """Make a property that is that of `self.law`."""
+    return property(lambda self: getattr(self.law, name), doc=doc)
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Wrapped(Law):
+    """A law around another one, whose states it has. It lives in memory alone: an isolator file holds the other."""
+
+    force_powers: ClassVar[Mapping[str, float]] = {}
+
+    law: Law
+
+    travel_ends = _of_law("travel_ends", "Deflections below and above zero up to which the law holds [m].")
+    finite_travel = _of_law("finite_travel", "The shorter of both [m].")
+    largest_force = _of_law("largest_force", "That of the law [N]: finite without an elastic part.")
+    state_names = _of_law("state_names", "Those of the law.")
+    damping_parameters = _of_law("damping_parameters", "Those of the law.")
+
+    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
+        """Return whether there are no columns: each entry has to be tried."""
+        return not columns
+
+    def scaled(self, factor: float) -> Self:
+        """Return the same around the law with `factor` times its force."""
+        return replace(self, law=self.law.scaled(factor))
+
+    def with_damping(self, factor: float) -> Self:
+        """Return the same around the law with `factor` times its hysteretic part."""
+        return replace(self, law=self.law.with_damping(factor))
+
+    def with_yield(self, factor: float) -> Self:
+        """Return the same around the law whose friction builds up over `factor` times the deflection."""
+        return replace(self, law=self.law.with_yield(factor))
+
+
+@dataclass(frozen=True, kw_only=True)
+class Smoothed(_Wrapped):
+    """A rate-independent law whose slopes for the two directions blend over a velocity.
+
+        zdot = xdot [s+ (1 + tanh(xdot / width)) + s- (1 - tanh(xdot / width))] / 2
+
+    s+ and s- are the slopes dz/dx of `law` for xdot > 0 and < 0, its force is unchanged. For Bouc-Wen's law it replaces
+    sgn(xdot) by tanh(xdot / width). All terms carry xdot: at rest nothing creeps. Far below the `width` [m/s] the law loses its
+    hysteresis and z its bound. In a motion of frequency w and amplitude A the loop differs from the law's by
+    O((width / (w A))^2): the blend covers a path of that order beside each reversal. A hundredth of the velocity amplitude
+    changes a loop by 1e-4; what is chosen belongs beside every result, for the law now depends on the rate.
+
+    Laws with one state whose rate is a slope times xdot can be smoothed: Bouc and Wen's, Ni's, Ozdemir's, the enhanced dry
+    friction, Vaiana and Rosati's and the tabulated one. A static equilibrium takes z = 0, as after long vibration.
+
+    Source: thesis, summary (its form is not given there).
+    """
+
+    name: ClassVar[str] = "smoothed"
+    kernel: ClassVar[int] = SMOOTHED
+    rate_independent: ClassVar[bool] = False
+
+    width: float
+
+    initial_stiffness = _of_law("initial_stiffness", "Tangent of the law at its unloaded state [N/m].")
+
+    def __post_init__(self) -> None:
+        if not isinstance(self.law, Law) or not smoothable(self.law):
+            got = self.law.name if isinstance(self.law, Law) else repr(self.law)
+            raise ValueError(f"`law` must have one state whose rate is a slope times the velocity, got {got}.")
+        object.__setattr__(self, "width", positive("width", self.width))
+
+    def kernel_parameters(self) -> Array:
+        """Return the width, the law's kernel and its parameters."""
+        return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
+
+    def to_dict(self) -> dict[str, Any]:
+        """Raise ValueError: an isolator file holds the law itself."""
+        raise ValueError(
+            "a smoothed law is not written to a file: save the isolator with its `law`, and smooth it in memory."
+        )
+
+
+def smoothable(law: Law) -> bool:
+    """Return whether a law has one state whose rate is a slope times the velocity."""
+    return law.smoothable and law.rate_independent and law.n_states == 1
+
+
+def with_width(law: Law, width: float) -> Law:
+    """Return a law smoothed over a velocity [m/s], of several in parallel each that can be; the law itself if none can."""
+    if isinstance(law, Parallel):
+        laws = tuple(with_width(one, width) for one in law.laws)
+        return replace(law, laws=laws) if laws != law.laws else law
+    return Smoothed(law=law, width=width) if smoothable(law) else law
+
+
+@dataclass(frozen=True, kw_only=True)
+class OnBracket(_Wrapped):
+    """A rate-independent law in series with a spring K: F = f(d, z), d + F / K = x, with the law's own states z.
+
+    The states follow the law's own deflection d, for whose rate the same is differentiated,
+
+        ddot = xdot K / (K + T),   T = df/dd + df/dz dz/dd   in the direction of xdot,
+
+    so that it has no states but the law's, and K adds nothing fast. d is found to rounding, T by a forward difference over
+    10 nm to 1e-6 of itself. An isolator file holds the law and, in [bracket], K. `law` is Bouc-Wen's, Ni's, Ozdemir's, the
+    enhanced dry friction, the tabulated one, Vaiana and Rosati's, or some in parallel.
+    """
+
+    name: ClassVar[str] = "on-bracket"
+    kernel: ClassVar[int] = ON_BRACKET
+
+    stiffness: float  # K [N/m]
+
+    def __post_init__(self) -> None:
+        refused = [one.name for one in self.law.components if one.kernel not in _BEHIND]
+        if refused:
+            raise ValueError(f"a bracket can hold a linear law, Bouc-Wen's, Ni's, a tabulated one, not {refused[0]}.")
+        object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness, unit="N/m"))
+
+    def kernel_parameters(self) -> Array:
+        """Return K, the number of states, and the laws as several in parallel have them."""
+        behind = Parallel(laws=self.law.components)
+        return np.concatenate([[self.stiffness, float(self.n_states)], behind.kernel_parameters()])
+
+    @property
+    def initial_stiffness(self) -> float:
+        """Tangent at the unloaded state [N/m]."""
+        own = self.law.initial_stiffness
+        return own * self.stiffness / (own + self.stiffness)
+
+    def scaled(self, factor: float) -> Self:
+        """Return law and bracket with `factor` times their forces."""
+        return replace(super().scaled(factor), stiffness=factor * self.stiffness)
+
+    def to_dict(self) -> dict[str, Any]:
+        """Raise ValueError: an isolator file holds the law itself."""
+        raise ValueError("a law on a bracket is not written to a file: save the isolator with its `bracket`.")
+
+
+def on_bracket(law: Law, stiffness: float) -> Law:
+    """Build the law of a mount with `law` in series with a spring [N/m].
+
+    Exact: of a linear law the linear law that both make together, of friction and hysteresis `OnBracket`. ValueError: the law
+    is neither.
+    """
+    positive("stiffness", stiffness, unit="N/m")
+    if isinstance(law, KelvinVoigt | Zener):
+        k0, k1 = (law.k, 0.0) if isinstance(law, KelvinVoigt) else (law.k0, law.k1)
+        slow = k0 * stiffness / (k0 + stiffness)
+        if law.c == 0.0:
+            return KelvinVoigt(k=slow, c=0.0)
+        # the damper sees k1 in series with what holds its ends; stiff against a sudden deflection is all but the damper
+        sudden = stiffness if not k1 else (k0 + k1) * stiffness / (k0 + k1 + stiffness)
+        decay = law.c * ((1.0 / k1 if k1 else 0.0) + 1.0 / (k0 + stiffness))
+        return Zener(k0=slow, k1=sudden - slow, c=decay * (sudden - slow))
+    return OnBracket(law=law, stiffness=stiffness)
