@@ -40,17 +40,11 @@ _MOST = 5  # names of files in one message
 
 @dataclass(frozen=True, kw_only=True)
 class Alterations:
-    """Files of a run that are not as they were written, relative to its folder, in order.
+    """Files of a run that are not as they were written, relative to its folder, in order."""
 
-    Attributes:
-        altered: those with another content.
-        missing: those that were written and are not there.
-        added: those that are there and were not written.
-    """
-
-    altered: tuple[str, ...]
-    missing: tuple[str, ...]
-    added: tuple[str, ...]
+    altered: tuple[str, ...]  # those with another content
+    missing: tuple[str, ...]  # those that were written and are not there
+    added: tuple[str, ...]  # those that are there and were not written
 
     @property
     def intact(self) -> bool:

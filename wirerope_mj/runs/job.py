@@ -59,17 +59,12 @@ Done = Callable[[str, float, str, int], None]
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class JobRun(Summarised):
-    """A job that was computed.
+    """A job that was computed."""
 
-    Attributes:
-        job: its cases with their verdicts.
-        computed: why each case was computed: "new", "changed: motion", "altered", "asked for"; or only judged again.
-        folder: of the job.
-    """
-
-    job: JudgedJob
+    job: JudgedJob  #: its cases with their verdicts
+    #: why each case was computed: "new", "changed: motion", "altered", "asked for"; or only judged again
     computed: Mapping[str, str]
-    folder: Path
+    folder: Path  #: of the job
 
     @property
     def headline(self) -> str:

@@ -49,40 +49,24 @@ _IN_SHEETS = {"duration": "time", "start": "time"} | {
 
 @dataclass(frozen=True, kw_only=True)
 class LoadCase:
-    """A load case.
+    """A load case."""
 
-    Attributes:
-        name: as it is called everywhere.
-        folder: name of its run's folder.
-        note: what it is from, such as a clause of a standard.
-        scenario: what is simulated.
-    """
-
-    name: str
-    folder: str
-    note: str
-    scenario: Scenario
+    name: str  # as it is called everywhere
+    folder: str  # name of its run's folder
+    note: str  # what it is from, such as a clause of a standard
+    scenario: Scenario  # what is simulated
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Job(Summarised):
-    """Load cases of one installation and what is written of them.
+    """Load cases of one installation and what is written of them."""
 
-    Attributes:
-        name: its title.
-        question: what the job answers.
-        cases: in the order of the file.
-        report: what each case shows, names of `content.job.REPORTED`.
-        document: data of the document; None for a plain report.
-        path: of the file.
-    """
-
-    name: str
-    question: str
-    cases: tuple[LoadCase, ...]
-    report: tuple[str, ...]
-    document: Document | None
-    path: Path
+    name: str  #: its title
+    question: str  #: what the job answers
+    cases: tuple[LoadCase, ...]  #: in the order of the file
+    report: tuple[str, ...]  #: what each case shows, names of `content.job.REPORTED`
+    document: Document | None  #: data of the document; None for a plain report
+    path: Path  #: of the file
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         return f"Job {self.name}", {case.name: case.scenario.motion.description for case in self.cases}

@@ -35,22 +35,16 @@ AGREES = 1e-9
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Replay(Summarised):
-    """Comparison of a run with itself computed again, and the files of its folder that were altered.
+    """Comparison of a run with itself computed again, and the files of its folder that were altered."""
 
-    Attributes:
-        identical: every stored number has the same bits: samples, peaks, states, scene, events, step, and those of
-            summary.json.
-        largest_difference: of a stored number: of a sample relative to the largest of its column, of a peak to the largest of
-            its components; infinite where a text differs, or where there is something else.
-        column: where it is, a column or what else is stored; "" if all is identical.
-        response: what was computed; None if its samples were streamed and are gone.
-        alterations: files that are not as they were written; None without checksums, as in older runs.
-    """
-
+    # every stored number has the same bits: samples, peaks, states, scene, events, step, and those of summary.json
     identical: bool
+    # of a stored number: of a sample relative to the largest of its column, of a peak to the largest of its components;
+    # infinite where a text differs, or where there is something else
     largest_difference: float
-    column: str
-    response: Response | None
+    column: str  # where it is, a column or what else is stored; "" if all is identical
+    response: Response | None  # what was computed; None if its samples were streamed and are gone
+    # files that are not as they were written; None without checksums, as in older runs
     alterations: Alterations | None = None
 
     def _summary(self) -> tuple[str, dict[str, str]]:

@@ -34,34 +34,25 @@ _KINDS: dict[str, tuple[Any, str]] = {
 
 @dataclass(frozen=True)
 class Scenario:
-    """A question and everything that a simulation of it needs.
+    """A question and everything that a simulation of it needs."""
 
-    Attributes:
-        question: what the run should answer.
-        model: MJCF file, or MJCF text. A relative path starts at the scenario file's folder (without a file at the
-            current one), then at the models that ship with the package; `.xml` may be left out.
-        motion: base motion.
-        simulate: arguments of `wirerope_mj.simulate` besides system and motion; `duration` must be among them.
-        isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
-        name: names the run.
-        options: values of the options that made it, by name.
-        folder: where a relative model path starts.
-        combined_travel: whether mounts are judged on all axes at once, by this project's own rule, if the model does not
-            forbid it.
-        limits: what the payload can bear, in place of what the model states for the same subjects.
-        changes: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it.
-    """
-
-    question: str
+    question: str  #: what the run should answer
+    #: MJCF file, or MJCF text. A relative path starts at the scenario file's folder (without a file at the current one), then
+    #: at the models that ship with the package; `.xml` may be left out.
     model: str | Path
-    motion: BaseMotion
+    motion: BaseMotion  #: base motion
+    #: arguments of `wirerope_mj.simulate` besides system and motion; `duration` must be among them
     simulate: Mapping[str, Any]
+    #: isolators in memory by the name that follows `isolator/` in the model; they go before files
     isolators: Mapping[str, Isolator] | None = None
-    name: str = "scenario"
-    options: Mapping[str, Any] = field(default_factory=dict)
-    folder: Path | None = None
+    name: str = "scenario"  #: names the run
+    options: Mapping[str, Any] = field(default_factory=dict)  #: values of the options that made it, by name
+    folder: Path | None = None  #: where a relative model path starts
+    #: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it
     changes: Sequence[Changes] = ()
+    #: whether mounts are judged on all axes at once, by this project's own rule, if the model does not forbid it
     combined_travel: bool = True
+    #: what the payload can bear, in place of what the model states for the same subjects
     limits: Sequence[PayloadLimit] = ()
 
     def __post_init__(self) -> None:

@@ -23,24 +23,16 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """One quantity that can be changed.
+    """One quantity that can be changed."""
 
-    Attributes:
-        key: by which its value is handed over.
-        label: what it is called.
-        unit: "×" for a factor on what the scenario has, "°" for an angle.
-        minimum, maximum: smallest and largest value.
-        nominal: what leaves the scenario as it is.
-        note: what it acts on, and what stays.
-    """
-
-    key: str
-    label: str
-    unit: str
+    key: str  # by which its value is handed over
+    label: str  # what it is called
+    unit: str  # "×" for a factor on what the scenario has, "°" for an angle
+    # minimum, maximum: smallest and largest value
     minimum: float
     maximum: float
-    nominal: float
-    note: str
+    nominal: float  # what leaves the scenario as it is
+    note: str  # what it acts on, and what stays
 
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:

@@ -41,20 +41,13 @@ class StudyResult(Exportable, Summarised):
     Columns of the table: `variant` (int64), inputs (one for every sampled number, by its name in `vary`, or with the
     mount's own name in place of the pattern where each has its own: "mount/m01/axial/alpha"), measures (float64, SI, NaN where
     not judged or failed), `status` ("done" or "failed"), `message`.
-
-    Attributes:
-        folder: of the study.
-        inputs: content of its `study.toml`.
-        variants: number of variants of the study.
-        complete: whether all of them are in the table.
-        study_class: of `study`.
     """
 
-    folder: Path
-    inputs: dict[str, Any] = field(repr=False)
-    variants: int
-    complete: bool
-    study_class: type[StudyDefinition] = field(default=StudyDefinition, repr=False)
+    folder: Path  #: of the study
+    inputs: dict[str, Any] = field(repr=False)  #: content of its `study.toml`
+    variants: int  #: number of variants of the study
+    complete: bool  #: whether all of them are in the table
+    study_class: type[StudyDefinition] = field(default=StudyDefinition, repr=False)  #: of `study`
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         name = self.inputs.get("name", "study")

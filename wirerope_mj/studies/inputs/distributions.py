@@ -152,15 +152,10 @@ class Choice:
 
 @dataclass(frozen=True, kw_only=True)
 class Specimens:
-    """The scatter of the specimens that an isolator was identified from: the joint normal distribution of its `spread`.
+    """The scatter of the specimens that an isolator was identified from: the joint normal distribution of its `spread`."""
 
-    Attributes:
-        each: whether every mount has specimens of its own; else those that the name matches share one.
-        group: as for `Normal`.
-    """
-
-    each: bool = True
-    group: str | None = None
+    each: bool = True  #: whether every mount has specimens of its own; else those that the name matches share one
+    group: str | None = None  #: as for `Normal`
     relative: bool = False
 
     def __post_init__(self) -> None:
@@ -173,18 +168,15 @@ class Isotropic:
 
     With azimuths that are uniform over the circle, no direction is then more likely than another. A uniform elevation would
     crowd them about the vertical.
-
-    Attributes:
-        low, high: bounds of the elevation [deg], -90 <= low < high <= 90; from 0 up it is the half above the horizon.
-        group: as for `Normal`.
     """
 
     relative: ClassVar[bool] = False
     each: ClassVar[bool] = False
 
+    #: low, high: bounds of the elevation [deg], -90 <= low < high <= 90; from 0 up it is the half above the horizon
     low: float = -90.0
     high: float = 90.0
-    group: str | None = None
+    group: str | None = None  #: as for `Normal`
 
     def __post_init__(self) -> None:
         _check_group(self.group)
