@@ -108,8 +108,7 @@ NUMERICS = (
 def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timestep: float | None) -> dict[str, Any]:
     """Return arguments of `simulate` with the accuracy or the step that was asked for in place of their own.
 
-    Raises:
-        ValueError: both are given, or one is out of range.
+    ValueError if both are given, or one is out of range.
     """
     if accuracy is not None and timestep is not None:
         raise ValueError(

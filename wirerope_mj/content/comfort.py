@@ -33,8 +33,7 @@ def comfort_content(
 ) -> Content:
     """Describe what people feel at bodies and points of a run, in classes of `spaces` of ISO 6954:2000, after `discard` [s].
 
-    Raises:
-        ValueError: there is no such body or point, or nothing is left of the run.
+    ValueError if there is no such body or point, or nothing is left of the run.
     """
     known = {**response.bodies, **response.points}
     missing = [subject for subject in subjects if subject not in known]

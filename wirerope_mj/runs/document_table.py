@@ -38,8 +38,7 @@ def checked(table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> N
 def read_document(table: Mapping[str, Any], path: Path) -> Document:
     """Read the data of a document; a logo lies relative to the file at `path`.
 
-    Raises:
-        ModelError: a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
+    ModelError if a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
     """
     where = f"{path}, [document]"
     lines = dict.fromkeys(_LINES, str) | {"date": date}

@@ -35,8 +35,7 @@ _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest
 def scenario_or_model(name_or_path: str | Path) -> ScenarioFile:
     """Return the scenario of that name or path, or of a run; of a model, the half-sine that strikes its base.
 
-    Raises:
-        ModelError: there is neither.
+    ModelError if there is neither.
     """
     path = Path(name_or_path)
     if is_run(path):

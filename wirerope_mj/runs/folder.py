@@ -68,8 +68,7 @@ def write_checksums(folder: Path) -> None:
 def update_checksums(folder: Path, files: Sequence[Path]) -> None:
     """Set the checksums of files that a command wrote into a run's folder; others, and a folder without any, stay as they are.
 
-    Raises:
-        RecordError: the checksums cannot be read.
+    RecordError if the checksums cannot be read.
     """
     inside = [file.resolve() for file in files if file.resolve().is_relative_to(folder.resolve())]
     if inside and (folder / CHECKSUMS).is_file():
@@ -80,8 +79,7 @@ def update_checksums(folder: Path, files: Sequence[Path]) -> None:
 def alterations(folder: Path) -> Alterations | None:
     """Return what was altered in a run's folder since it was written; None without checksums, as in older runs.
 
-    Raises:
-        RecordError: the checksums cannot be read.
+    RecordError if the checksums cannot be read.
     """
     if not (folder / CHECKSUMS).is_file():
         return None

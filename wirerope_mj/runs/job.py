@@ -150,8 +150,7 @@ def case_folders(folder: Path) -> list[Path]:
 def judged_job(folder: Path) -> JudgedJob:
     """Judge the runs of a job; nothing outside its folder is read.
 
-    Raises:
-        RecordError: a run is missing or damaged, or the folder is not that of a job.
+    RecordError if a run is missing or damaged, or the folder is not that of a job.
     """
     content = job_table(folder)
     cases = []

@@ -71,8 +71,7 @@ def _use_systems() -> None:
 def copy_kernels(folder: Path) -> None:
     """Copy the files of all kernels that Python calls into `folder`: what these call among themselves is part of their code.
 
-    Raises:
-        RuntimeError: one was not at hand, so that this process compiled it with others that are not called from Python.
+    RuntimeError if one was not at hand, so that this process compiled it with others that are not called from Python.
     """
     before = set(cache_folder().iterdir())
     use_all_kernels()

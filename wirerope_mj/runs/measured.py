@@ -22,11 +22,9 @@ _OPTIONS = ("start", "clock", "baseline", "gaps")
 def read_map(items: Sequence[str]) -> dict[str, Any]:
     """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
 
-    The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`.
-
-    Raises:
-        ValueError: an item is neither, or a column is given twice.
-        ModelError, RecordError: the file cannot be read, or a key is unknown.
+    The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`. ValueError if
+    an item is neither, or a column is given twice; ModelError or RecordError if the file cannot be read, or a key is
+    unknown.
     """
     channels: dict[str, str] = {}
     options: dict[str, Any] = {}
@@ -51,8 +49,7 @@ def read_map(items: Sequence[str]) -> dict[str, Any]:
 def store_test(folder: Path, test: Measured, *, force: bool = False) -> None:
     """Copy the file of a test and its map into a run's folder, with their checksums.
 
-    Raises:
-        RecordError: another test of that name stands there, and `force` is not given.
+    RecordError if another test of that name stands there, and `force` is not given.
     """
     target = folder / FOLDER / f"{test.name}{test.path.suffix}"
     if target.exists() and not force and digest_of(target) != digest_of(test.path):
@@ -77,8 +74,7 @@ def store_test(folder: Path, test: Measured, *, force: bool = False) -> None:
 def tests_of(folder: Path) -> tuple[Measured, ...]:
     """Read the tests in a run's folder, in the order of their names; nothing outside it is read.
 
-    Raises:
-        RecordError: a map or a file is damaged.
+    RecordError if a map or a file is damaged.
     """
     tests = []
     for path in sorted((folder / FOLDER).glob("*.toml")):

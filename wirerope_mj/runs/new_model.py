@@ -28,8 +28,7 @@ TABLES = ("mounts", "masses", "stops", "points", "forces", "envelope")
 def tables_in(source: Path) -> dict[str, Path]:
     """Return the tables of a model in a folder, files named after `TABLES`, or in a workbook, whose sheets are.
 
-    Raises:
-        RecordError: the workbook cannot be read, or there is no table of mounts or of masses.
+    RecordError if the workbook cannot be read, or there is no table of mounts or of masses.
     """
     if source.is_dir():
         files = sorted(file for file in source.iterdir() if file.suffix.lower() in (".csv", ".xlsx", ".xlsm", ".txt"))

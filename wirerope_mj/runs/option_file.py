@@ -36,8 +36,7 @@ def defines(path: Path, name: str) -> bool:
 def file_called(name_or_path: str | Path, shipped: Mapping[str, Path], *, kind: str) -> Path:
     """Return the path that is given if a file is there, or that of the shipped file of this name.
 
-    Raises:
-        ModelError: there is neither; names what ships. `kind` is what the message calls it.
+    ModelError if there is neither; names what ships. `kind` is what the message calls it.
     """
     path = Path(name_or_path)
     if path.is_file():
@@ -55,8 +54,7 @@ def file_called(name_or_path: str | Path, shipped: Mapping[str, Path], *, kind: 
 def load_function(path: Path, name: str) -> Callable[..., Any]:
     """Return the function `name` of a Python file; its docstring is the file's, followed by its own arguments.
 
-    Raises:
-        ModelError: the file cannot be read or has no such function with keyword options only; says in which line.
+    ModelError if the file cannot be read or has no such function with keyword options only; says in which line.
     """
     spec = spec_from_file_location(path.stem, path.resolve())
     if path.suffix != ".py" or spec is None or spec.loader is None:

@@ -69,9 +69,8 @@ def _content_of(folder: Path) -> Content:
 def write_workbook_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
     """Write the tables of a run, a job or a study as a workbook, and the columns that patterns name; return its path.
 
-    Raises:
-        RecordError: the folder is none of them, or the file cannot be written.
-        ValueError: a pattern matches no column, or a job has none.
+    RecordError if the folder is none of them, or the file cannot be written; ValueError if a pattern matches no column, or
+    a job has none.
     """
     from wirerope_mj.views.workbook import write_workbook
 
@@ -87,9 +86,8 @@ def write_workbook_of(folder: Path, out: Path, *, channels: Sequence[str] = (), 
 def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool = False) -> Path:
     """Write the scene of a run at an instant, "120 ms", or at that of its most critical verdict, as a PNG; return its path.
 
-    Raises:
-        RecordError: the folder is no run, or the file is there and must not be replaced.
-        ValueError: the instant is no time within the run, or nothing has moved at it.
+    RecordError if the folder is no run, or the file is there and must not be replaced; ValueError if the instant is no time
+    within the run, or nothing has moved at it.
     """
     from wirerope_mj.content.worst import scene_at, worst_instant
     from wirerope_mj.views.plots.scene_plan import save_still

@@ -101,8 +101,7 @@ class ScenarioFile:
     def make(self, **options: Any) -> Scenario:
         """Return the scenario of some options; the others have their defaults.
 
-        Raises:
-            ModelError: an option is unknown, or the function does not return a Scenario, or fails; says in which line.
+        ModelError if an option is unknown, or the function does not return a Scenario, or fails; says in which line.
         """
         values = all_options(self.path, self.function, options)
         made = guarded(self.path, lambda: self.function(**values))

@@ -61,10 +61,8 @@ def subjects_of(system: System) -> dict[str, list[str]]:
 def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
     """Return the system with limits in place of those that its model states for the same subjects.
 
-    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern.
-
-    Raises:
-        ModelError: a limit names no body of the payload and no point, or one thing is limited twice.
+    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a
+    limit names no body of the payload and no point, or one thing is limited twice.
     """
     if not limits:
         return system
@@ -106,8 +104,7 @@ _CHOICES = {
 def scenario_content(folder: Path) -> dict[str, Any]:
     """Return the scenario of a run as it stands in its folder, with everything there and of the right type.
 
-    Raises:
-        RecordError: the folder is not a run, or its scenario is damaged; names the key.
+    RecordError if the folder is not a run, or its scenario is damaged; names the key.
     """
     path = folder / SCENARIO
     if not path.is_file():

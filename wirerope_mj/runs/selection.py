@@ -93,8 +93,7 @@ def equipment(
 def read_prices(path: Path) -> dict[str, dict[str, float]]:
     """Read price and mass [kg] of one part, by its name, from a CSV or XLSX table with "name" and "price" or "mass [kg]".
 
-    Raises:
-        RecordError: the table is wrong; says file, row and column.
+    RecordError if the table is wrong; says file, row and column.
     """
     rows = read_sheet(path, kind="table of prices", needed={"name": TEXT}, further={"price": PURE, "mass": "mass"})
     return {row.text("name"): {key: row.number(key) for key in ("price", "mass") if row.has(key)} for row in rows}

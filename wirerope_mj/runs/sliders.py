@@ -81,8 +81,7 @@ def groups_of(system: System) -> dict[str, list[str]]:
 def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
     """Return a value for every slider: the one that is given, brought into its range, else the nominal one.
 
-    Raises:
-        ValueError: `values` is no table of finite numbers, or names what is no slider.
+    ValueError if `values` is no table of finite numbers, or names what is no slider.
     """
     if not isinstance(values, Mapping):
         raise ValueError(f'the sliders\' values must be a table such as {{"level": 1.2}}, got {quoted(values, 40)}.')
@@ -102,9 +101,8 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
 def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
     """Return system and motion with all sliders at some values; where all are nominal, those that are given.
 
-    Raises:
-        ValueError: a factor takes a parameter out of its law's range.
-        ModelError: the compiled model has no room for the change.
+    ValueError if a factor takes a parameter out of its law's range; ModelError if the compiled model has no room for the
+    change.
     """
     mass, damping = values.get(MASS, 1.0), values.get(DAMPING, 1.0)
     isolators: dict[str, Isolator] = {}

@@ -30,8 +30,7 @@ _CHARACTERS = 8  # of a file's digest: enough to see that two files differ
 def run_inputs(folder: str | Path) -> dict[str, str]:
     """Return scenario, options, motion, simulation, versions and the digests of the model's files; {} without a scenario.
 
-    Raises:
-        RecordError: the scenario or a file of the model cannot be read; names it.
+    RecordError if the scenario or a file of the model cannot be read; names it.
     """
     path = Path(folder) / SCENARIO
     if not path.is_file():  # a response that was saved alone
@@ -52,8 +51,7 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
 def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
     """Judge the response in a folder as `wirerope run` does; one that was saved alone by what its scene states.
 
-    Raises:
-        RecordError: scenario, motion or model cannot be read, or are not those of the response; names which.
+    RecordError if scenario, motion or model cannot be read, or are not those of the response; names which.
     """
     folder = Path(folder)
     return judged_folder(folder, response).verdicts if is_run(folder) else tuple(judge(response))
@@ -62,9 +60,8 @@ def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
 def judged_folder(folder: Path, response: Response | None = None) -> JudgedRun:
     """Judge the run in a folder, whose response may have been read already; nothing outside the folder is read.
 
-    Raises:
-        RecordError: the folder is not a run, or its files are damaged or not of one run.
-        ModelError: the model or an isolator in it is not what it must be.
+    RecordError if the folder is not a run, or its files are damaged or not of one run; ModelError if the model or an
+    isolator in it is not what it must be.
     """
     content = scenario_content(folder)
     system, motion = system_and_motion(folder, content)
@@ -164,10 +161,8 @@ def stored_scenario(folder: str | Path) -> ScenarioFile:
     """Return the scenario of a run, which has no options; nothing outside the folder is read.
 
     Its step is chosen again for the accuracy of the run, if that was how it was chosen. It is called as the folder is.
-
-    Raises:
-        RecordError: the folder is not a run, or its files are damaged.
-        ModelError: the model or an isolator in it is not what it must be.
+    RecordError if the folder is not a run, or its files are damaged; ModelError if the model or an isolator in it is not
+    what it must be.
     """
     folder = Path(folder)
     content = scenario_content(folder)

@@ -28,8 +28,7 @@ class StudyFile:
     def make(self, **options: Any) -> Study | Search:
         """Return the study of some options; the others have their defaults.
 
-        Raises:
-            ModelError: an option is unknown, or the function does not return a Study, or fails; says in which line.
+        ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.
         """
         values = all_options(self.path, self.function, options)
         made = guarded(self.path, lambda: self.function(**values))
@@ -50,8 +49,7 @@ def shipped_studies() -> dict[str, Path]:
 def load_study_file(name_or_path: str | Path) -> StudyFile:
     """Return the study file at a path, or the shipped one of that name.
 
-    Raises:
-        ModelError: there is no such study, or the file has no function `study` with keyword options only.
+    ModelError if there is no such study, or the file has no function `study` with keyword options only.
     """
     path = file_called(name_or_path, shipped_studies(), kind="study")
     return StudyFile(name=path.stem, path=path.resolve(), function=load_function(path, "study"))

@@ -57,11 +57,7 @@ def _random_content(judged: JudgedRun) -> dict[str, Any]:
 
 
 def read_summary(folder: str | Path) -> dict[str, Any]:
-    """Return the content of a run's summary.json.
-
-    Raises:
-        RecordError: there is none, or it cannot be read.
-    """
+    """Return the content of a run's summary.json; RecordError if there is none, or it cannot be read."""
     path = Path(folder) / SUMMARY
     try:
         content = json.loads(regular(path).read_text(encoding="utf-8"))

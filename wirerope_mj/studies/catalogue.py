@@ -38,13 +38,10 @@ def try_parts(
 ) -> list[TriedPart]:
     """Simulate every part in the places of a model's mounts under every load case.
 
-    Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height moves
-    along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved until what
-    is judged of a part keeps within `accuracy`, or is beyond a limit for certain.
-
-    Raises:
-        ValueError: `initial` is neither "settled" nor "relaxed", or a motion has no end.
-        ModelError: no mount of the model carries an isolator.
+    Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height
+    moves along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved
+    until what is judged of a part keeps within `accuracy`, or is beyond a limit for certain. ValueError if `initial` is
+    neither "settled" nor "relaxed", or a motion has no end; ModelError if no mount of the model carries an isolator.
     """
     if initial not in HISTORIES:
         raise ValueError(f"`initial` must be one of {', '.join(HISTORIES)}, got {initial!r}.")
@@ -213,8 +210,7 @@ def select_parts(
 def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
     """Load the parts of the vendors' tables whose names match a pattern, or say why a part has no isolator.
 
-    Raises:
-        ValueError: no name matches.
+    ValueError if no name matches.
     """
     found: dict[str, Isolator | str] = {}
     for part in vendor_parts():

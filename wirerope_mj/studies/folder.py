@@ -40,11 +40,9 @@ def prepare(
 ) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
-    Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose process
-    died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
-
-    Raises:
-        RecordError: something else stands there, or a study that is not resumed nor replaced, or that another process works on.
+    Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
+    process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`. RecordError
+    if something else stands there, or a study that is not resumed nor replaced, or that another process works on.
     """
     clear_half_written(folder.resolve().parent)
     if not (folder / STUDY).is_file():
@@ -80,9 +78,8 @@ def _begin(study: StudyDefinition, folder: Path, keep: str, search: dict[str, An
 def computed_alone(folder: Path, identity: str) -> Iterator[None]:
     """Hold the folder of the study of that id while the block computes; on a full disk keep what is done, if anything is.
 
-    Raises:
-        RecordError: another process works on it, or has put another study there since `prepare`.
-        DiskFullError: there is no space left.
+    RecordError if another process works on it, or has put another study there since `prepare`; DiskFullError if there is no
+    space left.
     """
     with worked_on_alone(folder, kind="study"):
         if read_inputs(folder)["id"] != identity:

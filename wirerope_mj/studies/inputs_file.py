@@ -41,8 +41,7 @@ _TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
 def read_inputs(folder: Path) -> dict[str, Any]:
     """Return the content of a study's `study.toml`, inputs by the names that they have today.
 
-    Raises:
-        RecordError: there is no study, or it is damaged.
+    RecordError if there is no study, or it is damaged.
     """
     path = folder / STUDY
     if not path.is_file():

@@ -44,8 +44,7 @@ def write_response(folder: Path, variant: int, content: bytes) -> None:
 def kept_response(folder: Path, variant: int) -> Response | None:
     """Return the response of a variant as it was kept in the study's `folder`; None if it was not.
 
-    Raises:
-        RecordError: its file is damaged.
+    RecordError if its file is damaged.
     """
     path = _file(folder, variant)
     try:

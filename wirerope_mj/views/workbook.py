@@ -28,8 +28,7 @@ _WIDE = 16.0  # width of a column in letters: headings such as "static load [%]"
 def write_workbook(content: Content, samples: Exported | None, path: Path, *, force: bool = False) -> Path:
     """Write statements and tables of a content, values in the units that are shown, and samples in SI; return the path.
 
-    Raises:
-        RecordError: openpyxl is missing, the file is there and must not be replaced, or the samples are too many for a sheet.
+    RecordError if openpyxl is missing, the file is there and must not be replaced, or the samples are too many for a sheet.
     """
     try:
         from openpyxl import Workbook

@@ -139,8 +139,7 @@ def limits_by_name(
 ) -> dict[str, PayloadLimit]:
     """Return the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
 
-    Raises:
-        ValueError: a limit names nothing that is known.
+    ValueError if a limit names nothing that is known.
     """
     chosen = [limit for limit in (response.scene.limits if limits is None else limits) if limit.kind == kind]
     for limit in chosen:

@@ -143,8 +143,7 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
 def shock_from_text(text: str) -> Shock:
     """Make the shock of a text such as `15 g 11 ms half-sine` or `2 m/s`; its g are those of the worksheet.
 
-    Raises:
-        ValueError: the text is no pulse and no velocity.
+    ValueError if the text is no pulse and no velocity.
     """
     shock = motion_from_words(text)
     if not isinstance(shock, Shock):

@@ -41,13 +41,11 @@ def run_dask(
 ) -> Generator[Part, None, None]:
     """Yield the part of each chunk as they are ready, in any order.
 
-    A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its workers
-    also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed over at a time.
-    `workers` are processes of a cluster of this machine's own, `address` is that of a cluster's scheduler, tcp://HOST:8786.
-
-    Raises:
-        ValueError: `workers` together with `address`, or Dask is not installed.
-        SimulationError: no scheduler answers, it goes away, or its workers have other versions of the packages that compute.
+    A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its
+    workers also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed
+    over at a time. `workers` are processes of a cluster of this machine's own, `address` is that of a cluster's
+    scheduler, tcp://HOST:8786. ValueError if `workers` together with `address`, or Dask is not installed; SimulationError
+    if no scheduler answers, it goes away, or its workers have other versions of the packages that compute.
     """
     check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"

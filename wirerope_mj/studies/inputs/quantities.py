@@ -87,8 +87,7 @@ class SharedDraw(InputColumn):
 def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
     """Return the columns of names that share a draw: one, or with `each` as many as every name has targets.
 
-    Raises:
-        ValueError: they cannot share one.
+    ValueError if they cannot share one.
     """
     every = [column for own in columns for column in own]
     if any(not column.targets or column.type != pa.float64() for column in every):
@@ -114,9 +113,8 @@ def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[Share
 def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequence[BaseMotion]) -> tuple[Quantity, ...]:
     """Return the quantities that vary, resolved for a system and its motions.
 
-    Raises:
-        ModelError: a name stands for nothing that exists; says what does.
-        ValueError: a distribution does not suit its quantity, or two names stand for the same.
+    ModelError if a name stands for nothing that exists; says what does; ValueError if a distribution does not suit its
+    quantity, or two names stand for the same.
     """
     if not vary:
         raise ValueError(f"`vary` must name at least one quantity: {FORMS}.")

@@ -28,12 +28,9 @@ SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
 def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int) -> pa.Table:
     """Return the table of inputs: `variant`, and one column for every sampled number.
 
-    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger study
-    are those of a smaller one.
-
-    Raises:
-        ValueError: the number of variants is not positive or does not suit the sampling, the sampling is unknown, or a grid has
-            no listed values.
+    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger
+    study are those of a smaller one. ValueError if the number of variants is not positive or does not suit the sampling,
+    the sampling is unknown, or a grid has no listed values.
     """
     one_of("sampling", sampling, SAMPLINGS)
     columns = [column for quantity in quantities for column in quantity.columns]

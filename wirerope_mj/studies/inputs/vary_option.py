@@ -114,11 +114,9 @@ _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)
 def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
     """Return distributions by the names of quantities, from texts "NAME = Normal(1, 0.1, relative)".
 
-    A distribution is written as in Python, with numbers, strings in quotes, True and False; nothing is evaluated. A flag such
-    as `relative` may stand for `relative=True`, and a group without quotes: `group=ropes`.
-
-    Raises:
-        ValueError: a text is not of this form, or the distribution cannot be; says what there is.
+    A distribution is written as in Python, with numbers, strings in quotes, True and False; nothing is evaluated. A flag
+    such as `relative` may stand for `relative=True`, and a group without quotes: `group=ropes`. ValueError if a text is
+    not of this form, or the distribution cannot be; says what there is.
     """
     distributions: dict[str, Distribution] = {}
     for text in texts:

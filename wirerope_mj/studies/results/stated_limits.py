@@ -53,8 +53,7 @@ class StatedLimit:
 def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
     """Return the limit of a text such as `deflection/*/roll = 35 mm`.
 
-    Raises:
-        ValueError: the text is no limit, or there is no such measure among those that are known.
+    ValueError if the text is no limit, or there is no such measure among those that are known.
     """
     match = _TEXT.fullmatch(text)
     if match is None:
@@ -78,8 +77,7 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
 def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     """Write how often limits are exceeded into the summary of a study, in place of those that were stated before.
 
-    Raises:
-        RecordError: the summary is damaged.
+    RecordError if the summary is damaged.
     """
     whole = _content(result.folder) | {KEY: [_exceeded(result, one) for one in limits]}
     with atomic_file(result.folder / SUMMARY) as temporary_path:
@@ -89,8 +87,7 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
     """Return the limits that stand in the summary of a study; nothing if there is no summary yet.
 
-    Raises:
-        RecordError: the summary is damaged.
+    RecordError if the summary is damaged.
     """
     path = result.folder / SUMMARY
     if not path.is_file():

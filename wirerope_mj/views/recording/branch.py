@@ -69,9 +69,7 @@ def record_branches(
 ) -> Path:
     """Write the branches of a frequency response as a recording, a file or `run.rrd` of a folder, and return its path.
 
-    Raises:
-        ValueError: no level has a branch.
-        RecordError: the environment variable RERUN switches recordings off.
+    ValueError if no level has a branch; RecordError if the environment variable RERUN switches recordings off.
     """
     if not result.branches:
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")

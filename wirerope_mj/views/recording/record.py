@@ -240,10 +240,7 @@ def log_state(rec: Any, response: Response) -> None:
 def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
     """Return the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
 
-    Where it lays several runs over each other, `run` is the name of one.
-
-    Raises:
-        RecordError: the file holds none.
+    Where it lays several runs over each other, `run` is the name of one. RecordError if the file holds none.
     """
     root = root_of(run) + entity(ROOT)
     names: dict[str, tuple[int, list[str]]] = {}

@@ -37,11 +37,7 @@ def check_docx() -> None:
 
 
 def write_docx(content: Content, path: Path) -> None:
-    """Write a content, of which nothing is folded, as a DOCX document.
-
-    Raises:
-        WireRopeError: python-docx is not installed.
-    """
+    """Write a content, of which nothing is folded, as a DOCX document; WireRopeError if python-docx is not installed."""
     check_docx()
     with tempfile.TemporaryDirectory() as folder:
         writer = _Writer(content, Path(folder))

@@ -10,8 +10,7 @@ from wirerope_mj.foundation.errors import WireRopeError
 def write_pdf(page: str, path: Path) -> None:
     """Write the page as a PDF file.
 
-    Raises:
-        WireRopeError: WeasyPrint is not installed, or the libraries that it draws with are missing.
+    WireRopeError if WeasyPrint is not installed, or the libraries that it draws with are missing.
     """
     weasyprint = _weasyprint()
     fetcher = weasyprint.urls.URLFetcher(allowed_protocols={"data"})  # a report holds all it needs: nothing is fetched
