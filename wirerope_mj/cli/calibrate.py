@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from cyclopts import Parameter
-
+from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE
 
 if TYPE_CHECKING:
@@ -16,27 +15,25 @@ if TYPE_CHECKING:
 NOT_CONVERGED = 1
 """Exit code of a fit that did not converge."""
 
-Several = Annotated[list[str] | None, Parameter(negative=())]
-
 
 def calibrate(
     model: str,
     *,
-    test: Annotated[list[Path] | None, Parameter(negative=())] = None,
-    map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    vary: Several = None,
+    test: RepeatedPaths = None,
+    map: Texts = None,
+    vary: Repeated = None,
     out: Path,
-    frequency_response: Several = None,
-    loops: Several = None,
-    predict: Several = None,
-    limit: Several = None,
+    frequency_response: Repeated = None,
+    loops: Repeated = None,
+    predict: Repeated = None,
+    limit: Repeated = None,
     baseline: Literal["none", "rest", "mean"] = "none",
     initial: Literal["settled", "relaxed", "unloaded"] = "settled",
     start: float = 0.0,
     residuals: Literal["time", "srs", "spectrum"] = "time",
     draws: int = 1000,
     seed: int = 1,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.
 

@@ -3,11 +3,8 @@
 import sys
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
 
-from cyclopts import Parameter
-
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Flag, Integer
 
 
 def cases(
@@ -15,9 +12,9 @@ def cases(
     *,
     out: Path | None = None,
     workers: Integer | None = None,
-    pdf: Annotated[bool, Parameter(negative=())] = False,
-    docx: Annotated[bool, Parameter(negative=())] = False,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    pdf: Flag = False,
+    docx: Flag = False,
+    force: Flag = False,
 ) -> int:
     """Simulate the load cases of a job: which case governs each limit, and one document of all of them.
 

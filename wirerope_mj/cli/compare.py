@@ -4,11 +4,11 @@ import os
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from cyclopts import Parameter
 from rich.markup import escape
 
+from wirerope_mj.cli.options import Flag, Texts
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
@@ -17,14 +17,14 @@ from wirerope_mj.foundation.plain_text import plain
 def compare(
     *runs: Path,
     out: Path | None = None,
-    names: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    names: Texts = None,
     align: Literal["start", "shock"] = "start",
-    map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    map: Texts = None,
     start: float | None = None,
     clock: float | None = None,
     baseline: Literal["none", "rest", "mean"] | None = None,
     gaps: Literal["refuse", "fill"] | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 

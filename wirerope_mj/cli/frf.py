@@ -4,11 +4,11 @@ import sys
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
 from rich.markup import escape
 
+from wirerope_mj.cli.options import Deck, Flag, Numbers
 from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries, order_bands
@@ -29,8 +29,8 @@ DEFAULT = 1.0  # Level where none is said [m/s^2]: a tenth of a g, as a resonanc
 def frf(
     model: str,
     *,
-    acceleration: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
-    acceleration_g: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    acceleration: Numbers = None,
+    acceleration_g: Numbers = None,
     method: Literal["sweep", "continuation", "both"] = "continuation",
     start: float | None = None,
     stop: float | None = None,
@@ -42,12 +42,12 @@ def frf(
     largest_step: float = 0.02,
     smallest_step: float = 1e-5,
     smoothing: float | None = None,
-    orders: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
-    speed_rpm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
-    deck: str | None = None,
+    orders: Numbers = None,
+    speed_rpm: Numbers = None,
+    deck: Deck = None,
     keep: Path | None = None,
     out: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.
 
@@ -72,8 +72,6 @@ def frf(
         smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; none by default.
         orders: orders of a machine's speed that are shaded in the pictures, such as 0.5 1 2, and held against the resonances.
         speed_rpm: its speed [1/min], or the lowest and the highest.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.

@@ -4,12 +4,11 @@ import math
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Flag, Integer, Texts
 from wirerope_mj.content.identification import identification_content
 from wirerope_mj.content.numbers import several
 from wirerope_mj.foundation.errors import ModelError
@@ -49,16 +48,16 @@ def identify_records(
     report: Path | None = None,
     name: str | None = None,
     constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
-    fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    free: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    fix: Texts = None,
+    free: Texts = None,
     beside: Path | None = None,
     join: Path | None = None,
     elements: Integer | None = None,
     scales: Literal["1", "2", "3", "auto"] = "1",
     start: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
-    accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
-    pdf: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
+    accept_unconverged: Flag = False,
+    pdf: Flag = False,
 ) -> int:
     """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Integer, Texts
 
 if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator
@@ -139,7 +139,7 @@ def _check_csv(csv: Path, laws: "Mapping[str, tuple[str, Law]]") -> None:
 def laws(
     *files: Path,
     elements: int = 5,
-    law: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    law: Texts = None,
 ) -> int:
     """Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.
 

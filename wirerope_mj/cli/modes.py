@@ -2,21 +2,21 @@
 
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
+from wirerope_mj.cli.options import Deck, Flag, Numbers
 
 
 def modes(
     model: str,
     *,
     history: Literal["virgin", "relaxed"] = "virgin",
-    amplitude_mm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    amplitude_mm: Numbers = None,
     ddam: Literal["hull", "deck", "shell"] | None = None,
     ship: Literal["surface", "submarine"] = "surface",
-    deck: str | None = None,
+    deck: Deck = None,
     out: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.
 
@@ -31,8 +31,6 @@ def modes(
         ddam: print the design accelerations of DDAM for equipment on a ship's hull, deck or shell, too: x fore and aft, y
             athwartship, z vertical.
         ship: for which ship.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
         force: replace what is there.
     """

@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin, get_type_hints
 
 from cyclopts import App, Parameter, Token
@@ -26,41 +27,72 @@ def integers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
 
 
 Integer = Annotated[int, Parameter(converter=integers)]  # Option that accepts an integer
-# Option that accepts one integer or several.
+# Option that accepts one integer or several; and so numbers, and texts.
 Integers = Annotated[list[int], Parameter(consume_multiple=True, negative=(), converter=integers)]
+Numbers = Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())]
+Texts = Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())]
+Repeated = Annotated[list[str] | None, Parameter(negative=())]  # Text, once each time that the option is written
+RepeatedPaths = Annotated[list[Path] | None, Parameter(negative=())]
+Flag = Annotated[bool, Parameter(negative=())]  # Option that is there or not
+Deck = Annotated[str | None, Parameter(help=(
+    '"10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that '
+    "damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part."
+))]  # fmt: skip
 
 
 def own_option(name: str, kind: Any, default: Any, help_text: str, **parameter_options: Any) -> inspect.Parameter:
     """Return an option of the command itself: its name, type, default, and what --help says."""
-    annotation = Annotated[kind, Parameter(help=help_text, **parameter_options)]
-    return inspect.Parameter(
-        name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=_integer(annotation, kind)
-    )
+    annotation = _integer(Annotated[kind, Parameter(help=help_text, **parameter_options)], kind)
+    return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
 def _integer(annotation: Any, kind: Any) -> Any:
     """Return the annotation of an option; of an integer, one that refuses 2.5 instead of cutting it to 2."""
-    if int in (kind, *get_args(kind)):
-        return Annotated[annotation, Parameter(converter=integers)]
-    return annotation
+    return Annotated[annotation, Parameter(converter=integers)] if int in (kind, *get_args(kind)) else annotation
 
 
-def listing_options(own: Sequence[inspect.Parameter]) -> Callable[[Callable[..., int]], Callable[..., int]]:
-    """Return a decorator for a command that takes its arguments unread, so that its help lists the options `own`.
+def file_command(
+    takes: str, first: str, epilogue: str, own: Sequence[inspect.Parameter], lists: Callable[[], None] | None = None
+) -> Callable[[Callable[[str, Sequence[str]], None]], App]:
+    """Make a command of a function of a file's name and of all that stands behind it, unread: its options, the file says.
 
-    Which other options there are says a file that is named on the command line; these are there whatever it is.
+    The help of the command itself lists those that are there whatever the file is, `own`. `takes` is what the command takes,
+    `first` says so where an option comes first, `lists` prints what ships for --list.
     """
     unread = Parameter(parse=False, show=True)
     listed = [option.replace(annotation=Annotated[option.annotation, unread]) for option in own]
 
-    def decorated(function: Callable[..., int]) -> Callable[..., int]:
-        signature = inspect.signature(function)
-        parameters = [*signature.parameters.values(), *listed]
-        function.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]
-        function.__annotations__ |= {option.name: option.annotation for option in listed}
-        return function
+    def made(function: Callable[[str, Sequence[str]], None]) -> App:
+        name = function.__name__
 
-    return decorated
+        def command(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+            if not tokens or tokens[0] in ("--help", "-h"):
+                from wirerope_mj.cli.app import app
+
+                app.help_print([name])
+                return 0 if tokens else BAD_INPUT
+            if tokens[0] == "--list" and lists is not None:
+                lists()
+            elif tokens[0].startswith("-"):
+                raise ValueError(f"{first} {' '.join(tokens)}")
+            else:
+                function(tokens[0], tokens[1:])
+            return 0
+
+        signature = inspect.signature(command)
+        command.__signature__ = signature.replace(  # type: ignore[attr-defined]
+            parameters=[*signature.parameters.values(), *listed]
+        )
+        command.__annotations__ |= {option.name: option.annotation for option in listed}
+        command.__doc__ = function.__doc__
+        usage = f"Usage: wirerope {name} {takes} [OPTIONS]"
+        made_app = App(
+            name=name, usage=usage, help_epilogue=epilogue, help_flags=[], version_flags=[], suppress_keyboard_interrupt=False
+        )  # fmt: skip
+        made_app.default(command)
+        return made_app
+
+    return made
 
 
 def run_with_options(
@@ -70,15 +102,7 @@ def run_with_options(
     action: Callable[[dict[str, Any], dict[str, Any]], None],
     tokens: Sequence[str],
 ) -> None:
-    """Read `tokens` as options of `function` and of the command, and act on them.
-
-    Args:
-        title: of the command, for --help.
-        function: of the file; its docstring says what its options are.
-        own: options of the command itself, of other names.
-        action: is given the values of the function's options and of the command's own.
-        tokens: after the file's name on the command line.
-    """
+    """Read `tokens` as options of a file's `function`, whose docstring says them, and of the command, and act on both."""
 
     def command(**options: Any) -> None:
         values = {option.name: options.pop(option.name, option.default) for option in own}
@@ -96,13 +120,15 @@ def run_with_options(
     app(list(tokens), exit_on_error=False, print_error=False, result_action="return_value")
 
 
-DECK = '"10 Hz 800 kg 4 %": a deck panel of that mass, frequency alone and damping ratio, in place of the rigid deck'
-ACCURACY = "error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default"
-TIMESTEP = "largest step [s], in place of one that is chosen; no error is estimated then"
 NUMERICS = (
-    own_option("accuracy", float | None, None, ACCURACY),
-    own_option("timestep", float | None, None, TIMESTEP),
-)
+    own_option(
+        "accuracy", float | None, None,
+        "error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default",
+    ),
+    own_option(
+        "timestep", float | None, None, "largest step [s], in place of one that is chosen; no error is estimated then"
+    ),
+)  # fmt: skip
 
 
 def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timestep: float | None) -> dict[str, Any]:
@@ -126,12 +152,7 @@ def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timest
 
 
 def option_message(error: CycloptsError, arguments: Sequence[str]) -> str:
-    """Word an error of the parser: what is wrong with the arguments, and the help that says what the command takes.
-
-    Args:
-        error: of the parser.
-        arguments: the command and what stands behind it.
-    """
+    """Word an error of the parser: what is wrong with the arguments of a command, and the help that says what it takes."""
     return f"{_fault(error)} `{_command(arguments)} --help` says what there is."
 
 

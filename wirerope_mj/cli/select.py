@@ -3,18 +3,16 @@
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
-from wirerope_mj.cli.options import Integer, Integers
+from wirerope_mj.cli.options import Flag, Integer, Integers, Repeated, RepeatedPaths
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
 NOTHING_FOUND = 1  # Exit code if no part meets the demands
 Mode = Literal["compression", "45", "shear", "roll"]
-Texts = Annotated[list[str] | None, Parameter(negative=())]
-Flag = Annotated[bool, Parameter(negative=())]
 
 select_app = App(
     name="select",
@@ -26,14 +24,14 @@ select_app = App(
 def select(
     model: str | None = None,
     *,
-    shock: Texts = None,
-    levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    shock: Repeated = None,
+    levels: RepeatedPaths = None,
     mass: float | None = None,
-    mounts: Texts = None,
+    mounts: Repeated = None,
     size: tuple[float, float, float] | None = None,
     fragility: float | None = None,
     travel: float | None = None,
-    limit: Texts = None,
+    limit: Repeated = None,
     initial: Literal["settled", "relaxed"] = "settled",
     parts: str = "*",
     prices: Path | None = None,

@@ -3,41 +3,38 @@
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from cyclopts import Parameter
-
-from wirerope_mj.cli.options import with_numerics
+from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, with_numerics
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
-Phrases = Annotated[list[str] | None, Parameter(negative=())]
 
 
 def shock(
     model: str,
     *,
-    half_sine: Phrases = None,
-    sawtooth: Phrases = None,
-    trapezoid: Phrases = None,
-    velocity_step: Phrases = None,
-    double_pulse: Phrases = None,
-    struck_deck: Phrases = None,
-    sine: Phrases = None,
-    sweep: Phrases = None,
-    psd: Phrases = None,
-    amplitude_table: Phrases = None,
-    spectrum: Phrases = None,
-    required_spectrum: Phrases = None,
-    unbalance: Phrases = None,
-    reciprocating: Phrases = None,
-    payload_force: Phrases = None,
-    moment: Phrases = None,
-    force_table: Phrases = None,
-    levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    half_sine: Repeated = None,
+    sawtooth: Repeated = None,
+    trapezoid: Repeated = None,
+    velocity_step: Repeated = None,
+    double_pulse: Repeated = None,
+    struck_deck: Repeated = None,
+    sine: Repeated = None,
+    sweep: Repeated = None,
+    psd: Repeated = None,
+    amplitude_table: Repeated = None,
+    spectrum: Repeated = None,
+    required_spectrum: Repeated = None,
+    unbalance: Repeated = None,
+    reciprocating: Repeated = None,
+    payload_force: Repeated = None,
+    moment: Repeated = None,
+    force_table: Repeated = None,
+    levels: RepeatedPaths = None,
     record: Path | None = None,
     scale: float = 1.0,
     direction: str | None = None,
-    channels: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    channels: Texts = None,
     baseline: Literal["none", "rest", "mean", "velocity", "highpass"] = "none",
     highpass: float | None = None,
     resample: float | None = None,
@@ -49,11 +46,11 @@ def shock(
     sample_rate: float = 1000.0,
     accuracy: float | None = None,
     timestep: float | None = None,
-    deck: str | None = None,
-    limit: Phrases = None,
+    deck: Deck = None,
+    limit: Repeated = None,
     combined_travel: bool = True,
     out: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.
 
@@ -106,15 +103,13 @@ def shock(
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm": a limit of the payload, in place of the
             model's.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
         out: folder of the run; runs/shock-MODEL-MOTION-DATE-TIME by default.
         force: replace a run that is there.
     """
-    from wirerope_mj.cli.printed_run import run_and_print
+    from wirerope_mj.cli.tables import run_and_print
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.simulation.duration import duration_of
     from wirerope_mj.engine.system import load_system

@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
+from wirerope_mj.cli.options import Deck
 from wirerope_mj.foundation.plain_text import plain
 
 MISSING = 1  # Exit code if there is no virgin or no relaxed position; what there is has been printed
 
 
-def statics(model: str, *, deck: str | None = None, json: Path | None = None) -> int:
+def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
     """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
@@ -15,8 +16,6 @@ def statics(model: str, *, deck: str | None = None, json: Path | None = None) ->
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
