@@ -34,6 +34,7 @@ def cases(
     """
     from rich.markup import escape
 
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.job import job_content
     from wirerope_mj.content.numbers import several
     from wirerope_mj.runs.job import CASES, run_job
@@ -65,11 +66,8 @@ def cases(
     content = job_content(result.job)
     show(content, "limits")
     print_headline(content.verdict)
-    files = ", ".join(sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir()))
-    shown = escape(str(folder))
-    screen.print(f"\n  written to {shown}/, {perf_counter() - began:.1f} s in all", soft_wrap=True)
-    screen.print(f"  {escape(files)}", soft_wrap=True)
-    screen.print(
-        f"  [bold]wirerope show {shown}/job.rrd[/] opens the view, which switches between the cases", soft_wrap=True
-    )
+    files = sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir())
+    effect = "opens the view, which switches between the cases"
+    print()
+    say_where(f"{folder}/, {perf_counter() - began:.1f} s in all", files, show=folder / "job.rrd", effect=effect)
     return 0

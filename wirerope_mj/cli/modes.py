@@ -34,19 +34,17 @@ def modes(
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
         force: replace what is there.
     """
-    from rich.markup import escape
-
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.modes import modes_content
     from wirerope_mj.dynamics.modes import modes as modes_of
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings
     from wirerope_mj.engine.system import load_on_deck
     from wirerope_mj.foundation.arguments import positive
-    from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.foundation.atomic_files import check_folder, check_writable
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.runs.analyses import MODES_KIND, MODES_MARKS, write_modes
-    from wirerope_mj.runs.folder import check_target
-    from wirerope_mj.views.terminal import console, print_warnings, show
+    from wirerope_mj.views.terminal import print_warnings, show
 
     sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
     system = load_on_deck(model, deck_of(deck) if deck else None)
@@ -57,7 +55,7 @@ def modes(
     if alone:
         check_writable(target)
     else:
-        check_target(target, force=force, kind=MODES_KIND, marks=MODES_MARKS)
+        check_folder(target, force=force, kind=MODES_KIND, marks=MODES_MARKS)
     print_warnings(model_warnings(system))
     small = modes_of(system, history=history)
     large = [modes_of(system, history=history, amplitude=size) for size in sizes]
@@ -69,7 +67,6 @@ def modes(
     else:
         write_modes(system, system.name, [small, *large], target, force=force)
     show(modes_content(system, small, large, ddam=ddam and (ship, ddam)))
-    screen, written = console(), f"{target}" if alone else f"{target}/"
-    screen.print(f"\n  written to {escape(written)}", soft_wrap=True)
-    screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
+    print()
+    say_where(f"{target}" if alone else f"{target}/", show=target)
     return 0

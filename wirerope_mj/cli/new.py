@@ -70,8 +70,9 @@ def new(
             "cabinet`, `floor`, `genset` or `two-stage`."
         )
     else:
+        positive = products == "positive"
         layout = new_model(
-            folder, found, name=name, positive_products=products == "positive", deck=bends, formats=formats, force=force
+            folder, found, name=name, positive_products=positive, deck=bends, formats=formats, force=force
         )
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
@@ -101,9 +102,8 @@ def levels(name: str | None = None, *, out: Path | None = None, force: Flag = Fa
 
     templates = level_templates()
     if name is None:
-        print_questions(
-            "levels", {stem: read_toml(path, "file of levels")["standard"] for stem, path in templates.items()}
-        )
+        standards = {stem: read_toml(path, "file of levels")["standard"] for stem, path in templates.items()}
+        print_questions("levels", standards)
         return 0
     if name not in templates:
         raise ValueError(f"there are no levels {name!r}; there are {', '.join(templates)}.")

@@ -139,28 +139,19 @@ def shock(
         phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
-    options: dict[str, Any] = {
-        **{kind: "; ".join(several) if several else None for kind, several in spoken.items()},
-        "levels": " ".join(file.name for file in levels) if levels else None,
-        "record": record.name if record else None,
-        "direction": direction,
-        "channels": channels,
-        "duration": duration,
-    }
+    options: dict[str, Any] = {kind: "; ".join(several or ()) or None for kind, several in spoken.items()}
+    options |= {
+        "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
+        "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,
+    }  # fmt: skip
     made = Scenario(
-        question=QUESTION, model=model, motion=motion, simulate={}, name=name, options=_given(options),
-        combined_travel=combined_travel, limits=[limit_from_text(text) for text in limit or ()],
+        question=QUESTION, model=model, motion=motion, simulate={}, name=name, combined_travel=combined_travel,
+        options={name: value for name, value in options.items() if value is not None},
+        limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
-    if deck is not None:
-        made = made.on_deck(deck_of(deck))
+    made = made if deck is None else made.on_deck(deck_of(deck))
     duration = duration_of(motion, duration, load_system(made.model_source(), isolators=made.isolators))
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)
     return 0
-
-
-def _given(options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options that were given, as plain text."""
-    plain = {name: " ".join(value) if isinstance(value, list) else value for name, value in options.items()}
-    return {name: value for name, value in plain.items() if value is not None}

@@ -24,7 +24,7 @@ def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings, static_table
     from wirerope_mj.engine.system import load_on_deck
-    from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.foundation.atomic_files import check_writable, write_json
     from wirerope_mj.views.terminal import print_warnings, show
 
     if json is not None:
@@ -42,16 +42,6 @@ def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
             "verdicts": [verdict.to_dict() for verdict in verdicts],
             "stability": {history: values.to_dict() for history, values in stability.items()},
         }
-        write_json(content, json)
+        write_json(json, content)
         print(plain(f"  written to {json}"))
     return MISSING if table.missing else 0
-
-
-def write_json(content: dict[str, object], path: Path) -> None:
-    """Write plain values, whole or not at all."""
-    import json
-
-    from wirerope_mj.foundation.atomic_files import atomic_file
-
-    with atomic_file(path) as beside:
-        beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -11,12 +11,12 @@ from wirerope_mj.content.correlation import correlation_sections
 from wirerope_mj.content.job import job_content
 from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import check_writable
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import picked
 from wirerope_mj.motions.phrases import parse_phrase
 from wirerope_mj.runs.analyses import KIND, MARKS
-from wirerope_mj.runs.folder import alterations, atomic_run, update_checksums, warn_of_alterations
+from wirerope_mj.runs.folder import alterations, update_checksums, warn_of_alterations
 from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.page import REPORT, page_files, write_page
@@ -149,7 +149,7 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
     if target.resolve().is_relative_to(folder.resolve()):
         raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")
     _require_as_written(folder, (report, recording))
-    with atomic_run(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
+    with atomic_folder(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
         pages = viewer_pages()
         (beside / INDEX).write_text(linked_report(report.read_text(encoding="utf-8")), encoding="utf-8")
         shutil.copyfile(recording, beside / FILE)

@@ -1,6 +1,5 @@
 """The folder of a study: the parts that are done, and the table that they make."""
 
-import json
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +18,7 @@ from wirerope_mj.foundation.atomic_files import (
     check_folder,
     full_disk_named,
     worked_on_alone,
+    write_json,
 )
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
@@ -196,9 +196,7 @@ def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> 
         with atomic_file(folder / TABLE) as temporary_path:
             _write_table(temporary_path, parts(folder, list(range(chunks))))
     if not (folder / SUMMARY).is_file():
-        text = json.dumps(summary(), indent=2, allow_nan=False) + "\n"
-        with atomic_file(folder / SUMMARY) as temporary_path:
-            temporary_path.write_text(text, encoding="utf-8")
+        write_json(folder / SUMMARY, summary())
     if not dead(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)
     for path in (folder, folder / RESPONSES):  # of a process that was killed while it wrote

@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
@@ -80,8 +80,7 @@ def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     RecordError if the summary is damaged.
     """
     whole = _content(result.folder) | {KEY: [_exceeded(result, one) for one in limits]}
-    with atomic_file(result.folder / SUMMARY) as temporary_path:
-        temporary_path.write_text(json.dumps(whole, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(result.folder / SUMMARY, whole)
 
 
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
