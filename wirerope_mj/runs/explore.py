@@ -72,11 +72,9 @@ def _shock_of(model: Path) -> ScenarioFile:
         if duration is None:
             duration = round(_START + length + RING_DOWN * slowest_period(load_system(model)), 1)
         return Scenario(
-            question=(scenario.__doc__ or "").split("\n", 1)[0],
-            model=model,
+            question=(scenario.__doc__ or "").split("\n", 1)[0], model=model, simulate={"duration": duration},
             motion=pulses[0] if len(pulses) == 1 else sum(pulses[1:], start=pulses[0]),
-            simulate={"duration": duration},
-        )
+        )  # fmt: skip
 
     return ScenarioFile(name=model.stem, path=model, function=scenario)
 
@@ -91,10 +89,7 @@ class Exploration:
     shorter by as much as their fastest motion is faster: choosing a step for the accuracy again takes several times as long
     as the run, and much longer where stops are struck.
 
-    One thread at a time may call `run`; `start` and `recording` may be called meanwhile.
-
-    Attributes:
-        sliders: what can be changed.
+    One thread at a time may call `run`; `start` and `recording` may be called meanwhile. `sliders` are what can be changed.
     """
 
     def __init__(self, scenario: Scenario, tests: Sequence[Measured] = ()) -> None:
@@ -107,9 +102,8 @@ class Exploration:
         self._scenario, self._tests = scenario, tests
         self._arguments = checked_arguments(scenario)
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
-        self._system = judged_by(
-            with_changes(system, scenario.changes), combined_travel=scenario.combined_travel, limits=scenario.limits
-        )
+        changed = with_changes(system, scenario.changes)
+        self._system = judged_by(changed, combined_travel=scenario.combined_travel, limits=scenario.limits)
         self.sliders = sliders_of(self._system, scenario.motion)
         self._numbers = count(1)
         self._recorder: Recorder | None = None
@@ -119,25 +113,17 @@ class Exploration:
     def start(self) -> dict[str, Any]:
         """Return title, question, sliders and the last answer."""
         return {
-            "title": title_of(self._scenario.name),
-            "question": self._scenario.question.strip().split("\n", 1)[0],
-            "sliders": [vars(slider) for slider in self.sliders],
-            "answer": self._answer(),
-        }
+            "title": title_of(self._scenario.name), "question": self._scenario.question.strip().split("\n", 1)[0],
+            "sliders": [vars(slider) for slider in self.sliders], "answer": self._answer(),
+        }  # fmt: skip
 
     def run(self, values: object, *, passing: bool = False, exact: bool = False) -> dict[str, Any]:
         """Simulate with the sliders at some values, and return what came out beside the run before it.
 
-        A run that was passing gives way to this one; every other one is what this one is compared with from now on.
-
-        Args:
-            values: of the sliders, by key; brought into their ranges, nominal where they are not given.
-            passing: whether a slider is on its way.
-            exact: whether the step is chosen for the accuracy of the scenario, as in the first run.
-
-        Raises:
-            ValueError: `values` is no table of finite numbers, or names what is no slider.
-            WireRopeError: the variant cannot be simulated.
+        A run that was passing gives way to this one; every other one is what this one is compared with from now on. Values of
+        sliders, by key, are brought into their ranges, nominal where they are not given; one on its way is `passing`; with
+        `exact` the step is chosen for the accuracy of the scenario, as in the first run. ValueError if `values` is no table of
+        finite numbers, or names what is no slider; WireRopeError if the variant cannot be simulated.
         """
         checked = checked_values(self.sliders, values)
         last = self._shown[-1]
@@ -188,22 +174,13 @@ class Exploration:
             warnings.simplefilter("always")
             response = simulate(system, motion, **arguments)
             judged = judged_run(system, motion, response)
+        moved = [slider for slider in self.sliders if values[slider.key] != slider.nominal]
         return ShownRun(
-            number=next(self._numbers),
-            values=values,
-            changes={
-                slider.label: _text(slider, values) for slider in self.sliders if values[slider.key] != slider.nominal
-            },
-            motion=motion.description,
-            response=response,
-            verdicts=judged.verdicts,
-            random=judged.random,
-            untested=judged.untested,
-            seconds=perf_counter() - began,
-            exact=exact,
-            passing=passing,
+            number=next(self._numbers), values=values, changes={slider.label: _text(slider, values) for slider in moved},
+            motion=motion.description, response=response, verdicts=judged.verdicts, random=judged.random,
+            untested=judged.untested, seconds=perf_counter() - began, exact=exact, passing=passing,
             warnings=tuple(dict.fromkeys((*judged.model_warnings, *(str(warning.message) for warning in caught)))),
-        )
+        )  # fmt: skip
 
 
 def _text(slider: Slider, values: Mapping[str, float]) -> str:

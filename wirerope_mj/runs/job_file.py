@@ -8,7 +8,7 @@ from typing import Any
 
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job import REPORTED
-from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.duration import duration_of
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
@@ -39,12 +39,12 @@ _JOB: dict[str, Any] = {
     "name": str, "question": str, "model": str, "report": list, "combined_travel": bool, "sheet": str, "case": list,
     "records": dict, "simulate": dict, "limits": dict, "document": dict,
 }  # fmt: skip
+# Columns of a sheet of cases besides their names.
 _IN_SHEETS = {"duration": "time", "start": "time"} | {
     name: PURE if kind is float else TEXT
     for name, kind in _CASE.items()
     if name not in ("name", "duration", "start", "sample_rate", "highpass", "resample", "accuracy", "timestep")
 }
-"""Columns of a sheet of cases besides their names."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -108,9 +108,7 @@ def load_job(path: str | Path) -> Job:
                 f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
             )
         said = _scenario(f"{where} {quoted(name)}", every | table, folder, system)
-        made = Scenario(
-            question=question, model=source, name=name, limits=limits, combined_travel=combined, **said,
-        )  # fmt: skip
+        made = Scenario(question=question, model=source, name=name, limits=limits, combined_travel=combined, **said)
         cases.append(LoadCase(name=name, folder=slug, note=table.get("note", ""), scenario=made))
     if not cases:
         raise ModelError(
@@ -151,15 +149,11 @@ def _tables(path: Path, content: Mapping[str, Any]) -> Iterator[tuple[str, Path,
     if "sheet" in content:
         sheet = folder / content["sheet"]
         for row in read_sheet(sheet, kind="sheet of load cases", needed={"name": TEXT}, further=_IN_SHEETS):
-            yield row.location, sheet.parent, {"name": row.text("name")} | dict(_of_row(row))
+            given = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
+            cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in given.items()}
+            yield row.location, sheet.parent, {"name": row.text("name")} | cells
     if "records" in content:
         yield from _records(path, content["records"])
-
-
-def _of_row(row: Row) -> Iterator[tuple[str, Any]]:
-    for name, kind in _IN_SHEETS.items():
-        if row.has(name):
-            yield name, row.text(name) if kind == TEXT else row.number(name)
 
 
 def _records(path: Path, table: dict[str, Any]) -> Iterator[tuple[str, Path, dict[str, Any]]]:

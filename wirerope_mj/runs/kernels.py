@@ -42,13 +42,8 @@ def _use_laws() -> None:
     Stop(gap_below=0.005, k=5e5, loss=0.3, reversal=5e-4).pressed(0.01)
     VaianaRosati(kb=0.2, f0=0.4, alpha=2.0).kernel_parameters()
     Tabulated(
-        deflection=[0.0, 0.01],
-        force=[0.0, 1000.0],
-        symmetric=True,
-        amplitudes=[0.01],
-        areas=[5.0],
-        yield_deflection=0.001,
-    ).kernel_parameters()
+        deflection=[0.0, 0.01], force=[0.0, 1000.0], symmetric=True, amplitudes=[0.01], areas=[5.0], yield_deflection=0.001,
+    ).kernel_parameters()  # fmt: skip
 
 
 def _use_systems() -> None:
@@ -63,9 +58,8 @@ def _use_systems() -> None:
     frequency_sweep(system, upwards, payload="mass", timestep=1e-3)
     with system.assembly.scratch.data(system.model) as data:
         Loading(system, "virgin", data).solve()  # as where the kernel finds no rest
-    follow_branch(
-        load_system("cabinet"), start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack"
-    )  # of enough unknowns for the variational equation
+    cabinet = load_system("cabinet")  # of enough unknowns for the variational equation
+    follow_branch(cabinet, start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack")
 
 
 def copy_kernels(folder: Path) -> None:

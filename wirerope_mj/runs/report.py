@@ -127,17 +127,9 @@ INDEX = "index.html"
 def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> list[Path]:
     """Write a run as a folder to hand on, whole or not at all, and return its files.
 
-    Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does.
-
-    Args:
-        folder: of the run.
-        out: folder to write, outside of the run.
-        force: whether a shared folder that is there is replaced.
-
-    Raises:
-        RecordError: the run has no report or no recording, or one that is a link or was altered since it was written, or `out`
-            is there and must not be replaced.
-        WireRopeError: the viewer does not hand out its files.
+    Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does. RecordError
+    if the run has no report or no recording, or one that is a link or was altered since it was written, or `out` lies in
+    the run, or is there and `force` does not replace it; WireRopeError if the viewer does not hand out its files.
     """
     folder, target = Path(folder), Path(out)
     report = folder / REPORT

@@ -1,6 +1,6 @@
 """A scenario: a question, the model and the base motion that answer it, and the file that makes them from options."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import model_source, scenarios_folder
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.runs.option_file import all_options, defaults, file_called, guarded, load_function, question_of
+from wirerope_mj.runs.option_file import OptionFile
 
 # What each attribute of a scenario must be, and what a message calls it.
 _KINDS: dict[str, tuple[Any, str]] = {
@@ -80,31 +80,15 @@ class Scenario:
         return replace(self, model=deck_text(system, deck), isolators=system.isolators, options=options)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ScenarioFile:
+class ScenarioFile(OptionFile):
     """A file with one function `scenario(*, ...) -> Scenario`, whose keyword arguments are the options."""
-
-    name: str
-    path: Path
-    function: Callable[..., Scenario]
-
-    @property
-    def question(self) -> str:
-        """First line of the file's docstring."""
-        return question_of(self.function)
-
-    @property
-    def defaults(self) -> dict[str, Any]:
-        """Options and their default values."""
-        return defaults(self.function)
 
     def make(self, **options: Any) -> Scenario:
         """Return the scenario of some options; the others have their defaults.
 
         ModelError if an option is unknown, or the function does not return a Scenario, or fails; says in which line.
         """
-        values = all_options(self.path, self.function, options)
-        made = guarded(self.path, lambda: self.function(**values))
+        made, values = self.made(options)
         if not isinstance(made, Scenario):
             raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {quoted(made)}.")
         return replace(made, name=self.name, options=values, folder=self.path.parent)
@@ -121,5 +105,4 @@ def load_scenario(name_or_path: str | Path) -> ScenarioFile:
     Raises:
         ModelError: there is no such scenario, or the file has no function `scenario` with keyword options only.
     """
-    path = file_called(name_or_path, shipped_scenarios(), kind="scenario")
-    return ScenarioFile(name=path.stem, path=path.resolve(), function=load_function(path, "scenario"))
+    return ScenarioFile.load(name_or_path, shipped_scenarios(), "scenario")

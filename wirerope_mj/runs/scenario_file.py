@@ -42,9 +42,7 @@ def read_judge_table(content: Mapping[str, Any]) -> dict[str, Any]:
     limits = []
     for key, values in stored.items():
         kind, _, name = key.partition("/")
-        if not isinstance(values, list) or any(
-            isinstance(one, bool) or not isinstance(one, int | float) for one in values
-        ):
+        if not isinstance(values, list) or not all(type(one) in (int, float) for one in values):
             raise ValueError(f"`judge.limits.{key}` must be a list of numbers, got {values!r}.")
         try:
             limits.append(PayloadLimit(kind=kind, name=name, values=tuple(values)))
@@ -87,18 +85,13 @@ _TABLES = {
     "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners", "engine"),
 }
 _NEEDED = {
-    "model": ("file",),
-    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),
-    "motion": ("kind", "description"),
-    "options": (),
-    "versions": (),
-}
+    "model": ("file",), "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),
+    "motion": ("kind", "description"), "options": (), "versions": (),
+}  # fmt: skip
 _REMEDY = "Put it right, or take the file from another copy of the folder."
 _CHOICES = {
-    "initial": ("settled", "relaxed", "unloaded"),
-    "callback": ("native", "python"),
-    "engine": ("mujoco", "kernel"),
-}
+    "initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel"),
+}  # fmt: skip
 
 
 def scenario_content(folder: Path) -> dict[str, Any]:

@@ -78,9 +78,8 @@ def equipment(
         own = {(one.kind, one.name): one for one in limits}
         if fragility is not None:
             for body in payload_bodies(system):
-                own.setdefault(
-                    ("acceleration", body), PayloadLimit(kind="acceleration", name=body, values=(fragility,))
-                )
+                stands = PayloadLimit(kind="acceleration", name=body, values=(fragility,))
+                own.setdefault(("acceleration", body), stands)
         if travel is not None:
             if not (points := payload_points(system)):
                 raise ModelError("the model has no points to keep a `--travel`: give it sites called point/NAME.")
@@ -102,17 +101,11 @@ def read_prices(path: Path) -> dict[str, dict[str, float]]:
 def write_selected(
     chosen: TriedPart, folder: Path, *, box: Mapping[str, Any] | None = None, force: bool = False
 ) -> Path:
-    """Write the model on a part that was chosen, its limits in it, and return the path of the model.
+    """Write the model on a part that was chosen, its limits in it, into `folder`, and return the path of the model.
 
-    Args:
-        chosen: the part.
-        folder: to write; its last part is the model's name.
-        box: as `equipment` took it: a deck is then drawn below the part's own height.
-        force: replace a model's folder that is there.
-
-    Raises:
-        RecordError: the folder is there.
-        ModelError: the model names files of its own, so that no new text of it can be written.
+    The folder's last part is the model's name. With the `box` that `equipment` took a deck is drawn below the part's own
+    height. RecordError if a folder is there that `force` does not replace; ModelError if the model names files of its own,
+    so that no new text of it can be written.
     """
     system, isolator, name = chosen.system, chosen.isolator, folder.resolve().name
     if system is None or isolator is None:

@@ -39,13 +39,10 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
     found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
     if _can_turn(system, motion):
-        note = "Turns the motion about the vertical, from x towards y."
-        found.append(
-            Slider(
-                key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0,
-                nominal=0.0, note=note,
-            )
-        )  # fmt: skip
+        found.append(Slider(
+            key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
+            note="Turns the motion about the vertical, from x towards y.",
+        ))  # fmt: skip
     if system.mounts:
         mass = sum(payload.mass for payload in payloads_of(system))
         note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."

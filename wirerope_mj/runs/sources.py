@@ -43,8 +43,7 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
             inputs[f"{prefix}{key}"] = f"{value:.6g}" if isinstance(value, float) else str(value)
     for file in sorted(path.parent.glob("model/**/*")):
         if file.is_file():
-            digest = digest_of(file)[:_CHARACTERS]
-            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest}"
+            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest_of(file)[:_CHARACTERS]}"
     return inputs
 
 
@@ -74,15 +73,10 @@ _REMEDY = "One of the two was changed or belongs to another run: take them from 
 
 
 def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, BaseMotion]:
-    """Return system and motion of a run.
+    """Return system and motion of a run, whose `content` is what `scenario_content` returned.
 
-    Args:
-        folder: of the run.
-        content: what `scenario_content` returned.
-
-    Raises:
-        RecordError: one of their files is not in the folder, or the motion's parameters are not what they must be.
-        ModelError: the model or an isolator is not.
+    RecordError if one of their files is not in the folder, or the motion's parameters are not what they must be; ModelError
+    if the model or an isolator is not.
     """
     model = check_inside(folder, content["model"])
     motion = {key: value for key, value in content["motion"].items() if key != "description"}
@@ -90,19 +84,16 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     system = load_system(model)
     missing = missing_isolators(system, model.parent)
     if missing:  # the catalogue stepped in, which may have changed since
-        raise RecordError(
-            f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/. Take it from another copy of the "
-            "folder."
-        )
+        where = f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/"
+        raise RecordError(f"{where}. Take it from another copy of the folder.")
     changes = content["model"].get("changes")  # by which the variant that was simulated differs from the model
     system = with_changes(system, read_changes(folder / changes) if changes else ())
     system = judged_by(system, **read_judge_table(content.get("judge", {})))
     try:
         return system, motion_from_dict(motion, folder=folder)
     except (ModelError, ValueError) as error:
-        raise RecordError(
-            f"{folder / SCENARIO}: `motion`: {error} Put it right, or take the file from another copy of the folder."
-        ) from None
+        remedy = "Put it right, or take the file from another copy of the folder."
+        raise RecordError(f"{folder / SCENARIO}: `motion`: {error} {remedy}") from None
 
 
 def check_one_run(folder: Path, content: Mapping[str, Any], system: System, response: Response) -> None:
@@ -118,23 +109,18 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
             f"{response.time.size}. {_REMEDY}"
         )
     pairs = [
-        ("simulate.timestep", simulate["timestep"], numerics.timestep),
-        ("simulate.callback", simulate["callback"], numerics.callback),
+        *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("timestep", "callback")),
         *_motion_pairs(content["motion"], response.motion, "motion"),
-    ]
-    if "engine" in simulate:
-        pairs.append(("simulate.engine", simulate["engine"], numerics.engine))
-    if "accuracy" in simulate:
-        pairs.append(("simulate.accuracy", simulate["accuracy"], numerics.accuracy))
+        *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("engine", "accuracy") if key in simulate),
+    ]  # fmt: skip
     for name, here, there in pairs:
         if here != there:
             raise RecordError(
                 f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
             )
     if not same_columns(response.samples.names, column_plan(system).names):
-        raise RecordError(
-            f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of {FILE}. {_REMEDY}"
-        )
+        what = f"the bodies, points and mounts of {content['model']['file']}"
+        raise RecordError(f"{folder}: {what} are not those of {FILE}. {_REMEDY}")
 
 
 def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any, Any]]:
@@ -173,13 +159,9 @@ def stored_scenario(folder: str | Path) -> ScenarioFile:
 
     def scenario() -> Scenario:
         return Scenario(
-            question=content["question"],
-            model=model,
-            motion=motion,
-            simulate=simulate,
-            changes=system.changes,
+            question=content["question"], model=model, motion=motion, simulate=simulate, changes=system.changes,
             **read_judge_table(content.get("judge", {})),
-        )
+        )  # fmt: skip
 
     scenario.__doc__ = content["question"]
     return ScenarioFile(name=folder.resolve().name, path=(folder / SCENARIO).resolve(), function=scenario)

@@ -32,7 +32,7 @@ def checked_count(count: int) -> int:
 
 
 def result_content(result: StudyResult, by: str | None = None) -> Content:
-    """Compose what a complete study or search says; `by`: measure of a study that is looked at most, as `summary_of` takes it."""
+    """Compose what a complete study or search says; `by`: measure of a study that is looked at most, see `summary_of`."""
     if not isinstance(result, SearchResult):
         return study_content(summary_of(result, by))
     if by is not None:
