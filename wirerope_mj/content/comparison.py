@@ -47,8 +47,7 @@ def comparison_content(
     Of runs whose systems are known, `judged`, also how far they can be relied on.
     """
     return Content(
-        title=" and ".join(run.name for run in comparison.runs),
-        verdict=better_run(comparison),
+        title=" and ".join(run.name for run in comparison.runs), verdict=better_run(comparison),
         sections=(
             Section("headlines", "", lambda: _headlines(comparison), "headline"),
             Section("differences", "What differs", lambda: _summary(comparison, inputs), "headline"),
@@ -59,12 +58,11 @@ def comparison_content(
             Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
             Section("apart", "Farthest apart", lambda: _apart(comparison)),
             Section(
-                "credibility",
-                "How far this can be relied on",
+                "credibility", "How far this can be relied on",
                 lambda: compared_credibility_blocks(judged) if judged else (),
             ),
         ),
-    )
+    )  # fmt: skip
 
 
 def findings(comparison: Comparison) -> Statement:
@@ -192,15 +190,9 @@ def _apart(comparison: Comparison) -> Iterator[Block]:
 
 
 def _peaks(
-    name: str,
-    title: str,
-    comparison: Comparison,
-    rows: Sequence[PeakRow],
-    look: tuple[str, str],
-    *,
-    times: bool = False,
-    shown: int | None = None,
-) -> Table:
+    name: str, title: str, comparison: Comparison, rows: Sequence[PeakRow], look: tuple[str, str], *,
+    times: bool = False, shown: int | None = None,
+) -> Table:  # fmt: skip
     """Tabulate a peak of every run with its instant where asked, and how it differs from that of the first."""
     first = comparison.runs[0].name
     unit, form = look

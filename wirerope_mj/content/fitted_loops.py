@@ -127,12 +127,9 @@ def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list
 
 
 def _chart(
-    fits: Sequence[FittedLoop],
-    curves_of: Callable[[FittedLoop], list[Curve]],
-    ylabel: str,
-    unit: str,
+    fits: Sequence[FittedLoop], curves_of: Callable[[FittedLoop], list[Curve]], ylabel: str, unit: str,
     ylim: tuple[float, float] | None = None,
-) -> Chart:
+) -> Chart:  # fmt: skip
     """Return a chart with a panel for every loop that is drawn."""
     panels = []
     for fit in drawn_loops(fits):

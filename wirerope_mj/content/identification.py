@@ -22,14 +22,9 @@ _UNKNOWN = 100.0  # Relative standard error that is not worth showing
 
 
 def identification_content(
-    result: Identification,
-    fits: Sequence[FittedLoop],
-    *,
-    title: str,
-    sources: Sequence[str],
-    warnings: Sequence[str],
+    result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], warnings: Sequence[str],
     given: Sequence[str],
-) -> Content:
+) -> Content:  # fmt: skip
     """Compose what an identification says: its loops beside the law's, and doubts.
 
     `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.

@@ -18,11 +18,9 @@ from wirerope_mj.foundation.regular_files import regular
 _PACKAGE = Path(__file__).resolve().parents[1]
 # Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well.
 _KINDS: tuple[tuple[type, Any, str], ...] = (
-    (bool, bool, "true or false"),
-    (int, Integral, "an integer"),
-    (float, Real, "a number"),
+    (bool, bool, "true or false"), (int, Integral, "an integer"), (float, Real, "a number"),
     (str, str | PurePath, "text"),
-)
+)  # fmt: skip
 
 
 def defines(path: Path, name: str) -> bool:

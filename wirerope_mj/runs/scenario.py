@@ -23,13 +23,10 @@ _KINDS: dict[str, tuple[Any, str]] = {
     "motion": (BaseMotion, "a base motion, such as HalfSine(...)"),
     "simulate": (Mapping, 'a table of arguments, such as {"duration": 1.0}'),
     "isolators": (Mapping | None, "a table of isolators by name, or None"),
-    "name": (str, "text"),
-    "options": (Mapping, "a table of options by name"),
-    "folder": (Path | None, "a Path, or None"),
-    "changes": (list | tuple, "a list of Changes"),
-    "combined_travel": (bool, "True or False"),
-    "limits": (list | tuple, "a list of PayloadLimits"),
-}
+    "name": (str, "text"), "options": (Mapping, "a table of options by name"),
+    "folder": (Path | None, "a Path, or None"), "changes": (list | tuple, "a list of Changes"),
+    "combined_travel": (bool, "True or False"), "limits": (list | tuple, "a list of PayloadLimits"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -29,15 +29,10 @@ _PLACED = "WR16-400"  # part of the box's mounts before every part takes their p
 
 
 def equipment(
-    model: str | None,
-    cases: Mapping[str, BaseMotion],
-    *,
-    box: Mapping[str, Any] | None = None,
-    mounts: Sequence[str] = (),
-    limits: Sequence[PayloadLimit] = (),
-    fragility: float | None = None,
+    model: str | None, cases: Mapping[str, BaseMotion], *, box: Mapping[str, Any] | None = None,
+    mounts: Sequence[str] = (), limits: Sequence[PayloadLimit] = (), fragility: float | None = None,
     travel: float | None = None,
-) -> tuple[dict[str, System], dict[str, BaseMotion]]:
+) -> tuple[dict[str, System], dict[str, BaseMotion]]:  # fmt: skip
     """Load the equipment, once for each way of mounting it, with the limits that are judged; and its load cases.
 
     Args:

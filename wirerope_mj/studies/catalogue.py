@@ -27,15 +27,9 @@ Progress = Callable[[float], None]
 
 
 def try_parts(
-    system: System,
-    parts: Mapping[str, Isolator],
-    cases: Mapping[str, BaseMotion],
-    *,
-    initial: str = "settled",
-    placement: str = "",
-    accuracy: float = _ACCURACY,
-    progress: Progress = lambda _: None,
-) -> list[TriedPart]:
+    system: System, parts: Mapping[str, Isolator], cases: Mapping[str, BaseMotion], *, initial: str = "settled",
+    placement: str = "", accuracy: float = _ACCURACY, progress: Progress = lambda _: None,
+) -> list[TriedPart]:  # fmt: skip
     """Simulate every part in the places of a model's mounts under every load case.
 
     Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height
@@ -157,15 +151,10 @@ BY = ("margin", "acceleration", "number", "height", "price", "mass")
 
 
 def select_parts(
-    systems: Mapping[str, System],
-    parts: Mapping[str, Isolator | str],
-    cases: Mapping[str, BaseMotion],
-    *,
-    by: str | None = None,
-    stated: Mapping[str, Mapping[str, float]] | None = None,
-    initial: str = "settled",
+    systems: Mapping[str, System], parts: Mapping[str, Isolator | str], cases: Mapping[str, BaseMotion], *,
+    by: str | None = None, stated: Mapping[str, Mapping[str, float]] | None = None, initial: str = "settled",
     progress: Progress = lambda _: None,
-) -> CatalogueSelection:
+) -> CatalogueSelection:  # fmt: skip
     """Simulate every part in the places of every model's mounts under every load case, and rank them.
 
     Args:

@@ -85,14 +85,9 @@ def iso_6954_2000(
 
 
 def iso_6954_2000_of_history(
-    time: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    subject: str,
-    space: Literal["A", "B", "C"],
-    discard: float = 0.0,
-    resolution: float = 0.25,
-) -> tuple[Verdict, ...]:
+    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
+    discard: float = 0.0, resolution: float = 0.25,
+) -> tuple[Verdict, ...]:  # fmt: skip
     """Return the verdicts of ISO 6954:2000 on a history: the overall weighted rms velocity from 1 to 80 Hz.
 
     What counts are the third-octave bands of 1 to 80 Hz, from 0.891 to 89.1 Hz, with sharp edges.

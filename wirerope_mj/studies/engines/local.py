@@ -43,12 +43,9 @@ def run_local(
 
 
 def in_processes(
-    function: Callable[[Question], Answer],
-    questions: Iterable[Question],
-    *,
-    lost: Callable[[Question, str], Answer],
+    function: Callable[[Question], Answer], questions: Iterable[Question], *, lost: Callable[[Question, str], Answer],
     workers: int | None = None,
-) -> Generator[Answer, None, None]:
+) -> Generator[Answer, None, None]:  # fmt: skip
     """Yield what a function of a module makes of each question as they are ready, in any order; all must be pickled.
 
     Questions are read as processes become free; one worker calls the function here. `lost` answers a question during which a

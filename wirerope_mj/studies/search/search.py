@@ -292,17 +292,9 @@ class Search(SearchDefinition):
     """
 
     def run(
-        self,
-        folder: str | Path,
-        *,
-        keep: str = "peaks",
-        engine: str = "local",
-        workers: int | None = None,
-        address: str | None = None,
-        resume: bool = False,
-        force: bool = False,
-        progress: bool = False,
-    ) -> SearchResult:
+        self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
+        address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
+    ) -> SearchResult:  # fmt: skip
         """Evolve all generations and return the result, which stands in `folder`; arguments are those of `Study.run`.
 
         The folder is that of a study whose variants are the designs, no design twice. A search that was killed goes on: the
@@ -343,10 +335,7 @@ def _summary(result: SearchResult) -> dict[str, Any]:
     """Return the front of a search, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
     names = ["variant", GENERATION, *result.shown]
     return {
-        **head(result),
-        "minimised": list(result.minimise),
-        "limits": result.limits,
-        "within_limits": int(result.feasible.sum()),
-        "front": result.front.select(names).to_pylist(),
+        **head(result), "minimised": list(result.minimise), "limits": result.limits,
+        "within_limits": int(result.feasible.sum()), "front": result.front.select(names).to_pylist(),
         "knee": result.knee,
-    }
+    }  # fmt: skip

@@ -43,11 +43,9 @@ def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = (
     told["lines"] += [f"{one.name}: {one.statement}" for one in agreeing[-1]]
     panels = [*_measured_panels(agreeing, runs), *_panels(comparison, runs)]
     return {
-        "now": told,
-        "before": None if before is None else _told(before),
-        "tables": [_table(table) for table in tables],
+        "now": told, "before": None if before is None else _told(before), "tables": [_table(table) for table in tables],
         "curves": json_values([_curve(panel, runs) for panel in panels]),
-    }
+    }  # fmt: skip
 
 
 def _measured_panels(agreeing: Sequence[Sequence[Correlation]], runs: Sequence[ShownRun]) -> Iterator[Panel]:
@@ -63,21 +61,14 @@ def _told(run: ShownRun) -> dict[str, Any]:
     said = headline(run.verdicts)
     origin = "" if run.exact else " (the step is that of the first run)"
     return {
-        "name": run.name,
-        "number": run.number,
-        "values": dict(run.values),
-        "changes": dict(run.changes),
-        "motion": run.motion,
-        "headline": said.text,
-        "tone": said.tone,
+        "name": run.name, "number": run.number, "values": dict(run.values), "changes": dict(run.changes),
+        "motion": run.motion, "headline": said.text, "tone": said.tone,
         "lines": [
             line for block in answer_blocks(run) if block for line in (*filter(None, [block.text]), *block.items)
         ],
-        "warnings": list(run.warnings),
-        "exact": run.exact,
-        "seconds": run.seconds,
+        "warnings": list(run.warnings), "exact": run.exact, "seconds": run.seconds,
         "step": f"{numerics_statement(run.response.numerics).text}{origin}.",
-    }
+    }  # fmt: skip
 
 
 def _table(table: Table) -> dict[str, Any]:
