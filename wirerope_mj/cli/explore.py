@@ -5,7 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from wirerope_mj.cli.options import NUMERICS, file_command, own_option, run_with_options, with_numerics
+from wirerope_mj.cli.file_command import file_command, run_with_options
+from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
 
 _OWN = (
     own_option("browser", bool, True, "open the page; its address is printed in any case", negative="--no-browser"),

@@ -10,7 +10,8 @@ from typing import Any, Literal
 
 from rich.markup import escape
 
-from wirerope_mj.cli.options import file_command, own_option, run_with_options
+from wirerope_mj.cli.file_command import file_command, run_with_options
+from wirerope_mj.cli.options import own_option
 from wirerope_mj.cli.tables import print_questions, say_where
 from wirerope_mj.content.study import varied_table
 from wirerope_mj.engine.flexible import deck_of
