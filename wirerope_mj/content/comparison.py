@@ -54,7 +54,7 @@ def comparison_content(
             Section("findings", "", lambda: [findings(comparison)], "headline"),
             Section("accelerations", "Peak accelerations", lambda: [accelerations_table(comparison)], "summary"),
             Section("travel", "Mounts", lambda: travel_tables(comparison), "summary"),
-            Section("components", "Along the axes", lambda: _components(comparison)),
+            Section("components", "Along the axes", lambda: (accelerations_table(comparison, axis) for axis in range(3))),
             Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
             Section("apart", "Farthest apart", lambda: _apart(comparison)),
             Section(
@@ -158,11 +158,6 @@ def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
             if max(map(len, values)) > _WIDEST
         ]
         yield Statement(id="long-inputs", items=tuple(items))
-
-
-def _components(comparison: Comparison) -> Iterator[Table]:
-    for axis in range(3):
-        yield accelerations_table(comparison, axis)
 
 
 def _mounts(comparison: Comparison) -> Iterator[Block]:

@@ -117,7 +117,12 @@ def front_chart(result: SearchResult) -> Chart:
     """Draw all designs by the first two measures that were minimised; of one measure, in the order of the designs."""
     names = result.minimise[:2]
     across, up = (measure_of(names[1]) if len(names) > 1 else None), measure_of(names[0])
-    x, y = _values(result, across), _values(result, up)
+    x, y = (
+        np.arange(result.table.num_rows, dtype=np.float64)
+        if one is None
+        else one.factor * values_of(result.table, one.name)
+        for one in (across, up)
+    )
     within, front, given = result.feasible, np.asarray(result.front["variant"]), np.arange(result.start)
     known = np.isfinite(x) & np.isfinite(y)
     knee = np.array([] if result.knee is None else [result.knee], dtype=np.int64)
@@ -153,13 +158,6 @@ def front_chart(result: SearchResult) -> Chart:
     front_text = " Line: the front, designs within the limits that no other one beats." if front.size else ""
     caption = f"All designs by {text}, some with their numbers of mounts.{front_text}"
     return Chart(id="front", rows=[[panel]], height=260.0, caption=caption, alt=caption)
-
-
-def _values(result: SearchResult, measure: Measure | None) -> Array:
-    """Return a measure of all designs in the unit in which it is shown; without one, their numbers."""
-    if measure is None:
-        return np.arange(result.table.num_rows, dtype=np.float64)
-    return measure.factor * values_of(result.table, measure.name)
 
 
 def _limit(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:

@@ -22,7 +22,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine, Measured
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
+from wirerope_mj.runs.sliders import checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer
@@ -174,15 +174,10 @@ class Exploration:
             warnings.simplefilter("always")
             response = simulate(system, motion, **arguments)
             judged = judged_run(system, motion, response)
-        moved = [slider for slider in self.sliders if values[slider.key] != slider.nominal]
+        moved = {one.label: one.text(values[one.key]) for one in self.sliders if values[one.key] != one.nominal}
         return ShownRun(
-            number=next(self._numbers), values=values, changes={slider.label: _text(slider, values) for slider in moved},
+            number=next(self._numbers), values=values, changes=moved,
             motion=motion.description, response=response, verdicts=judged.verdicts, random=judged.random,
             untested=judged.untested, seconds=perf_counter() - began, exact=exact, passing=passing,
             warnings=tuple(dict.fromkeys((*judged.model_warnings, *(str(warning.message) for warning in caught)))),
         )  # fmt: skip
-
-
-def _text(slider: Slider, values: Mapping[str, float]) -> str:
-    value = f"{values[slider.key]:.4g}"
-    return f"{value}°" if slider.unit == "°" else f"×\N{NO-BREAK SPACE}{value}"

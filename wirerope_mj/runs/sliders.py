@@ -34,6 +34,10 @@ class Slider:
     nominal: float  # what leaves the scenario as it is
     note: str  # what it acts on, and what stays
 
+    def text(self, value: float) -> str:
+        """Return a value with its unit."""
+        return f"{value:.4g}°" if self.unit == "°" else f"×\N{NO-BREAK SPACE}{value:.4g}"
+
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
@@ -114,7 +118,8 @@ def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System,
     if carried or tunings or any(isolators[mount] is not system.mounts[mount].written for mount in isolators):
         system = varied(system, isolators=isolators, masses=dict.fromkeys(carried, mass), tunings=tunings)
     if angle := values.get(DIRECTION, 0.0):
-        motion = Turned(motion, rotation=_about_vertical(angle))
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        motion = Turned(motion, rotation=[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     if (level := values.get(LEVEL, 1.0)) != 1.0:
         motion = Scaled(motion, level)
     return system, motion
@@ -139,11 +144,6 @@ def _can_turn(system: System, motion: BaseMotion) -> bool:
     # 1e-9: rounding of unit vectors, as where the simulation checks its direction.
     follows = np.abs(reach[:2, :2] - np.eye(2)).max() < 1e-9
     return bool(follows and np.abs(motion.directions[:, :2]).max(initial=0.0) > 1e-9)
-
-
-def _about_vertical(angle: float) -> list[list[float]]:
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-    return [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
 
 
 def _carried(system: System) -> list[str]:

@@ -52,10 +52,8 @@ class StudyResult(Exportable, Summarised):
     def _summary(self) -> tuple[str, dict[str, str]]:
         name = self.inputs.get("name", "study")
         state = "complete" if self.complete else "not complete"
-        return f"{type(self).__name__} of {name}: {self.variants} variants, {state}", {
-            "folder": str(self.folder),
-            "message": self.message,
-        }
+        lines = {"folder": str(self.folder), "message": self.message}
+        return f"{type(self).__name__} of {name}: {self.variants} variants, {state}", lines
 
     @cached_property
     def table(self) -> pa.Table:
@@ -97,13 +95,11 @@ class StudyResult(Exportable, Summarised):
         """The table as other programs take it, SI units."""
         names = self.table.column_names
         return Exported(
-            names=names,
-            units=[unit_of(name) for name in names],
+            names=names, units=[unit_of(name) for name in names], about={"study": str(self.inputs.get("name", "study"))},
             column=lambda number: self.table.column(number).to_numpy(),
             blocks=lambda: iter([[column.to_numpy() for column in self.table.columns]]),
-            about={"study": str(self.inputs.get("name", "study"))},
             grouped=False,  # "acceleration" and "acceleration/rack"
-        )
+        )  # fmt: skip
 
     def narrowed(self, columns: Sequence[str]) -> "StudyResult":
         """Return the result of a study that is complete with those columns alone that match `columns`; no others are read.

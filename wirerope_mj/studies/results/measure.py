@@ -71,9 +71,8 @@ def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) ->
 
 def unit_of(name: str) -> str:
     """Return the SI unit of a column of a study's table; "" of ratios, counts and inputs."""
-    return {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N"}.get(
-        name.partition("/")[0], ""
-    )
+    units = {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N"}
+    return units.get(name.partition("/")[0], "")
 
 
 def input_names(table: pa.Table) -> list[str]:

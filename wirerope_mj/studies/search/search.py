@@ -68,9 +68,8 @@ class SearchDefinition:
         self.start = tuple(self._design(index, design) for index, design in enumerate(start))
         names = list(self.variables)
         sampled = study.table().select(names).to_pylist()
-        self.first = list(
-            {tuple(design[name] for name in names): design for design in (*self.start, *sampled)}.values()
-        )
+        every = (*self.start, *sampled)
+        self.first = list({tuple(design[name] for name in names): design for design in every}.values())
         if len(self.first) < FEWEST:
             raise ValueError(
                 f"the first generation has {len(self.first)} designs; it must have at least {FEWEST}, `variants` of the study "
@@ -209,10 +208,8 @@ class Evolving:
             designs = evolution.ask()
             if not designs:
                 return  # every design that the best can be crossed to is among them
-            new = list(
-                {self._key(design): design for design in designs if self._key(design) not in self._known}.values()
-            )
-            for table in self._tables(new, generation):
+            new = {self._key(design): design for design in designs if self._key(design) not in self._known}
+            for table in self._tables(list(new.values()), generation):
                 self._remember(table)
             results = [self._known[self._key(design)] for design in designs]
             evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
@@ -284,11 +281,7 @@ class Search(SearchDefinition):
     are the first generation, after designs that are given. Each later one is made by the optimiser (pymoo's NSGA-II)
     from the best so far, and computed as variants are: by the same engines, with the same bits.
 
-    All arguments are attributes, and further:
-
-    Attributes:
-        study: what varies, and how a design is simulated.
-        first: the designs of the first generation, by column; those of `start` first.
+    All arguments are attributes, and further `first`, the designs of the first generation by column, those of `start` first.
     """
 
     def run(

@@ -86,7 +86,11 @@ def _panels(comparison: Comparison, runs: list[ShownRun]) -> list[Panel]:
     window = float(now.time[0]), float(now.time[-1])
     mount = _worst_mount(mount_peaks(now))
     if mount is not None:
-        axis = RATINGS[mount.governing][0] if mount.governing else _farthest_axis(mount)
+        axis = (
+            RATINGS[mount.governing][0]
+            if mount.governing
+            else int(np.abs([mount.minimum, mount.maximum]).max(axis=0).argmax())
+        )
         lines = [
             Line(response=run.response, subject=mount.name, name=run.name, kind=rank) for rank, run in enumerate(runs)
         ]
@@ -109,10 +113,6 @@ def _worst_mount(rows: list[MountPeak]) -> MountPeak | None:
     if not rows or rows[0].utilisation is not None:
         return rows[0] if rows else None
     return max(rows, key=lambda row: float(np.abs([row.minimum, row.maximum]).max()))
-
-
-def _farthest_axis(row: MountPeak) -> int:
-    return int(np.abs([row.minimum, row.maximum]).max(axis=0).argmax())
 
 
 def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:
