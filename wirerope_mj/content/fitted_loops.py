@@ -146,10 +146,8 @@ def _chart(
 
 
 def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
-    """Return the loops of each operating point, from compression to tension.
-
-    Points within 2 % of the largest amplitude are one, as no rig holds them better beside noise.
-    """
+    """Return the loops of each operating point, from compression to tension."""
+    # Points within 2 % of the largest amplitude are one, as no rig holds them better beside noise.
     step = 0.02 * max(fit.amplitude for fit in fits)
     groups: list[list[FittedLoop]] = []
     for fit in sorted(fits, key=lambda fit: fit.operating_point):

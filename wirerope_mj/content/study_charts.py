@@ -297,10 +297,8 @@ def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
 
 
 def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array, Array] | None:
-    """Return azimuths, elevations and values (n_elevation, n_azimuth) of a grid around the sphere; None if there is none.
-
-    A pole's one value stands under every azimuth, and what is at -180 is at 180, too.
-    """
+    """Return azimuths, elevations and values (n_elevation, n_azimuth) of a grid around the sphere; None if there is none."""
+    # A pole's one value stands under every azimuth, and what is at -180 is at 180, too.
     along, up = np.unique(azimuth), np.unique(elevation)
     if min(along.size, up.size) < 2:
         return None

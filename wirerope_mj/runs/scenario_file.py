@@ -57,11 +57,9 @@ def subjects_of(system: System) -> dict[str, list[str]]:
 
 
 def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
-    """Return the system with limits in place of those that its model states for the same subjects.
-
-    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a
-    limit names no body of the payload and no point, or one thing is limited twice.
-    """
+    """Return the system with limits in place of those that its model states for the same subjects."""
+    # A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
+    # names no body of the payload and no point, or one thing is limited twice.
     if not limits:
         return system
     known = subjects_of(system)

@@ -44,10 +44,8 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
 
 @contextmanager
 def _full_disk_told() -> Iterator[None]:
-    """Raise what lxml, by which openpyxl writes its temporary files, says of a full disk as the operating system does.
-
-    The writers of unfinished sheets would print tracebacks when they are cleared away.
-    """
+    """Raise what lxml, by which openpyxl writes its temporary files, says of a full disk as the operating system does."""
+    # The writers of unfinished sheets would print tracebacks when they are cleared away.
     hook, number = sys.unraisablehook, 0
     try:
         yield

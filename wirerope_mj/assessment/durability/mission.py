@@ -160,12 +160,10 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
 
 
 def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
-    """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s].
-
-    Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines,
-    sweeps and records from their start to their end, with all that follows. Repetitions are of the whole run. RecordError
-    if hours are asked for of a shock, or of random vibration of which the run holds too little.
-    """
+    """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s]."""
+    # Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines,
+    # sweeps and records from their start to their end, with all that follows. Repetitions are of the whole run. RecordError if
+    # hours are asked for of a shock, or of random vibration of which the run holds too little.
     first, last = float(response.time[0]), float(response.time[-1])
     if stage.hours is None:
         return first, last, last - first

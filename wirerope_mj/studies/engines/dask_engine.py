@@ -163,10 +163,8 @@ def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
 
 @contextmanager
 def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
-    """Run worker processes of one thread each for the block; one that dies is started again.
-
-    They are Dask's own command, not children that import the script that asked for the study: such a script needs no guard.
-    """
+    """Run worker processes of one thread each for the block; one that dies is started again."""
+    # They are Dask's own command, not children that import the script that asked for the study: such a script needs no guard.
     command = [sys.executable, "-m", "dask", "worker", scheduler_at, "--nworkers", str(number), "--nthreads", "1",
                "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
     with (

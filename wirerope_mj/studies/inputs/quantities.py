@@ -85,10 +85,8 @@ class SharedDraw(InputColumn):
 
 
 def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
-    """Return the columns of names that share a draw: one, or with `each` as many as every name has targets.
-
-    ValueError if they cannot share one.
-    """
+    """Return the columns of names that share a draw: one, or with `each` as many as every name has targets."""
+    # ValueError if they cannot share one.
     every = [column for own in columns for column in own]
     if any(not column.targets or column.type != pa.float64() for column in every):
         raise ValueError(f"`vary`: {name!r}: only numbers of mounts and bodies can share a draw.")

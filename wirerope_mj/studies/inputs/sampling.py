@@ -100,11 +100,9 @@ def sampled(isolator: Isolator, normals: Array) -> Array:
 
 
 def _joint(isolator: Isolator) -> tuple[Array, Array]:
-    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n).
-
-    Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
-    curves of a law whose file states one, have the same columns.
-    """
+    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n)."""
+    # Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
+    # curves of a law whose file states one, have the same columns.
     spread = isolator.spread
     assert spread is not None  # `quantities` has seen to it
     laws = [(isolator.axes[axis], key) for axis, key in (name.split(".", 1) for name in spread.parameters)]
