@@ -99,9 +99,8 @@ def calibrate(
     measured = _measured(test, map or (), baseline=baseline, start=start) if test else list(kept)
     moved = any(channel.subject == "base" for one in measured for channel in one.channels)
     if measured and not moved and motion is None:
-        raise ValueError(
-            "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
-        )
+        message = "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
+        raise ValueError(message)
     tests: list[Test] = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
     for text in frequency_response or ():
         file, sign, phrase = text.rpartition("=")

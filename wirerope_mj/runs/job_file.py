@@ -83,9 +83,8 @@ def load_job(path: str | Path) -> Job:
     content = read_toml(path, KIND)
     checked(content, _JOB, f"{path}")
     if "model" not in content:
-        raise ModelError(
-            f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".'
-        )
+        text = f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".'
+        raise ModelError(text)
     source = model_source(content["model"], folder=path.resolve().parent, asker=str(path))
     limits = tuple(_limits(path, content.get("limits", {})))
     combined = content.get("combined_travel", True)
@@ -104,9 +103,8 @@ def load_job(path: str | Path) -> Job:
         if not slug:
             raise ModelError(f'{where}: `name` is missing: it names the case and its folder, name = "vertical shock".')
         if any(other.folder == slug for other in cases):
-            raise ModelError(
-                f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
-            )
+            text = f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
+            raise ModelError(text)
         said = _scenario(f"{where} {quoted(name)}", every | table, folder, system)
         made = Scenario(question=question, model=source, name=name, limits=limits, combined_travel=combined, **said)
         cases.append(LoadCase(name=name, folder=slug, note=table.get("note", ""), scenario=made))

@@ -35,9 +35,8 @@ def read_map(items: Sequence[str]) -> dict[str, Any]:
         elif item.endswith(".toml"):
             found = _checked(Path(item), read_toml(Path(item), _KIND))
         else:
-            raise ValueError(
-                f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
-            )
+            text = f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
+            raise ValueError(text)
         for name, phrase in found["channels"].items():
             if name in channels:
                 raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
@@ -92,7 +91,6 @@ def _checked(path: Path, content: dict[str, Any]) -> dict[str, Any]:
         raise RecordError(f"{path}: `{unknown[0]}` is unknown; known: channels, {', '.join(_OPTIONS)}.")
     channels = content.get("channels")
     if not isinstance(channels, dict) or not all(isinstance(phrase, str) for phrase in channels.values()):
-        raise RecordError(
-            f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
-        )
+        text = f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
+        raise RecordError(text)
     return content

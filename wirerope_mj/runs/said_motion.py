@@ -44,18 +44,16 @@ def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> 
     """Raise an error for a record that would leave the base at rest all the time."""
     if not motion.samples.any():
         zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
-        raise RecordError(
-            f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
-        )
+        text = f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
+        raise RecordError(text)
     if motion.end <= 0.0:
         raise ValueError(
             f"`start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
             "base would not move. Start it at 0 s or later."
         )
     if duration is not None and duration <= motion.start:
-        raise ValueError(
-            f"`duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (`start`)."
-        )
+        text = f"`duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (`start`)."
+        raise ValueError(text)
 
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> dict[str, Any] | None:

@@ -106,9 +106,8 @@ def scenario_content(folder: Path) -> dict[str, Any]:
         raise RecordError(f"{path}: {why_unread(error)}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise RecordError(
-            f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
-        ) from None
+        text = f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
+        raise RecordError(text) from None
     except tomllib.TOMLDecodeError as error:
         raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
     if "format" in content and content["format"] != FORMAT:

@@ -56,7 +56,8 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
         device = system.mounts[mounts[0]].written.name
         note = f"On all forces of {len(mounts)} {'mounts' if len(mounts) > 1 else 'mount'}; their ratings stay."
         found.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
-    damped = [group for group, mounts in groups.items() if _has_damping(system.mounts[mounts[0]].written)]
+    laws = {group: system.mounts[mounts[0]].written.axes.values() for group, mounts in groups.items()}
+    damped = [group for group in groups if any(law.damping_parameters for law in laws[group] if law is not None)]
     if damped:
         others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
         note = (
@@ -150,7 +151,3 @@ def _carried(system: System) -> list[str]:
     """Return the bodies with a mass that the mounts carry."""
     ids = {body for payload in payloads_of(system) for body in payload.bodies}
     return [name for name in moving_bodies(system.model) if system.model.body(name).id in ids]
-
-
-def _has_damping(isolator: Isolator) -> bool:
-    return any(law.damping_parameters for law in isolator.axes.values() if law is not None)

@@ -77,9 +77,8 @@ def _write(book: Any, content: Content, samples: Exported | None, path: Path) ->
         page.append(samples.headings)
         for number, row in enumerate(_rows(samples), start=2):
             if number > _ROWS or len(row) > _COLUMNS:
-                raise RecordError(
-                    f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
-                )
+                text = f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
+                raise RecordError(text)
             page.append(row)
     written = BytesIO()
     book.save(written)

@@ -171,9 +171,8 @@ def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
     if random:
         start, end = max(rises, first), min(falls, last)
         if end - start < _SHORTEST * (falls - rises):
-            raise RecordError(
-                f"{stage.run}: it holds too little of the stationary vibration from {rises:.4g} to {falls:.4g} s."
-            )
+            text = f"{stage.run}: it holds too little of the stationary vibration from {rises:.4g} to {falls:.4g} s."
+            raise RecordError(text)
         return start, end, end - start
     if shocks := sorted({str(part.get("kind")) for part in elements(response.motion)} - _LASTING):
         raise RecordError(

@@ -76,9 +76,8 @@ def _gone(where: str) -> Iterator[None]:
     try:
         yield
     except (CancelledError, OSError) as error:
-        raise SimulationError(
-            f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
-        ) from error
+        text = f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
+        raise SimulationError(text) from error
 
 
 class _Cluster:
@@ -136,9 +135,8 @@ class _Cluster:
             return None
         except (ModuleNotFoundError, RuntimeError) as error:
             reason = error.__cause__ or error
-            raise SimulationError(
-                f"a worker of {self._where} cannot compute ({reason}); it must have the same wirerope-mj installed."
-            ) from error
+            text = f"a worker of {self._where} cannot compute ({reason}); it must have the same wirerope-mj installed."
+            raise SimulationError(text) from error
 
 
 @contextmanager
@@ -215,9 +213,8 @@ def check_answers(address: str) -> None:
         with ThreadPoolExecutor(1) as thread:
             answer = thread.submit(asyncio.run, ask()).result()
     except Exception as error:  # what another service answers is read as anything, as exbibytes for instance
-        raise SimulationError(
-            f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
-        ) from error
+        text = f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
+        raise SimulationError(text) from error
     if answer != "Scheduler":
         raise SimulationError(f"a Dask {answer.lower()} answers at {address!r}; give the address of the scheduler.")
 

@@ -95,9 +95,8 @@ def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[Share
         raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
     if len({(column.nature_of_numbers, column.unit) for column in every}) > 1:
         kinds = ", ".join(dict.fromkeys(f"{one.nature_of_numbers} {one.unit}".strip() for one in every))
-        raise ValueError(
-            f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
-        )
+        text = f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
+        raise ValueError(text)
     return tuple(
         SharedDraw(
             name=TOGETHER.join(column.name for column in together),
@@ -142,9 +141,8 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         shared = [_quantity(one, distribution, system, motions).columns for one in names]
         return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
     if not isinstance(distribution, Distribution):
-        raise ValueError(
-            f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
-        )
+        text = f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
+        raise ValueError(text)
     kind, parts = next(
         ((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ())
     )

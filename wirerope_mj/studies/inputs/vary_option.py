@@ -177,9 +177,8 @@ def _flag(name: str, kind: str, flag: str) -> str:
     flags = _flags(kind)
     if flag not in flags:
         there = " and ".join(flags) or "none"
-        raise ValueError(
-            f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
-        )
+        text = f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
+        raise ValueError(text)
     return flag
 
 
@@ -200,9 +199,8 @@ def _value(name: str, node: ast.expr) -> Any:
     try:
         return ast.literal_eval(node)
     except ValueError:
-        raise ValueError(
-            f"{name!r}: {ast.unparse(node)!r} must be a number, a string in quotes, True, False or a list of them."
-        ) from None
+        text = f"{name!r}: {ast.unparse(node)!r} must be a number, a string in quotes, True, False or a list of them."
+        raise ValueError(text) from None
 
 
 def _signature(kind: str) -> str:

@@ -65,9 +65,8 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"limit {short(text)!r}: {unknown_measure(pattern, known)}")
     units = _UNITS.get(quantity, {})
     if unit not in units:
-        raise ValueError(
-            f"limit {short(text)!r}: {unit!r} is no unit of {quantity}; known are {', '.join(units) or 'none'}."
-        )
+        message = f"limit {short(text)!r}: {unit!r} is no unit of {quantity}; known are {', '.join(units) or 'none'}."
+        raise ValueError(message)
     try:
         return StatedLimit(text=text, measures=names, limit=in_si(float(number), units[unit]))
     except ValueError as error:
