@@ -7,8 +7,7 @@ import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.cli import main
-from wirerope_mj.cli import study as study_command
+from wirerope_mj.cli import computed_study, main
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.scenario import load_scenario
@@ -201,7 +200,7 @@ def shown(monkeypatch):
     monkeypatch.setattr(viewer, "has_display", lambda: True)
     monkeypatch.setattr(viewer, "show", opened.append)
     terminal, none = SimpleNamespace(isatty=lambda: True), SimpleNamespace(isatty=lambda: False)
-    monkeypatch.setattr(study_command, "sys", SimpleNamespace(stdout=terminal, stderr=none))
+    monkeypatch.setattr(computed_study, "sys", SimpleNamespace(stdout=terminal, stderr=none))
     return opened
 
 

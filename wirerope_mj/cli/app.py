@@ -27,115 +27,60 @@ from wirerope_mj.foundation.errors import (
 )
 from wirerope_mj.foundation.plain_text import plain_lines
 
-# Where each command stands in this folder, imported when it is asked for; and the first line of its help.
-COMMANDS = {
-    "new": (
-        "new:new",
-        "Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.",
-    ),
-    "run": ("run:run_app", "Simulate a scenario into one folder and print its peaks against the limits."),
-    "cases": (
-        "cases:cases",
-        "Simulate the load cases of a job: which case governs each limit, and one document of all of them.",
-    ),
+# The first line of each command's help.
+_SUMMARIES = {
+    "new": "Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.",
+    "run": "Simulate a scenario into one folder and print its peaks against the limits.",
+    "cases": "Simulate the load cases of a job: which case governs each limit, and one document of all of them.",
     "study": (
-        "study:study_app",
-        "Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.",
+        "Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst."
     ),
-    "show": ("show:show", "Open a run, a job, or the worst variants of a study, in the rerun viewer."),
+    "show": "Open a run, a job, or the worst variants of a study, in the rerun viewer.",
     "replay": (
-        "replay:replay",
-        "Simulate a run, a job or a study again from its folder alone: whether its numbers agree, which files were altered.",
+        "Simulate a run, a job or a study again from its folder alone: whether its numbers agree, which files were altered."
     ),
-    "loops": (
-        "loops:loops",
-        "Test an isolator or a law in a virtual rig: print what its loops measure and draw them.",
-    ),
-    "identify": (
-        "identify:identify_records",
-        "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
-    ),
+    "loops": "Test an isolator or a law in a virtual rig: print what its loops measure and draw them.",
+    "identify": "Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.",
     "calibrate": (
-        "calibrate:calibrate",
-        "Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.",
+        "Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model."
     ),
-    "laws": (
-        "loops:laws",
-        "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",
-    ),
-    "frf": (
-        "frf:frf",
-        "Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.",
-    ),
+    "laws": "Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.",
+    "frf": "Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.",
     "report": (
-        "report:report",
-        "Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it.",
+        "Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it."
     ),
-    "study-report": (
-        "study:study_report",
-        "Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.",
-    ),
+    "study-report": "Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.",
     "compare": (
-        "compare:compare",
-        "Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.",
+        "Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree."
     ),
-    "share": (
-        "exports:share",
-        "Write report, recording and viewer of a run as one folder that any web server shows.",
-    ),
-    "explore": (
-        "explore:explore_app",
-        "Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.",
-    ),
-    "shock": (
-        "shock:shock",
-        "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
-    ),
-    "fmu": (
-        "exports:fmu",
-        "Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.",
-    ),
+    "share": "Write report, recording and viewer of a run as one folder that any web server shows.",
+    "explore": "Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.",
+    "shock": "Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.",
+    "fmu": "Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.",
     "export": (
-        "exports:export",
-        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.",
+        "Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture."
     ),
-    "durability": (
-        "durability:durability",
-        "Count the cycles of the mounts of a run or a service life, and compare the damage that they do.",
-    ),
-    "comfort": (
-        "comfort:comfort",
-        "Print what people feel at bodies and points of a run: weighted acceleration, doses, and limits for ships.",
-    ),
-    "flexible": (
-        "flexible:flexible",
-        "Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.",
-    ),
-    "levels": (
-        "new:levels",
-        "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
-    ),
+    "durability": "Count the cycles of the mounts of a run or a service life, and compare the damage that they do.",
+    "comfort": "Print what people feel at bodies and points of a run: weighted acceleration, doses, and limits for ships.",
+    "flexible": "Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.",
+    "levels": "List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.",
     "select": (
-        "select:select_app",
-        "Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.",
+        "Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits."
     ),
     "modes": (
-        "modes:modes",
-        "Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.",
+        "Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over."
     ),
-    "statics": (
-        "statics:statics",
-        "Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.",
-    ),
-    "isolators": (
-        "isolators:isolators_app",
-        "Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry.",
-    ),
-    "compile": (
-        "compile:compile_kernels",
-        "Compile all kernels for this computer, so that no later command waits for one.",
-    ),
+    "statics": "Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.",
+    "isolators": "Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry.",
+    "compile": "Compile all kernels for this computer, so that no later command waits for one.",
 }
+# Where a command stands in this folder if it is not called as its file is; it is imported when it is asked for.
+_PLACES = {
+    "identify": "identify:identify_records", "laws": "loops:laws", "study-report": "report:study_report",
+    "share": "exports:share", "fmu": "exports:fmu", "export": "exports:export", "levels": "new:levels",
+    "select": "select:select_app", "isolators": "isolators:isolators_app", "compile": "compile:compile_kernels",
+}  # fmt: skip
+COMMANDS = {name: (_PLACES.get(name, f"{name}:{name}"), summary) for name, summary in _SUMMARIES.items()}
 
 atexit.register(gc.freeze)
 """A process that ends need not look through 300,000 objects for circles three times: that takes 0.6 s after a run."""

@@ -2,10 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-from cyclopts import Parameter
-
+from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE
 
 if TYPE_CHECKING:
@@ -13,30 +12,27 @@ if TYPE_CHECKING:
     from wirerope_mj.motions import BaseMotion, Measured
     from wirerope_mj.studies.calibration.forward import Test
 
-NOT_CONVERGED = 1
-"""Exit code of a fit that did not converge."""
-
-Several = Annotated[list[str] | None, Parameter(negative=())]
+NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 
 
 def calibrate(
     model: str,
     *,
-    test: Annotated[list[Path] | None, Parameter(negative=())] = None,
-    map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    vary: Several = None,
+    test: RepeatedPaths = None,
+    map: Texts = None,
+    vary: Repeated = None,
     out: Path,
-    frequency_response: Several = None,
-    loops: Several = None,
-    predict: Several = None,
-    limit: Several = None,
+    frequency_response: Repeated = None,
+    loops: Repeated = None,
+    predict: Repeated = None,
+    limit: Repeated = None,
     baseline: Literal["none", "rest", "mean"] = "none",
     initial: Literal["settled", "relaxed", "unloaded"] = "settled",
     start: float = 0.0,
     residuals: Literal["time", "srs", "spectrum"] = "time",
     draws: int = 1000,
     seed: int = 1,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.
 
@@ -70,14 +66,13 @@ def calibrate(
         seed: of design and sampler.
         force: replace a calibration that is there.
     """
-    from rich.markup import escape
-
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.calibration import calibration_content
     from wirerope_mj.engine.simulation.simulate import duration_of
     from wirerope_mj.foundation.arguments import integer
+    from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.motions.spoken import motion_from_words
     from wirerope_mj.runs.calibration import KIND, MARKS, write_calibration
-    from wirerope_mj.runs.folder import check_target
     from wirerope_mj.runs.measured import tests_of
     from wirerope_mj.runs.sources import is_run
     from wirerope_mj.studies.calibration import MeasuredTest
@@ -86,41 +81,36 @@ def calibrate(
     from wirerope_mj.studies.calibration.predict import predict as predicted
     from wirerope_mj.studies.measures import measure_names
     from wirerope_mj.studies.results.stated_limits import limit_of_text
-    from wirerope_mj.views.terminal import console, print_headline, show
+    from wirerope_mj.views.terminal import print_title, show_answer
 
     kept = tests_of(Path(model)) if is_run(model) and not (test or frequency_response or loops) else ()
     if not (test or frequency_response or loops or kept):
-        raise ValueError(
-            "name the tests: wirerope calibrate MODEL --test TEST.csv --map COLUMN=PHRASE .. --vary .. --out FOLDER"
-        )
+        usage = "wirerope calibrate MODEL --test TEST.csv --map COLUMN=PHRASE .. --vary .. --out FOLDER"
+        raise ValueError(f"name the tests: {usage}")
     if not vary:
         raise ValueError(f"`--vary` must say what is to be found, with its prior, such as {EXAMPLE!r}, got none.")
-    check_target(out, force=force, kind=KIND, marks=MARKS)
+    check_folder(out, force=force, kind=KIND, marks=MARKS)
     system, motion = _system_and_motion(model)
     motions = [motion_from_words(phrase) for phrase in predict or ()]
     limits = [limit_of_text(text, measure_names(system)) for text in limit or ()]
     if limits and not motions:
-        raise ValueError(
-            "`--limit` is on a prediction; say of which motion, for instance --predict 'half-sine 15 g 11 ms z'."
-        )
+        example = "--predict 'half-sine 15 g 11 ms z'"
+        raise ValueError(f"`--limit` is on a prediction; say of which motion, for instance {example}.")
     measured = _measured(test, map or (), baseline=baseline, start=start) if test else list(kept)
     moved = any(channel.subject == "base" for one in measured for channel in one.channels)
     if measured and not moved and motion is None:
-        raise ValueError(
-            "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
-        )
+        message = "`--map` names no column of the base, and a model alone has no motion; map one, such as A0=base z g."
+        raise ValueError(message)
     tests: list[Test] = [MeasuredTest.of(one, None if moved else motion, initial=initial) for one in measured]
     for text in frequency_response or ():
         file, sign, phrase = text.rpartition("=")
         if not sign:
-            raise ValueError(
-                f"`--frequency-response` must be FILE=PHRASE, such as 'sweeps.csv=body/rack z', got {text!r}."
-            )
+            example = "'sweeps.csv=body/rack z'"
+            raise ValueError(f"`--frequency-response` must be FILE=PHRASE, such as {example}, got {text!r}.")
         tests += read_frequency_tests(Path(file), phrase)
     tests += [_loop_test(text) for text in loops or ()]
-    result = calibrated(
-        system, tests, vary=vary, residuals=residuals, draws=integer("--draws", draws, least=100), seed=seed
-    )
+    draws = integer("--draws", draws, least=100)
+    result = calibrated(system, tests, vary=vary, residuals=residuals, draws=draws, seed=seed)
     content = calibration_content(
         result,
         title=f"{Path(model).stem}, calibrated from {', '.join(one.name for one in tests)}",
@@ -131,17 +121,14 @@ def calibrate(
         ],
         warnings=[text for one in measured for text in one.warnings],
         predictions=[
-            (predicted(result, one, duration=duration_of(one, None, system), initial=initial), limits)
-            for one in motions
+            (predicted(result, one, duration=duration_of(one, None, system), initial=initial), limits) for one in motions
         ],
-    )
+    )  # fmt: skip
     files = write_calibration(result, content, out, force=force)
-    screen = console()
-    screen.print(f"\n[bold]{escape(content.title)}[/]")
-    show(content, *content.sections_of("summary"))
-    print_headline(content.verdict)
-    show(content, "answer")
-    screen.print(f"\n  written to {escape(str(out))}/\n  {escape(', '.join(files))}", soft_wrap=True)
+    print_title(content.title)
+    show_answer(content, *content.sections_of("summary"))
+    print()
+    say_where(f"{out}/", files)
     return 0 if result.fit.converged else NOT_CONVERGED
 
 

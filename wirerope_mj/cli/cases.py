@@ -3,11 +3,8 @@
 import sys
 from pathlib import Path
 from time import perf_counter
-from typing import Annotated
 
-from cyclopts import Parameter
-
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Flag, Integer
 
 
 def cases(
@@ -15,9 +12,9 @@ def cases(
     *,
     out: Path | None = None,
     workers: Integer | None = None,
-    pdf: Annotated[bool, Parameter(negative=())] = False,
-    docx: Annotated[bool, Parameter(negative=())] = False,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    pdf: Flag = False,
+    docx: Flag = False,
+    force: Flag = False,
 ) -> int:
     """Simulate the load cases of a job: which case governs each limit, and one document of all of them.
 
@@ -37,6 +34,7 @@ def cases(
     """
     from rich.markup import escape
 
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.job import job_content
     from wirerope_mj.content.numbers import several
     from wirerope_mj.runs.job import CASES, run_job
@@ -68,11 +66,8 @@ def cases(
     content = job_content(result.job)
     show(content, "limits")
     print_headline(content.verdict)
-    files = ", ".join(sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir()))
-    shown = escape(str(folder))
-    screen.print(f"\n  written to {shown}/, {perf_counter() - began:.1f} s in all", soft_wrap=True)
-    screen.print(f"  {escape(files)}", soft_wrap=True)
-    screen.print(
-        f"  [bold]wirerope show {shown}/job.rrd[/] opens the view, which switches between the cases", soft_wrap=True
-    )
+    files = sorted(f"{path.name}/" if path.is_dir() else path.name for path in folder.iterdir())
+    effect = "opens the view, which switches between the cases"
+    print()
+    say_where(f"{folder}/, {perf_counter() - began:.1f} s in all", files, show=folder / "job.rrd", effect=effect)
     return 0

@@ -4,11 +4,9 @@ import os
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from cyclopts import Parameter
-from rich.markup import escape
-
+from wirerope_mj.cli.options import Flag, Texts
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
@@ -17,14 +15,14 @@ from wirerope_mj.foundation.plain_text import plain
 def compare(
     *runs: Path,
     out: Path | None = None,
-    names: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    names: Texts = None,
     align: Literal["start", "shock"] = "start",
-    map: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    map: Texts = None,
     start: float | None = None,
     clock: float | None = None,
     baseline: Literal["none", "rest", "mean"] | None = None,
     gaps: Literal["refuse", "fill"] | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 
@@ -59,6 +57,7 @@ def compare(
         return _compare_tests(runs, names, map, options, out, force=force)
     if options:
         raise ValueError(f"`--{next(iter(options))}` is for measured tests, whose columns --map names.")
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.comparison import comparison_content
     from wirerope_mj.content.numbers import listed
     from wirerope_mj.engine.response import load_response
@@ -66,13 +65,14 @@ def compare(
     from wirerope_mj.runs.folder import warn_of_alterations
     from wirerope_mj.runs.job import is_job
     from wirerope_mj.runs.sources import is_run, judged_folder, run_inputs, run_verdicts
-    from wirerope_mj.views.terminal import console, print_headline, show
+    from wirerope_mj.views.terminal import print_title, show_answer
 
     for path in runs:
         if path.is_file() and is_measurement(path):
+            columns = listed(list(record_channels(path)))
+            example = '--map "COLUMN=point/NAME z g"'
             raise ValueError(
-                f"{path} is no run. If it was measured, say what its columns are, such as --map "
-                f'"COLUMN=point/NAME z g"; its columns are {listed(list(record_channels(path)))}.'
+                f"{path} is no run. If it was measured, say what its columns are, such as {example}; its columns are {columns}."
             )
     if len(runs) < 2:
         raise ValueError(f"compare takes two runs or more, got {len(runs)}: wirerope compare RUN RUN [RUN ..]")
@@ -89,43 +89,32 @@ def compare(
     responses = {name: load_response(folder) for name, folder in pairs}
     inputs = {name: run_inputs(folder) for name, folder in pairs}
     judged = {name: judged_folder(folder, responses[name]) for name, folder in pairs if is_run(folder)}
-    verdicts = {
-        name: judged[name].verdicts if name in judged else run_verdicts(folder, responses[name])
-        for name, folder in pairs
-    }
+    verdicts = {name: one.verdicts for name, one in judged.items()}
+    verdicts |= {name: run_verdicts(folder, responses[name]) for name, folder in pairs if name not in judged}
     drawn = several_runs(responses, align, verdicts)
     record_runs(drawn, target, inputs=inputs, judged=judged)
-    content, screen = comparison_content(drawn.comparison, inputs, judged), console()
-    screen.print(f"\n[bold]{escape(content.title)}[/]")
-    show(content, "headlines", "differences", "accelerations", "travel", "credibility")
-    print_headline(content.verdict)
-    show(content, "findings")
-    written = escape(str(target))
-    screen.print(f"\n  written to {written}, {target.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
-    screen.print(f"  [bold]wirerope show {written}[/] opens the view", soft_wrap=True)
+    content = comparison_content(drawn.comparison, inputs, judged)
+    print_title(content.title)
+    show_answer(content, "headlines", "differences", "accelerations", "travel", "credibility", last="findings")
+    print()
+    say_where(f"{target}, {target.stat().st_size / 1e6:.1f} MB", show=target)
     return 0
 
 
 def _compare_tests(
-    paths: Sequence[Path],
-    names: Sequence[str] | None,
-    mapped: Sequence[str],
-    options: dict[str, Any],
-    out: Path | None,
-    *,
-    force: bool,
-) -> int:
+    paths: Sequence[Path], names: Sequence[str] | None, mapped: Sequence[str], options: dict[str, Any], out: Path | None,
+    *, force: bool,
+) -> int:  # fmt: skip
     """Correlate the first of the paths, a run, with the others, tests."""
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.correlation import correlation_content
-    from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.runs.correlation import write_correlation
     from wirerope_mj.runs.measured import read_map
-    from wirerope_mj.views.terminal import console, print_headline, show
+    from wirerope_mj.views.terminal import print_title, show_answer
 
     if len(paths) < 2:
-        raise ValueError(
-            'compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..'
-        )
+        text = 'compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..'
+        raise ValueError(text)
     run, *files = paths
     called = _names(files, names) if names else [file.stem for file in files]
     page = out or run / "correlation.html"
@@ -136,12 +125,11 @@ def _compare_tests(
     if run.is_dir():
         check_writable(page)
     tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
-    content, screen = correlation_content(run.resolve().name, tests), console()
-    screen.print(f"\n[bold]{escape(content.title)}[/]")
-    show(content, "tests", *(section.id for section in content.sections if section.depth == "summary"))
-    print_headline(content.verdict)
+    content = correlation_content(run.resolve().name, tests)
+    print_title(content.title)
+    show_answer(content, "tests", *content.sections_of("summary"))
     for path in (page, page.with_suffix(".rrd")):
-        screen.print(f"  written to {escape(str(path))}, {path.stat().st_size / 1e6:.1f} MB", soft_wrap=True)
+        say_where(f"{path}, {path.stat().st_size / 1e6:.1f} MB")
     return 0
 
 
@@ -153,13 +141,11 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
     from wirerope_mj.views.terminal import print_headline, show
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):
-        raise ValueError(
-            "compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN"
-        )
+        text = "compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN"
+        raise ValueError(text)
     if out is not None:
-        raise ValueError(
-            "`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs."
-        )
+        text = "`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs."
+        raise ValueError(text)
     judged = {name: judged_job(folder) for name, folder in zip(names, jobs, strict=True)}
     inputs = {
         name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}

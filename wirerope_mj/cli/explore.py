@@ -3,11 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Any
 
-from cyclopts import App, Parameter
-
-from wirerope_mj.cli.options import BAD_INPUT, NUMERICS, listing_options, own_option, run_with_options, with_numerics
+from wirerope_mj.cli.file_command import file_command, run_with_options
+from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
 
 _OWN = (
     own_option("browser", bool, True, "open the page; its address is printed in any case", negative="--no-browser"),
@@ -15,19 +14,14 @@ _OWN = (
     own_option("port", int, 0, "on which the page is served; a free one if it is not given"),
 )  # fmt: skip
 
-explore_app = App(
-    name="explore",
-    usage="Usage: wirerope explore SCENARIO-OR-MODEL [OPTIONS]",
-    help_epilogue="`wirerope explore SCENARIO-OR-MODEL --help` also shows the options of that scenario or model.",
-    help_flags=[],
-    version_flags=[],
-    suppress_keyboard_interrupt=False,
+
+@file_command(
+    "SCENARIO-OR-MODEL",
+    "the scenario or the model comes first: wirerope explore SCENARIO-OR-MODEL",
+    "`wirerope explore SCENARIO-OR-MODEL --help` also shows the options of that scenario or model.",
+    [*NUMERICS, *_OWN],
 )
-
-
-@explore_app.default
-@listing_options([*NUMERICS, *_OWN])
-def explore(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+def explore(name: str, tokens: Sequence[str]) -> None:
     """Move sliders in a page of this machine and see verdict, curves and recording change: a what-if.
 
     SCENARIO-OR-MODEL is a scenario as `wirerope run` takes it, a model, whose base is then struck by a half-sine, or the folder
@@ -35,21 +29,7 @@ def explore(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=T
     has sliders for the level and the direction of the base motion, the payload's mass, the stiffness of each kind of isolator
     and the damping. It is served on this machine alone, and nothing is sent anywhere. Ctrl-C ends it.
     """
-    if not tokens or tokens[0] in ("--help", "-h"):
-        from wirerope_mj.cli.app import app
-
-        app.help_print(["explore"])
-        return 0 if tokens else BAD_INPUT
-    if tokens[0].startswith("-"):
-        raise ValueError(
-            f"the scenario or the model comes first: wirerope explore SCENARIO-OR-MODEL {' '.join(tokens)}"
-        )
-    _explore(tokens[0], tokens[1:])
-    return 0
-
-
-def _explore(name: str, tokens: Sequence[str]) -> None:
-    from wirerope_mj.runs.explore import scenario_or_model
+    from wirerope_mj.runs.explore import Exploration, scenario_or_model
 
     file = scenario_or_model(name)
     numerics = [option for option in NUMERICS if option.name not in file.defaults]
@@ -58,7 +38,6 @@ def _explore(name: str, tokens: Sequence[str]) -> None:
         made = file.make(**options)
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))
-        from wirerope_mj.runs.explore import Exploration
         from wirerope_mj.runs.measured import tests_of
         from wirerope_mj.views.explore.server import serve
 

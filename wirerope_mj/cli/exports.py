@@ -1,12 +1,12 @@
 """`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
 
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from cyclopts import Parameter
+from wirerope_mj.cli.options import Flag, Repeated
 
 
-def share(folder: Path, out: Path, *, force: Annotated[bool, Parameter(negative=())] = False) -> int:
+def share(folder: Path, out: Path, *, force: Flag = False) -> int:
     """Write report, recording and viewer of a run as one folder that any web server shows.
 
     Instants of events and verdicts in the report open the timeline where they are. Nothing needs the network at view time.
@@ -30,11 +30,11 @@ def export(
     folder: Path,
     out: Path,
     *,
-    channels: Annotated[list[str] | None, Parameter(negative=())] = None,
+    channels: Repeated = None,
     at: str | None = None,
     spectrum: str | None = None,
     q: float = 10.0,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.
 
@@ -67,9 +67,8 @@ def export(
     kind = out.suffix.lower()
     if kind == ".png" or at is not None:
         if kind != ".png" or channels or spectrum is not None:
-            raise ValueError(
-                "`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`."
-            )
+            text = "`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`."
+            raise ValueError(text)
         print(plain(f"written: {write_still(folder, out, at=at, force=force)}"))
         return 0
     if kind == ".xlsx" and spectrum is None:
@@ -98,8 +97,8 @@ def fmu(
     *,
     timestep: float | None = None,
     initial: Literal["settled", "relaxed", "unloaded"] = "settled",
-    every: Annotated[bool, Parameter(negative=())] = False,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    every: Flag = False,
+    force: Flag = False,
 ) -> int:
     """Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.
 

@@ -1,9 +1,8 @@
 """`wirerope flexible`: the modes of a deck or of equipment from a finite-element program, checked, as a part for models."""
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import Parameter
+from wirerope_mj.cli.options import Flag
 
 
 def flexible(
@@ -15,7 +14,7 @@ def flexible(
     mass_kg: float | None = None,
     damping: float = 2.0,
     highest_hz: float | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.
 

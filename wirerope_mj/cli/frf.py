@@ -4,23 +4,22 @@ import sys
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
-from rich.markup import escape
-
+from wirerope_mj.cli.options import Deck, Flag, Numbers
+from wirerope_mj.cli.tables import say_where
 from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
 from wirerope_mj.dynamics.frequency_response.summary import level_summaries, order_bands
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_on_deck
+from wirerope_mj.foundation.atomic_files import check_folder
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.runs.analyses import KIND, MARKS, write_frequency_response
-from wirerope_mj.runs.folder import check_target
-from wirerope_mj.views.terminal import console, print_headline, print_lines, print_warnings, show
+from wirerope_mj.views.terminal import print_lines, print_title, print_warnings, show_answer
 
 NOT_COMPLETE = 1  # Exit code of a response with a branch that ended before the end of the range
 DEFAULT = 1.0  # Level where none is said [m/s^2]: a tenth of a g, as a resonance search on a shaker takes
@@ -29,8 +28,8 @@ DEFAULT = 1.0  # Level where none is said [m/s^2]: a tenth of a g, as a resonanc
 def frf(
     model: str,
     *,
-    acceleration: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
-    acceleration_g: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    acceleration: Numbers = None,
+    acceleration_g: Numbers = None,
     method: Literal["sweep", "continuation", "both"] = "continuation",
     start: float | None = None,
     stop: float | None = None,
@@ -42,12 +41,12 @@ def frf(
     largest_step: float = 0.02,
     smallest_step: float = 1e-5,
     smoothing: float | None = None,
-    orders: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
-    speed_rpm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
-    deck: str | None = None,
+    orders: Numbers = None,
+    speed_rpm: Numbers = None,
+    deck: Deck = None,
     keep: Path | None = None,
     out: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Compute the frequency response of a model: resonances, folds and jumps, what is stable, and pictures of it.
 
@@ -72,8 +71,6 @@ def frf(
         smoothing: fraction of the mounts' largest velocity over which the continuation smooths the laws; none by default.
         orders: orders of a machine's speed that are shaded in the pictures, such as 0.5 1 2, and held against the resonances.
         speed_rpm: its speed [1/min], or the lowest and the highest.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         keep: folder that keeps the points as they are found: the same command resumes there after it was interrupted.
         out: folder of the result; runs/MODEL-frf-DATE-TIME by default.
         force: replace a frequency response that is there.
@@ -91,7 +88,7 @@ def frf(
     system = load_on_deck(model, deck_of(deck) if deck else None)
     print_warnings(model_warnings(system))
     folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
-    check_target(folder, force=force, kind=KIND, marks=MARKS)
+    check_folder(folder, force=force, kind=KIND, marks=MARKS)
     watched = sys.stderr.isatty()
     report = _report if watched else None
     result = frequency_response(system, options, name=system.name, report=report, keep=keep, progress=watched)
@@ -100,12 +97,12 @@ def frf(
     findings = level_summaries(result)
     content = response_content(result, findings, bands)
     write_frequency_response(result, findings, content, folder, force=force)
-    console().print(f"\n[bold]{escape(content.title)}[/]")
+    print_title(content.title)
     print_lines(f"{name}: {text}" for name, text in content.facts if name != "By")
-    show(content, "peaks", "levels")
-    print_headline(content.verdict)
-    show(content, "answer")
-    _print_written(folder)
+    show_answer(content, "peaks", "levels")
+    files = sorted(path.name for path in folder.iterdir() if path.is_file())
+    print()
+    say_where(f"{folder}/", [*files, "model/"], show=folder if "run.rrd" in files else None)
     return 0 if result.complete else NOT_COMPLETE
 
 
@@ -121,12 +118,3 @@ def _levels(acceleration: Sequence[float] | None, acceleration_g: Sequence[float
 def _report(text: str) -> None:
     """Say what is being done on standard error."""
     print(plain(f"{text} .."), file=sys.stderr, flush=True)
-
-
-def _print_written(folder: Path) -> None:
-    screen = console()
-    files = sorted(path.name for path in folder.iterdir() if path.is_file())
-    screen.print(f"\n  written to {escape(str(folder))}/", soft_wrap=True)
-    screen.print(f"  {', '.join(files)}, model/", soft_wrap=True)
-    if "run.rrd" in files:
-        screen.print(f"  [bold]wirerope show {escape(str(folder))}[/] opens the view", soft_wrap=True)

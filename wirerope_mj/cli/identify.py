@@ -4,14 +4,14 @@ import math
 import shutil
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Flag, Integer, Texts
 from wirerope_mj.content.identification import identification_content
 from wirerope_mj.content.numbers import several
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
@@ -28,10 +28,9 @@ from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
 from wirerope_mj.mounts.laws import LAWS, Law, Masing, Stop
 from wirerope_mj.mounts.vendor_parts import load_isolator
-from wirerope_mj.runs.folder import atomic_run, check_target
 from wirerope_mj.runs.page import REPORT, write_page
 from wirerope_mj.views.report import check_pdf
-from wirerope_mj.views.terminal import console, print_headline, show
+from wirerope_mj.views.terminal import console, show_answer
 
 NOT_CONVERGED = 1  # Exit code of a fit that did not converge
 _PDF = "report.pdf"
@@ -49,16 +48,16 @@ def identify_records(
     report: Path | None = None,
     name: str | None = None,
     constraint: Literal["beta>gamma", "beta=gamma", "beta<gamma"] | None = None,
-    fix: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
-    free: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    fix: Texts = None,
+    free: Texts = None,
     beside: Path | None = None,
     join: Path | None = None,
     elements: Integer | None = None,
     scales: Literal["1", "2", "3", "auto"] = "1",
     start: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
-    accept_unconverged: Annotated[bool, Parameter(negative=())] = False,
-    pdf: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
+    accept_unconverged: Flag = False,
+    pdf: Flag = False,
 ) -> int:
     """Fit a law to records of cyclic tests: an isolator file, what the data fix, and a report.
 
@@ -109,25 +108,22 @@ def identify_records(
     )  # fmt: skip
     given = [*(fix or ()), *([constraint] if constraint is not None else [])]
     given += [f"the law of {beside.name} beside it"] if beside is not None else []
-    isolator = identified_isolator(
-        result, name=name, axis=axis, files=files, given=given, known=known, whole=whole,
-    )  # fmt: skip
+    isolator = identified_isolator(result, name=name, axis=axis, files=files, given=given, known=known, whole=whole)
     kinds = " and ".join(one.name for one in result.law.components)
     if result.scales:
         kinds = f"{result.law.components[0].name} on {len(result.scales)} scales"
-    warnings = loop_warnings(tests, result)
+    warnings = list(loop_warnings(tests, result))
     if falling := falling_in_rating(result, axis, whole or known):
-        warnings = [
-            *warnings,
-            f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that",
-        ]
+        warnings.append(
+            f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that"
+        )
     content = identification_content(
         result, fitted_loops(result), title=f"{name}, {axis}: {kinds}",
         sources=[f"{path}: {contents(loops)}" for path, loops in tests.items()], warnings=warnings,
         given=assumptions(result, given),
     )  # fmt: skip
     wanted = result.converged or accept_unconverged
-    with atomic_run(target, force=force, kind="report", marks=_marks(target)) as folder:
+    with atomic_folder(target, force=force, kind="report", marks=_marks(target)) as folder:
         write_page(content, [folder / REPORT, *([folder / _PDF] if pdf else [])])
         _keep_others(target, folder)
         if wanted:
@@ -135,9 +131,7 @@ def identify_records(
     screen = console()
     loops = several(len(result.loops), "loop")
     screen.print(f"[bold]{escape(isolator.name)}[/], {axis}: {loops} of {several(len(tests), 'file')}")
-    show(content, "parameters", "loops-and-residuals", "search")
-    print_headline(content.verdict)
-    show(content, "answer")
+    show_answer(content, "parameters", "loops-and-residuals", "search")
     _print_written(out, f"{target}/ ({f'{REPORT}, {_PDF}' if pdf else REPORT})", wanted=wanted)
     return 0 if result.converged else NOT_CONVERGED
 
@@ -218,7 +212,7 @@ def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:
         raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another path.")
     if pdf:
         check_pdf()
-    check_target(report, force=force, kind="report", marks=_marks(report))
+    check_folder(report, force=force, kind="report", marks=_marks(report))
 
 
 def _marks(folder: Path) -> tuple[str]:

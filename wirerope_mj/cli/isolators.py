@@ -1,11 +1,10 @@
 """`wirerope isolators`: the catalogue, one isolator with its loops, an isolator from a data sheet or from its geometry."""
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Flag, Integer
 
 isolators_app = App(
     name="isolators",
@@ -17,7 +16,7 @@ isolators_app = App(
 def isolators(
     name: str | None = None,
     *,
-    all: Annotated[bool, Parameter(negative=())] = False,  # noqa: A002  # the option's name
+    all: Flag = False,  # noqa: A002  # the option's name
     out: Path | None = None,
 ) -> int:
     """Show the catalogue, or one isolator: its parameters, what its loops measure, and their picture.

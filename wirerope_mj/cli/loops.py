@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from wirerope_mj.cli.options import Integer
+from wirerope_mj.cli.options import Integer, Texts
 
 if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator
@@ -62,20 +62,13 @@ def loops(
         raise ValueError(f"{source} is a law without a rated travel: say at which `--amplitudes` [mm] to test it.")
     sizes = None if amplitudes is None else [positive("--amplitudes", size, unit="mm") / 1e3 for size in amplitudes]
     mean = operating_point_mm / 1e3
+    how: dict[str, Any] = {"operating_point": mean, "frequency": frequency}
     found = {
-        title: cyclic_test(
-            law,
-            sizes or amplitudes_of(device, one, _FRACTIONS),
-            operating_point=mean,
-            frequency=frequency,
-            cycles=cycles,
-        )
+        title: cyclic_test(law, sizes or amplitudes_of(device, one, _FRACTIONS), cycles=cycles, **how)
         for title, (one, law) in laws.items()
     }
     tested = {title: law for title, (_, law) in laws.items()}
-    content = loops_content(
-        CyclicTests(isolator=device, laws=tested, loops=found, operating_point=mean, frequency=frequency)
-    )
+    content = loops_content(CyclicTests(isolator=device, laws=tested, loops=found, **how))
     show(content)
     save_charts([block for block in content.blocks() if isinstance(block, Chart)], picture, title=device.name)
     say_written(picture)
@@ -139,7 +132,7 @@ def _check_csv(csv: Path, laws: "Mapping[str, tuple[str, Law]]") -> None:
 def laws(
     *files: Path,
     elements: int = 5,
-    law: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    law: Texts = None,
 ) -> int:
     """Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.
 

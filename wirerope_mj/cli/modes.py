@@ -2,21 +2,21 @@
 
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
+from wirerope_mj.cli.options import Deck, Flag, Numbers
 
 
 def modes(
     model: str,
     *,
     history: Literal["virgin", "relaxed"] = "virgin",
-    amplitude_mm: Annotated[list[float] | None, Parameter(consume_multiple=True, negative=())] = None,
+    amplitude_mm: Numbers = None,
     ddam: Literal["hull", "deck", "shell"] | None = None,
     ship: Literal["surface", "submarine"] = "surface",
-    deck: str | None = None,
+    deck: Deck = None,
     out: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.
 
@@ -31,24 +31,20 @@ def modes(
         ddam: print the design accelerations of DDAM for equipment on a ship's hull, deck or shell, too: x fore and aft, y
             athwartship, z vertical.
         ship: for which ship.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         out: folder of the result, or a .rrd file for the recording alone; runs/MODEL-modes-DATE-TIME by default.
         force: replace what is there.
     """
-    from rich.markup import escape
-
+    from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.modes import modes_content
     from wirerope_mj.dynamics.modes import modes as modes_of
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings
     from wirerope_mj.engine.system import load_on_deck
     from wirerope_mj.foundation.arguments import positive
-    from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.foundation.atomic_files import check_folder, check_writable
     from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.runs.analyses import MODES_KIND, MODES_MARKS, write_modes
-    from wirerope_mj.runs.folder import check_target
-    from wirerope_mj.views.terminal import console, print_warnings, show
+    from wirerope_mj.views.terminal import print_warnings, show
 
     sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
     system = load_on_deck(model, deck_of(deck) if deck else None)
@@ -59,7 +55,7 @@ def modes(
     if alone:
         check_writable(target)
     else:
-        check_target(target, force=force, kind=MODES_KIND, marks=MODES_MARKS)
+        check_folder(target, force=force, kind=MODES_KIND, marks=MODES_MARKS)
     print_warnings(model_warnings(system))
     small = modes_of(system, history=history)
     large = [modes_of(system, history=history, amplitude=size) for size in sizes]
@@ -71,7 +67,6 @@ def modes(
     else:
         write_modes(system, system.name, [small, *large], target, force=force)
     show(modes_content(system, small, large, ddam=ddam and (ship, ddam)))
-    screen, written = console(), f"{target}" if alone else f"{target}/"
-    screen.print(f"\n  written to {escape(written)}", soft_wrap=True)
-    screen.print(f"  [bold]wirerope show {escape(str(target))}[/] opens the view", soft_wrap=True)
+    print()
+    say_where(f"{target}" if alone else f"{target}/", show=target)
     return 0

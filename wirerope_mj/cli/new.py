@@ -2,9 +2,9 @@
 
 import sys
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import Parameter
+from wirerope_mj.cli.options import Deck, Flag
 
 
 def new(
@@ -19,10 +19,10 @@ def new(
     tables: Path | None = None,
     name: str | None = None,
     template: Literal["cabinet", "floor", "genset", "medium-weight-machine", "two-stage"] | None = None,
-    deck: str | None = None,
+    deck: Deck = None,
     products: Literal["tensor", "positive"] = "tensor",
-    pdf: Annotated[bool, Parameter(negative=())] = False,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    pdf: Flag = False,
+    force: Flag = False,
 ) -> int:
     """Make a model from tables of mounts, masses, stops and points, or from a template: model, plan, statics.
 
@@ -44,8 +44,6 @@ def new(
         tables: workbook with sheets of these names, or folder with files of these names, in place of one option for each.
         name: of the equipment; the model's by default.
         template: start from a model of the house, without tables; that of genset is made of tables to edit.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         products: sign of the products of inertia: tensor (ixy = -sum x y dm), or positive (+sum x y dm).
         pdf: write the plan as PDF, too.
         force: replace the model's folder that is there.
@@ -72,8 +70,9 @@ def new(
             "cabinet`, `floor`, `genset`, `medium-weight-machine` or `two-stage`."
         )
     else:
+        positive = products == "positive"
         layout = new_model(
-            folder, found, name=name, positive_products=products == "positive", deck=bends, formats=formats, force=force
+            folder, found, name=name, positive_products=positive, deck=bends, formats=formats, force=force
         )
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
@@ -84,9 +83,7 @@ def new(
         return MISSING
 
 
-def levels(
-    name: str | None = None, *, out: Path | None = None, force: Annotated[bool, Parameter(negative=())] = False
-) -> int:
+def levels(name: str | None = None, *, out: Path | None = None, force: Flag = False) -> int:
     """List files of levels to fill in from a specification, or write one, for `wirerope shock MODEL --levels FILE`.
 
     The files name the fields and formulas of a standard. Levels are those of your own specification: none is built in, and a
@@ -105,9 +102,8 @@ def levels(
 
     templates = level_templates()
     if name is None:
-        print_questions(
-            "levels", {stem: read_toml(path, "file of levels")["standard"] for stem, path in templates.items()}
-        )
+        standards = {stem: read_toml(path, "file of levels")["standard"] for stem, path in templates.items()}
+        print_questions("levels", standards)
         return 0
     if name not in templates:
         raise ValueError(f"there are no levels {name!r}; there are {', '.join(templates)}.")

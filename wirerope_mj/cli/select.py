@@ -3,18 +3,16 @@
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
-from cyclopts import App, Parameter
+from cyclopts import App
 
-from wirerope_mj.cli.options import Integer, Integers
+from wirerope_mj.cli.options import Flag, Integer, Integers, Repeated, RepeatedPaths
 from wirerope_mj.foundation.arguments import integer, positive
 from wirerope_mj.foundation.plain_text import plain
 
 NOTHING_FOUND = 1  # Exit code if no part meets the demands
 Mode = Literal["compression", "45", "shear", "roll"]
-Texts = Annotated[list[str] | None, Parameter(negative=())]
-Flag = Annotated[bool, Parameter(negative=())]
 
 select_app = App(
     name="select",
@@ -26,14 +24,14 @@ select_app = App(
 def select(
     model: str | None = None,
     *,
-    shock: Texts = None,
-    levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    shock: Repeated = None,
+    levels: RepeatedPaths = None,
     mass: float | None = None,
-    mounts: Texts = None,
+    mounts: Repeated = None,
     size: tuple[float, float, float] | None = None,
     fragility: float | None = None,
     travel: float | None = None,
-    limit: Texts = None,
+    limit: Repeated = None,
     initial: Literal["settled", "relaxed"] = "settled",
     parts: str = "*",
     prices: Path | None = None,
@@ -78,7 +76,7 @@ def select(
     from wirerope_mj.motions.spoken import motion_from_words
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
-    from wirerope_mj.views.terminal import print_headline, show
+    from wirerope_mj.views.terminal import show_answer
 
     for option, value in {"mass": mass, "fragility": fragility, "travel": travel}.items():
         if value is not None:
@@ -109,8 +107,7 @@ def select(
     if tty:
         print("\r", end="", file=sys.stderr)
     content = catalogue_selection_content(selection, every=all)
-    show(content, "parts")
-    print_headline(content.verdict)
+    show_answer(content, "parts")
     if out is not None or take is not None:
         chosen = [one for one in selection.tried if take in (None, one.name)]
         if not chosen:
@@ -164,7 +161,7 @@ def worksheet(
     from wirerope_mj.assessment.selection import select_isolators, shock_from_text
     from wirerope_mj.assessment.selection.worksheet import WORKSHEET_GRAVITY
     from wirerope_mj.content.part_selection import selection_content
-    from wirerope_mj.views.terminal import print_headline, show
+    from wirerope_mj.views.terminal import show_answer
 
     _require(
         {
@@ -182,8 +179,7 @@ def worksheet(
         direction=direction, isolation_ratio=isolation_ratio, loops=loops or (),
     )  # fmt: skip
     content = selection_content(selection, every=all)
-    show(content, "worksheet", "parts")
-    print_headline(content.verdict)
+    show_answer(content, "worksheet", "parts")
     if selection.candidates and selection.rejected and not all:
         print("  --all shows every part and says why.")
     return 0 if selection.candidates else NOTHING_FOUND

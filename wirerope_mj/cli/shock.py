@@ -3,43 +3,40 @@
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from cyclopts import Parameter
-
-from wirerope_mj.cli.options import with_numerics
+from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, with_numerics
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
-Phrases = Annotated[list[str] | None, Parameter(negative=())]
 
 
 def shock(
     model: str,
     *,
-    half_sine: Phrases = None,
-    sawtooth: Phrases = None,
-    trapezoid: Phrases = None,
-    velocity_step: Phrases = None,
-    double_pulse: Phrases = None,
-    struck_deck: Phrases = None,
-    struck_plate: Phrases = None,
-    sine: Phrases = None,
-    sweep: Phrases = None,
-    psd: Phrases = None,
-    amplitude_table: Phrases = None,
-    spectrum: Phrases = None,
-    required_spectrum: Phrases = None,
-    unbalance: Phrases = None,
-    reciprocating: Phrases = None,
-    payload_force: Phrases = None,
-    moment: Phrases = None,
-    hammer: Phrases = None,
-    force_table: Phrases = None,
-    levels: Annotated[list[Path] | None, Parameter(negative=())] = None,
+    half_sine: Repeated = None,
+    sawtooth: Repeated = None,
+    trapezoid: Repeated = None,
+    velocity_step: Repeated = None,
+    double_pulse: Repeated = None,
+    struck_deck: Repeated = None,
+    struck_plate: Repeated = None,
+    sine: Repeated = None,
+    sweep: Repeated = None,
+    psd: Repeated = None,
+    amplitude_table: Repeated = None,
+    spectrum: Repeated = None,
+    required_spectrum: Repeated = None,
+    unbalance: Repeated = None,
+    reciprocating: Repeated = None,
+    payload_force: Repeated = None,
+    moment: Repeated = None,
+    hammer: Repeated = None,
+    force_table: Repeated = None,
+    levels: RepeatedPaths = None,
     record: Path | None = None,
     scale: float = 1.0,
     direction: str | None = None,
-    channels: Annotated[list[str] | None, Parameter(consume_multiple=True, negative=())] = None,
+    channels: Texts = None,
     baseline: Literal["none", "rest", "mean", "velocity", "highpass"] = "none",
     highpass: float | None = None,
     resample: float | None = None,
@@ -51,11 +48,11 @@ def shock(
     sample_rate: float = 1000.0,
     accuracy: float | None = None,
     timestep: float | None = None,
-    deck: str | None = None,
-    limit: Phrases = None,
+    deck: Deck = None,
+    limit: Repeated = None,
     combined_travel: bool = True,
     out: Path | None = None,
-    force: Annotated[bool, Parameter(negative=())] = False,
+    force: Flag = False,
 ) -> int:
     """Move a model's base or force its payload: pulses, sines, random vibration, records, unbalance, several at once.
 
@@ -110,15 +107,13 @@ def shock(
         sample_rate: of the response [Hz].
         accuracy: error allowed, as a fraction of the peaks; the step is chosen for it: 1e-4 by default.
         timestep: largest step [s], in place of one that is chosen; no error is estimated then.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         limit: "acceleration/rack = 15 g" or "clearance/rack_top = 30 30 20 mm": a limit of the payload, in place of the
             model's.
         combined_travel: judge mounts on all axes at once, by this program's own rule.
         out: folder of the run; runs/shock-MODEL-MOTION-DATE-TIME by default.
         force: replace a run that is there.
     """
-    from wirerope_mj.cli.printed_run import run_and_print
+    from wirerope_mj.cli.tables import run_and_print
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.simulation.simulate import duration_of
     from wirerope_mj.engine.system import load_system
@@ -148,28 +143,19 @@ def shock(
         phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
-    options: dict[str, Any] = {
-        **{kind: "; ".join(several) if several else None for kind, several in spoken.items()},
-        "levels": " ".join(file.name for file in levels) if levels else None,
-        "record": record.name if record else None,
-        "direction": direction,
-        "channels": channels,
-        "duration": duration,
-    }
+    options: dict[str, Any] = {kind: "; ".join(several or ()) or None for kind, several in spoken.items()}
+    options |= {
+        "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
+        "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,
+    }  # fmt: skip
     made = Scenario(
-        question=QUESTION, model=model, motion=motion, simulate={}, name=name, options=_given(options),
-        combined_travel=combined_travel, limits=[limit_from_text(text) for text in limit or ()],
+        question=QUESTION, model=model, motion=motion, simulate={}, name=name, combined_travel=combined_travel,
+        options={name: value for name, value in options.items() if value is not None},
+        limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
-    if deck is not None:
-        made = made.on_deck(deck_of(deck))
+    made = made if deck is None else made.on_deck(deck_of(deck))
     duration = duration_of(motion, duration, load_system(made.model_source(), isolators=made.isolators))
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)
     return 0
-
-
-def _given(options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options that were given, as plain text."""
-    plain = {name: " ".join(value) if isinstance(value, list) else value for name, value in options.items()}
-    return {name: value for name, value in plain.items() if value is not None}

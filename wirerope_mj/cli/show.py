@@ -1,12 +1,11 @@
 """`wirerope show`: a recording in the viewer."""
 
 from pathlib import Path
-from typing import Annotated
 
-from cyclopts import Parameter
+from wirerope_mj.cli.options import Flag
 
 
-def show(folder: Path, *, web: Annotated[bool, Parameter(negative=())] = False) -> int:
+def show(folder: Path, *, web: Flag = False) -> int:
     """Open a run, a job, or the worst variants of a study, in the rerun viewer.
 
     Args:

@@ -2,12 +2,13 @@
 
 from pathlib import Path
 
+from wirerope_mj.cli.options import Deck
 from wirerope_mj.foundation.plain_text import plain
 
 MISSING = 1  # Exit code if there is no virgin or no relaxed position; what there is has been printed
 
 
-def statics(model: str, *, deck: str | None = None, json: Path | None = None) -> int:
+def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
     """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
@@ -15,8 +16,6 @@ def statics(model: str, *, deck: str | None = None, json: Path | None = None) ->
 
     Args:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
-        deck: "10 Hz 800 kg 4 %": a deck panel of that mass under all mounts, tuned alone to that frequency along z, with that
-            damping ratio (2 % if none is said), in place of the rigid deck; or the folder of a flexible part.
         json: file for the same values in SI units.
     """
     from wirerope_mj.assessment.criteria import static_load_verdicts
@@ -25,7 +24,7 @@ def statics(model: str, *, deck: str | None = None, json: Path | None = None) ->
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.statics import model_warnings, static_table
     from wirerope_mj.engine.system import load_on_deck
-    from wirerope_mj.foundation.atomic_files import check_writable
+    from wirerope_mj.foundation.atomic_files import check_writable, write_json
     from wirerope_mj.views.terminal import print_warnings, show
 
     if json is not None:
@@ -43,16 +42,6 @@ def statics(model: str, *, deck: str | None = None, json: Path | None = None) ->
             "verdicts": [verdict.to_dict() for verdict in verdicts],
             "stability": {history: values.to_dict() for history, values in stability.items()},
         }
-        write_json(content, json)
+        write_json(json, content)
         print(plain(f"  written to {json}"))
     return MISSING if table.missing else 0
-
-
-def write_json(content: dict[str, object], path: Path) -> None:
-    """Write plain values, whole or not at all."""
-    import json
-
-    from wirerope_mj.foundation.atomic_files import atomic_file
-
-    with atomic_file(path) as beside:
-        beside.write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")

@@ -1,24 +1,21 @@
-"""`wirerope study`: a study file's options, or a scenario's and what varies of it, become those of the command; its report."""
+"""`wirerope study`: a study file's options, or a scenario's and what varies of it, become those of the command."""
 
 import inspect
-import sys
 import warnings
 from collections.abc import Callable, Sequence
-from datetime import datetime
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Any, Literal
 
-from cyclopts import App, Parameter
 from rich.markup import escape
 
-from wirerope_mj.cli.options import BAD_INPUT, DECK, listing_options, own_option, run_with_options
-from wirerope_mj.cli.tables import print_questions
-from wirerope_mj.content.study import varied_table
+from wirerope_mj.cli.computed_study import compute_and_print
+from wirerope_mj.cli.file_command import file_command, run_with_options
+from wirerope_mj.cli.options import own_option
+from wirerope_mj.cli.tables import print_questions, say_where
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
-from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
-from wirerope_mj.foundation.plain_text import plain
+from wirerope_mj.foundation.errors import ModelError, StudyWarning
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, study_of, what_can_vary
 from wirerope_mj.runs.job_file import load_job
@@ -26,30 +23,19 @@ from wirerope_mj.runs.option_file import defines
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
-from wirerope_mj.studies.folder import dead
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.sampling import SAMPLINGS
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE, read_vary
 from wirerope_mj.studies.inputs_file import STUDY
-from wirerope_mj.studies.measures import measure_names
-from wirerope_mj.studies.result import NOT_COMPUTED, StudyResult
-from wirerope_mj.studies.results.measure import unknown_measure
-from wirerope_mj.studies.results.stated_limits import limit_of_text, write_stated
-from wirerope_mj.studies.search.search import Search
-from wirerope_mj.studies.study import Study
-from wirerope_mj.views.terminal import console, print_block, print_headline, print_warnings, show
+from wirerope_mj.views.terminal import console, print_warnings, show_answer
 
-# Options of the computation of a study.
+# Options of the computation of a study, and of a study that a scenario does not have.
 _RUN = (
-    own_option(
-        "engine", Literal["local", "dask"], "local", "local: processes of this machine; dask: the workers of a cluster"
-    ),
+    own_option("engine", Literal["local", "dask"], "local", "local: processes of this machine; dask: the workers of a cluster"),
     own_option("workers", int | None, None, "processes; one per processor if it is not given"),
     own_option("address", str | None, None, "of a Dask scheduler that exists, tcp://HOST:8786 for instance"),
     own_option(
-        "keep",
-        Literal["peaks", "responses"],
-        "peaks",
+        "keep", Literal["peaks", "responses"], "peaks",
         "of each variant its peaks, or responses: every sample, too, in a file each",
     ),
     own_option("resume", bool, False, "go on with the study that stands in --out", negative=()),
@@ -57,46 +43,47 @@ _RUN = (
     own_option("force", bool, False, "replace a study that is there", negative=()),
     own_option("by", str | None, None, "measure by which variants are worst; travel if anything is rated"),
     own_option(
-        "limit",
-        list[str] | None,
-        None,
-        '"deflection/*/roll = 35 mm": how often it is exceeded is said here and in the report',
-        negative=(),
+        "limit", list[str] | None, None,
+        '"deflection/*/roll = 35 mm": how often it is exceeded is said here and in the report', negative=(),
     ),
     own_option(
         "open_worst", int, 0, "0 to 6: write the worst variants as runs, lay two or more over each other, and open them"
     ),
-)
-# Options of a study that a scenario does not have.
+)  # fmt: skip
 _VARY = (
     own_option(
         "vary", list[str] | None, None, f'"{EXAMPLE}", once for each quantity; without it all that can vary is listed',
         negative=(),
     ),
-    own_option("deck", str | None, None, DECK),
+    own_option(
+        "deck", str | None, None,
+        '"10 Hz 800 kg 4 %": a deck panel of that mass, frequency alone and damping ratio, in place of the rigid deck',
+    ),
     own_option("variants", int | None, None, f"how many; {VARIANTS} unless a grid says it"),
     own_option("sampling", Literal[SAMPLINGS], "sobol", "how the variants are chosen"),
     own_option("seed", int, 1, "of the sampling"),
     own_option("timestep", float | None, None, "largest step [s], instead of the scenario's"),
     own_option("accuracy", float | None, None, "error of the peaks for which the step is chosen, instead of the scenario's"),
 )  # fmt: skip
+_LIST = own_option("list", bool, False, "print the studies that ship with the package, and nothing else", negative=())
 _OTHER_NAME = "study_{}"  # Name of such an option if the scenario has one of its name
 
 
-_LIST = own_option("list", bool, False, "print the studies that ship with the package, and nothing else", negative=())
-study_app = App(
-    name="study",
-    usage="Usage: wirerope study STUDY-OR-SCENARIO [OPTIONS]",
-    help_epilogue="`wirerope study NAME --help` also shows the options of that study.",
-    help_flags=[],
-    version_flags=[],
-    suppress_keyboard_interrupt=False,
+def list_studies() -> None:
+    """Print name and question of the studies that ship with the package."""
+    print_questions("study", {name: load_study_file(name).question for name in shipped_studies()})
+    scenarios = ", ".join(shipped_scenarios())
+    console().print(f'\nA scenario becomes a study with --vary "{EXAMPLE}":\n  {scenarios}', soft_wrap=True)
+
+
+@file_command(
+    "STUDY-OR-SCENARIO",
+    "the study comes first: wirerope study STUDY",
+    "`wirerope study NAME --help` also shows the options of that study.",
+    [*_VARY, *_RUN, _LIST],
+    list_studies,
 )
-
-
-@study_app.default
-@listing_options([*_VARY, *_RUN, _LIST])
-def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=True)]) -> int:
+def study(name: str, tokens: Sequence[str]) -> None:
     """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
 
     STUDY-OR-SCENARIO is the path of a study file or of a scenario file, or the name of one that ships with the package, or the
@@ -108,48 +95,22 @@ def study(*tokens: Annotated[str, Parameter(show=False, allow_leading_hyphen=Tru
 
     A study that was interrupted goes on with the same options, --resume and --out FOLDER.
     """
-    if not tokens or tokens[0] in ("--help", "-h"):
-        from wirerope_mj.cli.app import app
-
-        app.help_print(["study"])
-        return 0 if tokens else BAD_INPUT
-    if tokens[0] == "--list":
-        list_studies()
-        return 0
-    if tokens[0].startswith("-"):
-        raise ValueError(f"the study comes first: wirerope study STUDY {' '.join(tokens)}")
-    study_command(tokens[0], tokens[1:])
-    return 0
-
-
-def list_studies() -> None:
-    """Print name and question of the studies that ship with the package."""
-    print_questions("study", {name: load_study_file(name).question for name in shipped_studies()})
-    console().print(
-        f'\nA scenario becomes a study with --vary "{EXAMPLE}":\n  {", ".join(shipped_scenarios())}', soft_wrap=True
-    )
-
-
-def study_command(name: str, tokens: Sequence[str]) -> None:
-    """Compute the study called `name`, or that of the scenario or the run called so, with the options in `tokens`."""
     path = Path(name)
     if is_run(path):
         _of_scenario(stored_scenario(path), tokens)
-        return
-    if path.suffix.lower() == ".toml" and path.name != SCENARIO:
+    elif path.suffix.lower() == ".toml" and path.name != SCENARIO:
         _of_job(path, tokens)
-        return
-    if path.is_file():
-        of_scenario = defines(path, "scenario") and not defines(path, "study")
-    else:
-        of_scenario = name in shipped_scenarios() and name not in shipped_studies()
-    if of_scenario:
+    elif (
+        defines(path, "scenario") and not defines(path, "study")
+        if path.is_file()
+        else name in shipped_scenarios() and name not in shipped_studies()
+    ):
         _of_scenario(load_scenario(name), tokens)
-        return
-    _check_known(name)
-    if any(token.split("=")[0] == "--vary" for token in tokens):
-        raise ValueError("`--vary` is for scenarios; what varies in a study file is said there.")
-    _of_file(load_study_file(name), tokens)
+    else:
+        _check_known(name)
+        if any(token.split("=")[0] == "--vary" for token in tokens):
+            raise ValueError("`--vary` is for scenarios; what varies in a study file is said there.")
+        _of_file(load_study_file(name), tokens)
 
 
 def _check_known(name: str) -> None:
@@ -165,9 +126,8 @@ def _check_known(name: str) -> None:
             f"study that was interrupted goes on with the command that began it and --resume --out {path}."
         )
     if path.is_dir():
-        raise ModelError(
-            f"{path}: this folder is no run, of which a study could be made; there is no {SCENARIO} in it."
-        )
+        text = f"{path}: this folder is no run, of which a study could be made; there is no {SCENARIO} in it."
+        raise ModelError(text)
     if path.suffix or len(path.parts) > 1:
         raise ModelError(f"{name}: there is no such file.")
     raise ModelError(
@@ -198,7 +158,8 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
         if deck is not None:
             scenario = scenario.on_deck(deck_of(deck))
         own["limit"] = _limits(scenario, own["limit"] or [])
-        compute_and_print(lambda: _study(scenario, **arguments), file.name, **own)
+        varied = arguments.pop("vary")
+        compute_and_print(lambda: study_of(scenario, vary=_quantities(scenario, varied), **arguments), file.name, **own)
 
     run_with_options(f"wirerope study {file.name}", file.function, [*vary, *_RUN], action, tokens)
 
@@ -220,10 +181,9 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
         _warn_of_unjudged(limits_of(first)[1])
         content = study_job(job, folder, vary=_quantities(first, varied), how={**own, "progress": True}, drawn=drawn)
         console().print(f"\n[bold]{escape(job.name)}[/]")
-        show(content, "cases")
-        print_headline(content.verdict)
-        show(content, "answer")
-        console().print(f"\n  written to {escape(str(folder))}/: report.html, and a study of each case", soft_wrap=True)
+        show_answer(content, "cases")
+        print()
+        say_where(f"{folder}/: report.html, and a study of each case")
 
     def none() -> None:
         """Compute the same variants under every load case of a job."""
@@ -241,15 +201,8 @@ def _limits(scenario: Scenario, given: Sequence[str]) -> list[str]:
 
 def _warn_of_unjudged(limits: Sequence[str]) -> None:
     if limits:
-        text = (
-            f"a study does not judge {'; '.join(limits)}, as the run was given it: write it into the model, as "
-            "limit/KIND/NAME."
-        )
-        warnings.warn(text, StudyWarning, stacklevel=3)
-
-
-def _study(scenario: Scenario, *, vary: Sequence[str] | None, **rest: Any) -> Study:
-    return study_of(scenario, vary=_quantities(scenario, vary), **rest)
+        text = f"a study does not judge {'; '.join(limits)}, as the run was given it"
+        warnings.warn(f"{text}: write it into the model, as limit/KIND/NAME.", StudyWarning, stacklevel=3)
 
 
 def _quantities(scenario: Scenario, vary: Sequence[str] | None) -> dict[str, Distribution]:
@@ -268,126 +221,3 @@ def _check_names(path: Path, kind: str, function: Callable[..., Any], own: Seque
     taken = [name for name in inspect.signature(function).parameters if name in names]
     if taken:
         raise ValueError(f"{path}: `{taken[0]}` is an option of the command; the {kind}'s must have another name.")
-
-
-def compute_and_print(
-    make: Callable[[], Study | Search],
-    name: str,
-    *,
-    resume: bool,
-    out: Path | None,
-    by: str | None,
-    open_worst: int,
-    limit: Sequence[str] | None = None,
-    **how: Any,
-) -> None:
-    """Compute a study or a search and print its results.
-
-    Args:
-        make: returns the study.
-        name: names its folder, unless `out` does.
-        resume: whether the study in `out` goes on.
-        out: its folder.
-        by: measure by which variants are worst.
-        open_worst: how many of them become runs and are opened.
-        limit: limits on measures: how often each is exceeded is printed, and stands in the folder's summary.
-        how: other arguments of `Study.run`.
-    """
-    from wirerope_mj.runs.study import checked_count
-
-    if resume and out is None:
-        raise ValueError("--resume goes on with the study in a folder; say which one with --out FOLDER.")
-    checked_count(open_worst)
-    study = make()
-    if by is not None and isinstance(study, Search):
-        raise ValueError("`--by` is for studies: the designs of a search are ordered by what it minimises.")
-    names = measure_names(study.base)
-    if by is not None and by not in names:
-        raise ValueError(f"`--by`: {unknown_measure(by, names)}")
-    limits = [limit_of_text(text, names) for text in limit or ()]
-    print_warnings(model_warnings(study.base))
-    print_block(varied_table(study.study if isinstance(study, Search) else study))
-    folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
-    result = _computed(study, folder, resume=resume, **how)
-    if limits:
-        write_stated(result, limits)
-    _show(result, by, open_worst)
-    if dead(folder):  # tables and pictures are there, but a script must not take them for those of the whole study
-        raise WireRopeError(f"{folder}: {NOT_COMPUTED}")
-
-
-def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
-    """Return the result of a study of which at least one variant could be simulated."""
-    try:
-        result = study.run(folder, progress=True, **how)
-    except KeyboardInterrupt:
-        if not (folder / STUDY).is_file():
-            raise
-        text = f"what is done is kept; go on with the same options and --resume --out {folder}"
-        raise KeyboardInterrupt(text) from None
-    if len(result.failed) == result.table.num_rows:
-        number, message = next(iter(result.failed.items()))
-        raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")
-    return result
-
-
-def _show(result: StudyResult, by: str | None, open_worst: int) -> None:
-    """Print a study or a search, write its pictures and worst variants, and open these."""
-    from wirerope_mj.runs.study import result_content, write_content, write_worst
-
-    content = result_content(result, by)
-    out = console()
-    out.print(f"\n[bold]{escape(result.study.name)}[/]  {escape(result.message)}")
-    show(content, "results", "inputs", "worst")
-    print_headline(content.verdict)
-    show(content, "answer")
-    write_content(content, result.folder)
-    worst = write_worst(result, by, open_worst) if open_worst else []
-    # What begins with a dot another process is writing just now.
-    files = sorted(path.name for path in result.folder.glob("[!.]*") if path.is_file())
-    out.print(f"\n  written to {escape(str(result.folder))}/", soft_wrap=True)
-    out.print(f"  {escape(', '.join(files))}", soft_wrap=True)
-    _open(worst)
-
-
-def _open(paths: Sequence[Path]) -> None:
-    """Print how the worst variants are opened, and open the first where there is a screen."""
-    from wirerope_mj.views.recording.viewer import has_display
-    from wirerope_mj.views.recording.viewer import show as open_viewer
-
-    for path in paths:
-        effect = "opens the worst variants over each other" if path.suffix else "opens the view of a variant"
-        console().print(f"  [bold]wirerope show {escape(str(path))}[/] {effect}", soft_wrap=True)
-    if not paths:
-        return
-    if has_display() and sys.stdout.isatty():
-        open_viewer(paths[0])
-    elif not has_display():
-        console().print("  there is no screen here: --web behind it shows them in a browser", soft_wrap=True)
-
-
-def study_report(
-    folder: Path,
-    *,
-    by: str | None = None,
-    out: Path | None = None,
-    pdf: Annotated[bool, Parameter(negative=())] = False,
-    force: Annotated[bool, Parameter(negative=())] = False,
-) -> int:
-    """Make the report of a study: one HTML page that holds everything it shows, and a PDF of it.
-
-    The verdict first, then the varied quantities, the measures and their distributions, the inputs that matter and the worst
-    variants.
-
-    Args:
-        folder: folder of a study.
-        by: measure that is looked at most; travel if anything is rated.
-        out: the page, .html; report.html in the study's folder by default, where it is made anew.
-        pdf: write a PDF of the page beside it, which needs the extra "pdf" (WeasyPrint).
-        force: replace files that `--out` names.
-    """
-    from wirerope_mj.runs.study import write_study_report
-
-    for path in write_study_report(folder, by=by, out=out, pdf=pdf, force=force):
-        print(plain(f"written: {path} ({path.stat().st_size / 1e6:.2f} MB)"))
-    return 0

@@ -1,7 +1,9 @@
-"""Output of a run on the terminal, and where its files are; and lists of what ships."""
+"""Results on the terminal: a run's verdict as soon as it is known, what was written where, lists of what ships."""
 
-from collections.abc import Mapping
+import sys
+from collections.abc import Iterable, Mapping
 from pathlib import Path
+from time import perf_counter
 
 from rich.markup import escape
 
@@ -9,7 +11,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.run import numerics_statement, run_content
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.runs.scenario import Scenario
-from wirerope_mj.views.terminal import console, print_headline, print_table, show
+from wirerope_mj.views.terminal import console, print_table, show_answer, without_reader
 
 
 def print_questions(kind: str, questions: Mapping[str, str]) -> None:
@@ -18,22 +20,55 @@ def print_questions(kind: str, questions: Mapping[str, str]) -> None:
     print_table(Table(title="", columns=columns, rows=list(questions.items())))
 
 
+def run_and_print(scenario: Scenario, folder: Path, *, force: bool, state: bool = False) -> None:
+    """Simulate a scenario, print peaks and verdicts, write its folder, and print what lies there.
+
+    An error after the verdict carries a note that the verdict holds and that there is no folder.
+    """
+    from wirerope_mj.runs import write_run
+
+    began, printed = perf_counter(), False
+
+    def show(judged: JudgedRun) -> None:
+        nonlocal printed
+        try:
+            print_verdict(scenario, judged, seconds=perf_counter() - began)
+            sys.stdout.flush()  # into a file or a pipe it would come with the last line
+        except BrokenPipeError:  # the folder is still wanted
+            without_reader()
+        printed = True
+
+    try:
+        write_run(scenario, folder, force=force, progress=sys.stderr.isatty(), when_judged=show, state=state)
+    except BaseException as error:
+        if printed:
+            error.add_note(f"the peaks and verdicts above hold, but the run was not written to {folder}.")
+        raise
+    print_written(folder, seconds=perf_counter() - began)
+
+
 def print_verdict(scenario: Scenario, judged: JudgedRun, *, seconds: float) -> None:
     """Print peaks against limits, the answer, how it was computed, and how long that took [s]."""
     out, content = console(), run_content(judged)
     out.print(f"\n[bold]{escape(scenario.name)}[/]  {escape(scenario.motion.description)}")
-    show(content, "warnings", *content.sections_of("summary"))
-    print_headline(content.verdict)
-    show(content, "answer")
+    show_answer(content, "warnings", *content.sections_of("summary"))
     out.print(f"\n  {escape(numerics_statement(judged.response.numerics).text)}; verdict after {seconds:.1f} s")
 
 
 def print_written(folder: Path, *, seconds: float) -> None:
     """Print where the files of a run are, how long all of it took [s], and how they are shown."""
-    out = console()
     files = sorted(path.name for path in folder.iterdir() if path.is_file())
     folders = sorted(f"{path.name}/" for path in folder.iterdir() if path.is_dir())
-    shown = escape(str(folder))
-    out.print(f"  written to {shown}/, {seconds:.1f} s in all", soft_wrap=True)
-    out.print(f"  {', '.join([*files, *folders])}", soft_wrap=True)
-    out.print(f"  [bold]wirerope show {shown}[/] opens the view", soft_wrap=True)
+    say_where(f"{folder}/, {seconds:.1f} s in all", [*files, *folders], show=folder)
+
+
+def say_where(
+    place: str, files: Iterable[str] = (), *, show: Path | None = None, effect: str = "opens the view"
+) -> None:
+    """Print where a result was written, the names of its files, and how it is shown."""
+    out = console()
+    out.print(f"  written to {escape(place)}", soft_wrap=True)
+    if names := ", ".join(files):
+        out.print(f"  {escape(names)}", soft_wrap=True)
+    if show is not None:
+        out.print(f"  [bold]wirerope show {escape(str(show))}[/] {effect}", soft_wrap=True)

@@ -24,17 +24,12 @@ _TONES = ("within", "near", "exceeded")
 
 
 def comfort_content(
-    name: str,
-    response: Response,
-    subjects: Sequence[str],
-    *,
-    spaces: Sequence[str] = tuple(RMS_2000),
+    name: str, response: Response, subjects: Sequence[str], *, spaces: Sequence[str] = tuple(RMS_2000),
     discard: float = 0.0,
-) -> Content:
+) -> Content:  # fmt: skip
     """Describe what people feel at bodies and points of a run, in classes of `spaces` of ISO 6954:2000, after `discard` [s].
 
-    Raises:
-        ValueError: there is no such body or point, or nothing is left of the run.
+    ValueError if there is no such body or point, or nothing is left of the run.
     """
     known = {**response.bodies, **response.points}
     missing = [subject for subject in subjects if subject not in known]

@@ -47,24 +47,22 @@ def comparison_content(
     Of runs whose systems are known, `judged`, also how far they can be relied on.
     """
     return Content(
-        title=" and ".join(run.name for run in comparison.runs),
-        verdict=better_run(comparison),
+        title=" and ".join(run.name for run in comparison.runs), verdict=better_run(comparison),
         sections=(
             Section("headlines", "", lambda: _headlines(comparison), "headline"),
             Section("differences", "What differs", lambda: _summary(comparison, inputs), "headline"),
             Section("findings", "", lambda: [findings(comparison)], "headline"),
             Section("accelerations", "Peak accelerations", lambda: [accelerations_table(comparison)], "summary"),
             Section("travel", "Mounts", lambda: travel_tables(comparison), "summary"),
-            Section("components", "Along the axes", lambda: _components(comparison)),
+            Section("components", "Along the axes", lambda: (accelerations_table(comparison, axis) for axis in range(3))),
             Section("mounts", "Deflections and forces", lambda: _mounts(comparison)),
             Section("apart", "Farthest apart", lambda: _apart(comparison)),
             Section(
-                "credibility",
-                "How far this can be relied on",
+                "credibility", "How far this can be relied on",
                 lambda: compared_credibility_blocks(judged) if judged else (),
             ),
         ),
-    )
+    )  # fmt: skip
 
 
 def findings(comparison: Comparison) -> Statement:
@@ -162,11 +160,6 @@ def _summary(comparison: Comparison, inputs: Inputs) -> Iterator[Block]:
         yield Statement(id="long-inputs", items=tuple(items))
 
 
-def _components(comparison: Comparison) -> Iterator[Table]:
-    for axis in range(3):
-        yield accelerations_table(comparison, axis)
-
-
 def _mounts(comparison: Comparison) -> Iterator[Block]:
     for quantity, unit in (("deflection", "mm"), ("force", "kN")):
         for axis, along in reversed(list(enumerate(AXES))):
@@ -192,15 +185,9 @@ def _apart(comparison: Comparison) -> Iterator[Block]:
 
 
 def _peaks(
-    name: str,
-    title: str,
-    comparison: Comparison,
-    rows: Sequence[PeakRow],
-    look: tuple[str, str],
-    *,
-    times: bool = False,
-    shown: int | None = None,
-) -> Table:
+    name: str, title: str, comparison: Comparison, rows: Sequence[PeakRow], look: tuple[str, str], *,
+    times: bool = False, shown: int | None = None,
+) -> Table:  # fmt: skip
     """Tabulate a peak of every run with its instant where asked, and how it differs from that of the first."""
     first = comparison.runs[0].name
     unit, form = look

@@ -107,11 +107,9 @@ def _parts(run: JudgedRun) -> tuple[_Part, ...]:
         for name, one in peaks.mounts.items()
     }
     return (
-        _numbers(run),
-        _input([run.motion], len(run.record_warnings)),
-        _form(run.system, halves, slowest),
+        _numbers(run), _input([run.motion], len(run.record_warnings)), _form(run.system, halves, slowest),
         _isolators(run.system),
-    )
+    )  # fmt: skip
 
 
 def _largest(result: "StudyResult", measure: str) -> float:

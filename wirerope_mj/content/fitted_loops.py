@@ -127,12 +127,9 @@ def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list
 
 
 def _chart(
-    fits: Sequence[FittedLoop],
-    curves_of: Callable[[FittedLoop], list[Curve]],
-    ylabel: str,
-    unit: str,
+    fits: Sequence[FittedLoop], curves_of: Callable[[FittedLoop], list[Curve]], ylabel: str, unit: str,
     ylim: tuple[float, float] | None = None,
-) -> Chart:
+) -> Chart:  # fmt: skip
     """Return a chart with a panel for every loop that is drawn."""
     panels = []
     for fit in drawn_loops(fits):
@@ -149,10 +146,8 @@ def _chart(
 
 
 def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
-    """Return the loops of each operating point, from compression to tension.
-
-    Points within 2 % of the largest amplitude are one, as no rig holds them better beside noise.
-    """
+    """Return the loops of each operating point, from compression to tension."""
+    # Points within 2 % of the largest amplitude are one, as no rig holds them better beside noise.
     step = 0.02 * max(fit.amplitude for fit in fits)
     groups: list[list[FittedLoop]] = []
     for fit in sorted(fits, key=lambda fit: fit.operating_point):

@@ -25,7 +25,7 @@ def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | Non
     )
     sections = (
         Section("modes", "", lambda: [_table(part, mass)], "summary"),
-        Section("checks", "", lambda: _checks(part, mass), "summary"),
+        Section("checks", "", lambda: _doubts(part, mass), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 
@@ -56,26 +56,31 @@ def _shares(total: Array, mass: float | Array) -> Array:
     return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
 
 
-def _checks(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statement]:
+def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statement]:
     """Yield a sentence on each thing that is perhaps not meant."""
-    for name, text in _doubts(part, mass):
-        yield Statement(id=f"flexible-{name}", text=text, tone="unjudged")
 
+    def doubt(name: str, text: str) -> Statement:
+        return Statement(id=f"flexible-{name}", text=text, tone="unjudged")
 
-def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[tuple[str, str]]:
     total = (part.participation**2).sum(axis=0)
     largest = float(total.max())
     if not total.any():
-        yield "free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck."
+        yield doubt(
+            "free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck."
+        )
     elif not _LIGHTEST <= largest <= _HEAVIEST:
-        yield "units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?"
+        yield doubt(
+            "units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?"
+        )
     for axis, share in zip("xyz", _shares(total, mass) if mass is not None else (), strict=False):
         text = f"Along {axis} the modes bring along {100 * share:.1f} % of the mass,"
         if share > 1.0 + 1e-6:
-            yield "mass", f"{text} more than there is."
+            yield doubt("mass", f"{text} more than there is.")
         elif 0.01 < share < CAPTURED:
-            yield "captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors."
+            yield doubt("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
-        yield "twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice."
+        yield doubt(
+            "twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice."
+        )
     if max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values()) == 0.0:
-        yield "still", "No point moves in any mode: mounts there stand as on a rigid part."
+        yield doubt("still", "No point moves in any mode: mounts there stand as on a rigid part.")

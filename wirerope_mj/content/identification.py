@@ -22,14 +22,9 @@ _UNKNOWN = 100.0  # Relative standard error that is not worth showing
 
 
 def identification_content(
-    result: Identification,
-    fits: Sequence[FittedLoop],
-    *,
-    title: str,
-    sources: Sequence[str],
-    warnings: Sequence[str],
+    result: Identification, fits: Sequence[FittedLoop], *, title: str, sources: Sequence[str], warnings: Sequence[str],
     given: Sequence[str],
-) -> Content:
+) -> Content:  # fmt: skip
     """Compose what an identification says: its loops beside the law's, and doubts.
 
     `sources` are the files that were read, `warnings` what makes the fit doubtful, `given` what was not searched for.
@@ -113,8 +108,11 @@ def record_warnings(warnings: Sequence[str]) -> Statement | None:
 
 def _parameter_blocks(result: Identification) -> tuple[Block | None, ...]:
     meanings = _meanings(result)
+    # Laws and their own parameters as in an isolator file, with units.
+    first = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
+    laws = tuple(before + _one_law(law, result) for before, law in zip(first, result.law.components, strict=True))
     return (
-        Statement(id="law", items=_laws(result)), _parameter_table(result), _scale_table(result),
+        Statement(id="law", items=laws), _parameter_table(result), _scale_table(result),
         Statement(id="meanings", items=meanings, tone="quiet") if meanings else None,
     )  # fmt: skip
 
@@ -208,12 +206,6 @@ def _singular_values(result: Identification) -> Statement:
         "standard error of one combination of them, in logarithms or in the size that it can have. Small ones are not "
         "identifiable.",
     )
-
-
-def _laws(result: Identification) -> tuple[str, ...]:
-    """Return the names of the laws and their own parameters with their units, those of an isolator file, one text each."""
-    first = [f"{name} scale, " for name in result.scales] or ["", *["and "] * (len(result.law.components) - 1)]
-    return tuple(before + _one_law(law, result) for before, law in zip(first, result.law.components, strict=True))
 
 
 def _one_law(law: Law, result: Identification) -> str:

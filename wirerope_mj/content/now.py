@@ -7,7 +7,7 @@ import numpy as np
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.numbers import with_unit
-from wirerope_mj.content.selection import NAMED, Selection
+from wirerope_mj.content.selection import NAMED
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
 from wirerope_mj.mounts.isolator import AXES
@@ -39,7 +39,10 @@ def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
     yield Statement(id="now", text=f"{when}: {'; '.join(sizes)}", tone="strong")
     courses = {one.subject: one.course for one in selection.used}
     table: list[Row] = []
-    for name in _mounts(selection):
+    # Mounts that use most of their limits, then those that are deflected most.
+    names = [one.subject for one in selection.used if one.subject in selection.mounts]
+    names += [name for axis in selection.axes[:1] for name in selection.leading["deflection", axis]]
+    for name in list(dict.fromkeys(names))[:NAMED]:
         mount = response.mounts[name]
         cells: list[Cell] = [name]
         for values in (mount.deflection[rows], mount.force[rows]):
@@ -48,10 +51,3 @@ def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
         cells.append(float(courses[name][rows].max()) if name in courses else None)
         table.append(cells)
     yield Table(title="", columns=_COLUMNS, rows=table)
-
-
-def _mounts(selection: Selection) -> list[str]:
-    """Return the mounts that use most of their limits, then those that are deflected most."""
-    names = [one.subject for one in selection.used if one.subject in selection.mounts]
-    names += [name for axis in selection.axes[:1] for name in selection.leading["deflection", axis]]
-    return list(dict.fromkeys(names))[:NAMED]

@@ -205,12 +205,9 @@ def _sweep_sentences(summary: LevelSummary, way: str, sweep: FrequencySweep, rat
 
 
 def amplitude_chart(
-    result: FrequencyResponse,
-    findings: Sequence[LevelSummary],
-    bands: Sequence[OrderBand] = (),
-    *,
+    result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = (), *,
     relative: bool = False,
-) -> Chart:
+) -> Chart:  # fmt: skip
     """Draw the payload's largest acceleration over frequency for all levels, or its ratio to that of the base."""
     options = result.options
     assert options.response_direction is not None

@@ -46,7 +46,7 @@ def run_content(run: JudgedRun) -> Content:
         sections=(
             _section(run, "warnings", "", _warnings, "headline"),
             _section(run, "answer", "", answer_blocks, "headline"),
-            _section(run, "grounds", "", _grounds),
+            _section(run, "grounds", "", lambda judged: (worst_instant(judged), *grounds_blocks(judged))),
             _section(run, "accelerations", "Peak accelerations", acceleration_blocks, "summary"),
             _section(run, "mounts", "Peaks of the mounts", mount_blocks, "summary"),
             _section(run, "contacts", "Stops and contacts", contact_blocks, "summary"),
@@ -76,11 +76,6 @@ def _warnings(run: JudgedRun) -> Iterator[Block | None]:
     for number, warning in enumerate(run.model_warnings, start=1):
         yield Statement(id=f"model-warning-{number}", text=f"warning: {warning}", tone="unjudged")
     yield warnings_of(run)
-
-
-def _grounds(run: JudgedRun) -> Iterator[Block | None]:
-    yield worst_instant(run)
-    yield from grounds_blocks(run)
 
 
 def numerics_statement(numerics: Numerics) -> Statement:

@@ -136,10 +136,8 @@ def _densities(
 
 
 def _of_a_jump(q: float) -> float:
-    """Return the pseudo-velocity of an oscillator whose base jumps in velocity, over the jump.
-
-    Its first extreme is exp(-zeta t) with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its undamped frequency.
-    """
+    """Return the pseudo-velocity of an oscillator whose base jumps in velocity, over the jump."""
+    # Its first extreme is exp(-zeta t) with t = arccos(zeta) / sqrt(1 - zeta^2), in radians of its undamped frequency.
     zeta = 0.5 / q
     return math.exp(-zeta * math.acos(zeta) / math.sqrt(1.0 - zeta * zeta))
 

@@ -95,12 +95,14 @@ def mount_positions(scene: Scene) -> dict[str, Array]:
 
 def drawn_scene(scene: Scene) -> DrawnScene:
     """Return the shapes of a scene with their points; a plane has no end and is left out."""
-    shapes = tuple(
-        (body, geom, _points(body, geom)) for body in scene.bodies for geom in body.geoms if geom.shape != "plane"
-    )
+    shapes = []
+    for body in scene.bodies:
+        for geom in (geom for geom in body.geoms if geom.shape != "plane"):
+            local = _local_points(geom) @ rotation_matrices(geom.orientation).T + geom.position
+            shapes.append((body, geom, np.asarray(local @ rotation_matrices(body.orientation).T + body.position)))
     points = [*(points for *_, points in shapes), *(at[None] for at in mount_positions(scene).values())]
     every = np.concatenate(points)
-    return DrawnScene(scene=scene, shapes=shapes, low=every.min(axis=0), high=every.max(axis=0))
+    return DrawnScene(scene=scene, shapes=tuple(shapes), low=every.min(axis=0), high=every.max(axis=0))
 
 
 def outlines(drawn: DrawnScene, view: View) -> list[Outline]:
@@ -132,12 +134,6 @@ def label_groups(scene: Scene, view: View) -> list[tuple[Array, list[str]]]:
 def shared_label(names: list[str]) -> str:
     """Return one label for mounts behind each other: "m1, m2", or "m1 +2" for three."""
     return ", ".join(names) if len(names) < 3 else f"{names[0]} +{len(names) - 1}"
-
-
-def _points(body: SceneBody, geom: Geom) -> Array:
-    """Return points whose convex hull is the geom, world frame of the modelled geometry [m], (n, 3)."""
-    local = _local_points(geom) @ rotation_matrices(geom.orientation).T + geom.position
-    return np.asarray(local @ rotation_matrices(body.orientation).T + body.position)
 
 
 def _local_points(geom: Geom) -> Array:

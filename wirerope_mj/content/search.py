@@ -117,7 +117,12 @@ def front_chart(result: SearchResult) -> Chart:
     """Draw all designs by the first two measures that were minimised; of one measure, in the order of the designs."""
     names = result.minimise[:2]
     across, up = (measure_of(names[1]) if len(names) > 1 else None), measure_of(names[0])
-    x, y = _values(result, across), _values(result, up)
+    x, y = (
+        np.arange(result.table.num_rows, dtype=np.float64)
+        if one is None
+        else one.factor * values_of(result.table, one.name)
+        for one in (across, up)
+    )
     within, front, given = result.feasible, np.asarray(result.front["variant"]), np.arange(result.start)
     known = np.isfinite(x) & np.isfinite(y)
     knee = np.array([] if result.knee is None else [result.knee], dtype=np.int64)
@@ -155,13 +160,6 @@ def front_chart(result: SearchResult) -> Chart:
     return Chart(id="front", rows=[[panel]], height=260.0, caption=caption, alt=caption)
 
 
-def _values(result: SearchResult, measure: Measure | None) -> Array:
-    """Return a measure of all designs in the unit in which it is shown; without one, their numbers."""
-    if measure is None:
-        return np.arange(result.table.num_rows, dtype=np.float64)
-    return measure.factor * values_of(result.table, measure.name)
-
-
 def _limit(result: SearchResult, measure: Measure) -> list[tuple[str, float]]:
     return [("limit", measure.factor * result.limits[measure.name])] if measure.name in result.limits else []
 
@@ -178,11 +176,9 @@ def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple
 
 
 def _labels(
-    result: SearchResult,
-    front: npt.NDArray[np.int64],
-    at: tuple[Array, Array],
+    result: SearchResult, front: npt.NDArray[np.int64], at: tuple[Array, Array],
     limits: tuple[tuple[float, float], tuple[float, float]],
-) -> list[Note]:
+) -> list[Note]:  # fmt: skip
     """Name designs of the front, and those that were given, by their number of mounts, where there is room."""
     mounts, notes, heights = np.asarray(result.table["mounts"]), list[Note](), list[float]()
     first = [*range(result.start), *([] if result.knee is None else [result.knee])]

@@ -126,13 +126,9 @@ def _rms_rows(run: JudgedRun, name: str) -> Iterator[tuple[Cell, ...]]:
 
 
 def _panels(
-    lines: Mapping[str, Mapping[str, tuple[Array, Array]]],
-    label: str,
-    selection: Selection,
-    *,
-    unit: str,
+    lines: Mapping[str, Mapping[str, tuple[Array, Array]]], label: str, selection: Selection, *, unit: str,
     decades: float = _DECADES,
-) -> Chart:
+) -> Chart:  # fmt: skip
     """Return frequencies and values by axis and name, a panel for each axis."""
     row: list[Panel] = []
     for axis, along in lines.items():

@@ -101,7 +101,8 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
     """Draw what the inputs explain of a measure's variance, as bars; pale those that are not significant."""
     effects, shown = summary.effects[:MOST_BARS], measure_of(summary.by)
     sizes = np.array([max(100.0 * one.index, 0.0) for one in effects])
-    kinds = [_kind_of(one) for one in effects]
+    ways: list[int | str] = [BASE if math.isnan(one.rank) else 0 if one.rank >= 0.0 else 1 for one in effects]
+    kinds = [way if one.certain else OTHERS for one, way in zip(effects, ways, strict=True)]
     names: dict[int | str, str] = {
         0: "rises with the input", 1: "falls", BASE: "has no order", OTHERS: "not significant",
     }  # fmt: skip
@@ -124,10 +125,6 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
     return _bar_chart("sensitivity", [panel], caption)
 
 
-def _kind_of(one: Effect) -> int | str:
-    return OTHERS if not one.certain else BASE if math.isnan(one.rank) else 0 if one.rank >= 0.0 else 1
-
-
 def _effect_text(one: Effect) -> str:
     doubtful = "" if one.certain else " (not significant)"
     trend = "" if math.isnan(one.rank) else f", rank correlation {one.rank:+.2f}".replace("-", MINUS)
@@ -135,7 +132,8 @@ def _effect_text(one: Effect) -> str:
 
 
 def _scatter(summary: StudySummary, table: pa.Table) -> Iterator[Chart]:
-    names = [name for name in summary.ranked_inputs if _is_number(table, name)][:MOST_SCATTERS]
+    numbers = [name for name in summary.ranked_inputs if not pa.types.is_string(table.schema.field(name).type)]
+    names = [name for name in numbers if len(np.unique(np.asarray(table[name]))) > 2][:MOST_SCATTERS]
     if names:
         yield scatter_chart(summary, table, names)
 
@@ -299,10 +297,8 @@ def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
 
 
 def _grid(azimuth: Array, elevation: Array, values: Array) -> tuple[Array, Array, Array] | None:
-    """Return azimuths, elevations and values (n_elevation, n_azimuth) of a grid around the sphere; None if there is none.
-
-    A pole's one value stands under every azimuth, and what is at -180 is at 180, too.
-    """
+    """Return azimuths, elevations and values (n_elevation, n_azimuth) of a grid around the sphere; None if there is none."""
+    # A pole's one value stands under every azimuth, and what is at -180 is at 180, too.
     along, up = np.unique(azimuth), np.unique(elevation)
     if min(along.size, up.size) < 2:
         return None
@@ -352,10 +348,6 @@ def _bar_chart(name: str, panels: Sequence[Panel], caption: str, row: float = _R
 
 def _limits(shown: Measure) -> list[tuple[str, float]]:
     return [] if shown.limit is None else [("limit", shown.factor * shown.limit)]
-
-
-def _is_number(table: pa.Table, name: str) -> bool:
-    return not pa.types.is_string(table.schema.field(name).type) and len(np.unique(np.asarray(table[name]))) > 2
 
 
 def _name_of(choice: Any) -> str:

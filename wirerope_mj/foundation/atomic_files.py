@@ -1,5 +1,6 @@
 """Files and folders that are written atomically: whole or not at all."""
 
+import json
 import os
 import shutil
 from collections.abc import Iterator, Sequence
@@ -39,6 +40,17 @@ def atomic_file(path: Path, *, clear: bool = True) -> Iterator[Path]:
         yield temporary
         temporary.chmod(0o644)  # mkstemp makes files that nobody else may read
         os.replace(temporary, path)
+
+
+def json_text(content: object) -> str:
+    """Return plain values as the text of a JSON file; ValueError for a number that is none."""
+    return json.dumps(content, indent=2, allow_nan=False) + "\n"
+
+
+def write_json(path: Path, content: object) -> None:
+    """Write plain values as a JSON file, whole or not at all."""
+    with atomic_file(path) as temporary:
+        temporary.write_text(json_text(content), encoding="utf-8")
 
 
 def check_writable(path: Path) -> None:

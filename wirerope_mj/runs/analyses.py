@@ -1,6 +1,5 @@
 """Modes and frequency responses as folders: settings, summary, pictures, and the model as it was used."""
 
-import json
 from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
@@ -17,9 +16,9 @@ from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
+from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.directions import plain_direction
 from wirerope_mj.foundation.tables import Table
-from wirerope_mj.runs.folder import atomic_run
 from wirerope_mj.runs.page import REPORT
 
 FORMAT = 1
@@ -35,25 +34,17 @@ _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 
 def write_modes(system: System, name: str, results: Sequence[Modes], folder: Path, *, force: bool = False) -> None:
-    """Write the modes of a system as `folder`, atomically.
+    """Write the modes of a system as `folder`, atomically: those of small cycles, which are recorded, and those of larger ones.
 
-    Args:
-        system: the system.
-        name: of the model.
-        results: modes of small cycles, which are recorded, and those of larger ones.
-        folder: must not exist, or be empty, or hold modes that `force` replaces.
-        force: whether those that are there are replaced.
-
-    Raises:
-        RecordError: the folder exists and must not be replaced.
+    `name` is the model's. RecordError if the folder exists and is not one of modes that `force` replaces.
     """
-    with atomic_run(folder, force=force, kind=MODES_KIND, marks=MODES_MARKS) as temporary:
-        question = {
-            "history": results[0].history,
-            "amplitudes": [modes.amplitude for modes in results if modes.amplitude is not None],
-        }
-        _write_settings(temporary, name, system, {"question": question})
-        _write_json(temporary / MODES_MARKS[1], {"results": [modes.to_dict() for modes in results]})
+    with atomic_folder(folder, force=force, kind=MODES_KIND, marks=MODES_MARKS) as temporary:
+        amplitudes = [modes.amplitude for modes in results if modes.amplitude is not None]
+        _write_settings(
+            temporary, name, system, {"question": {"history": results[0].history, "amplitudes": amplitudes}}
+        )
+        said = {"format": FORMAT, "results": [modes.to_dict() for modes in results]}
+        (temporary / MODES_MARKS[1]).write_text(json_text(said), encoding="utf-8")
         # Here, because rerun takes longer to import than checking the options.
         from wirerope_mj.dynamics.modes.animation import animated_modes
         from wirerope_mj.views.recording.modes import record_modes
@@ -64,23 +55,16 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
 def write_frequency_response(
     result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path, *, force: bool = False
 ) -> None:
-    """Write a frequency response as `folder`, atomically.
+    """Write a frequency response, what is read off it level by level, and what it says as `folder`, atomically.
 
-    Args:
-        result: what was computed.
-        findings: what is read off it, level by level.
-        content: what it says.
-        folder: must not exist, or be empty, or hold a frequency response that `force` replaces.
-        force: whether one that is there is replaced.
-
-    Raises:
-        RecordError: the folder exists and must not be replaced.
+    RecordError if the folder exists and is not one of a frequency response that `force` replaces.
     """
-    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
+    with atomic_folder(folder, force=force, kind=KIND, marks=MARKS) as temporary:
         _write_settings(temporary, result.name, result.system, _question(result), "pyarrow", "matplotlib")
         tables = {block.id: block.to_dict() for block in content.blocks() if isinstance(block, Table)}
         levels = [plain_summary(one) for one in findings]
-        _write_json(temporary / MARKS[1], {"headline": content.verdict.text, "levels": levels, "tables": tables})
+        said = {"format": FORMAT, "headline": content.verdict.text, "levels": levels, "tables": tables}
+        (temporary / MARKS[1]).write_text(json_text(said), encoding="utf-8")
         save_tables(result, temporary)
         _write_views(result, findings, content, temporary)
 
@@ -88,19 +72,11 @@ def write_frequency_response(
 def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, Any], *packages: str) -> None:
     """Write the model as it was used, every input with nothing left open, and the versions that computed it."""
     settings = {
-        "format": FORMAT,
-        "name": name,
-        "written": datetime.now(UTC).replace(microsecond=0),
-        "model": model_table(system, write_model(system, folder / "model")),
-        **tables,
+        "format": FORMAT, "name": name, "written": datetime.now(UTC).replace(microsecond=0),
+        "model": model_table(system, write_model(system, folder / "model")), **tables,
         "versions": {package: version(package) for package in (*_PACKAGES, *packages)},
-    }
+    }  # fmt: skip
     (folder / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
-
-
-def _write_json(path: Path, content: Mapping[str, Any]) -> None:
-    text = json.dumps({"format": FORMAT, **content}, indent=2, allow_nan=False)
-    path.write_text(text + "\n", encoding="utf-8")
 
 
 def _question(result: FrequencyResponse) -> dict[str, Any]:
@@ -110,16 +86,12 @@ def _question(result: FrequencyResponse) -> dict[str, Any]:
     assert options.response_direction is not None
     content: dict[str, Any] = {
         "question": {
-            "accelerations": list(options.accelerations),
-            "method": options.method,
-            "direction": plain_direction(options.direction),
-            "payload": options.payload,
+            "accelerations": list(options.accelerations), "method": options.method,
+            "direction": plain_direction(options.direction), "payload": options.payload,
             "response_direction": plain_direction(options.response_direction),
-            "start": start,
-            "stop": stop,
-            "range_from": options.range_from,
+            "start": start, "stop": stop, "range_from": options.range_from,
         }
-    }
+    }  # fmt: skip
     if options.method != "sweep":
         parts = ("periods", "largest_step", "smallest_step")
         content["continuation"] = {part: getattr(options, part) for part in parts}

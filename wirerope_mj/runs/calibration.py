@@ -1,22 +1,19 @@
 """A calibration as one folder: page, summary, draws, the calibrated model with its isolators, and a run of the first test."""
 
-import json
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content
 from wirerope_mj.engine.system.model_files import write_whole
+from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.parquet_files import write_rows
-from wirerope_mj.runs.folder import atomic_run
 from wirerope_mj.runs.page import REPORT
 from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
 from wirerope_mj.studies.calibration.result import Calibration
 from wirerope_mj.views.json_content import plain_content
 from wirerope_mj.views.report import report_html
 
-KIND = "calibration"
 SUMMARY, DRAWS = "calibration.json", "draws.parquet"
-MARKS = (SUMMARY,)
-
+KIND, MARKS = "calibration", (SUMMARY,)
 _SECTIONS = ("values", "answer", "prediction", "channels", "known-together", "read-from")
 
 
@@ -29,11 +26,11 @@ def write_calibration(result: Calibration, content: Content, folder: Path, *, fo
     Raises:
         RecordError: the folder exists and must not be replaced.
     """
-    with atomic_run(folder, force=force, kind=KIND, marks=MARKS) as temporary:
+    with atomic_folder(folder, force=force, kind=KIND, marks=MARKS) as temporary:
         isolators = calibrated_isolators(result, [test.name for test in result.forward.tests])
         write_whole(calibrated_system(result, isolators), temporary / "model")
         said = {"format": 1, **plain_content(content, *_SECTIONS)}
-        (temporary / SUMMARY).write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+        (temporary / SUMMARY).write_text(json_text(said), encoding="utf-8")
         write_rows(temporary / DRAWS, list(result.names), result.samples, {"units": list(result.units)})
         (temporary / REPORT).write_text(report_html(content), encoding="utf-8")
     return sorted(f"{path.name}{'/' if path.is_dir() else ''}" for path in folder.iterdir())

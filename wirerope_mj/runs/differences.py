@@ -140,10 +140,8 @@ def _plain_differences(
         a, b = one[key], two[key]
         if _is_number(a) and _is_number(b):
             if a != b and not (a != a and b != b):  # NaN says in both that something is not known
-                yield (
-                    abs(a - b) / max(abs(a), abs(b)) if np.isfinite(a) and np.isfinite(b) else np.inf,
-                    f"{where} {key}",
-                )
+                known = np.isfinite(a) and np.isfinite(b)
+                yield abs(a - b) / max(abs(a), abs(b)) if known else np.inf, f"{where} {key}"
         elif a != b and (texts or _is_number(a) or _is_number(b)):
             if not texts and key.startswith("judged.") and key.rpartition(".")[2] in _JUDGEMENT:
                 continue

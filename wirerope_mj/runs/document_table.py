@@ -38,12 +38,11 @@ def checked(table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> N
 def read_document(table: Mapping[str, Any], path: Path) -> Document:
     """Read the data of a document; a logo lies relative to the file at `path`.
 
-    Raises:
-        ModelError: a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
+    ModelError if a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
     """
     where = f"{path}, [document]"
-    lines = dict.fromkeys(_LINES, str) | {"date": date}
-    checked(table, lines | {"logo": str, "history": list, "text": dict}, where)
+    kinds = dict.fromkeys(_LINES, str) | {"date": date}
+    checked(table, kinds | {"logo": str, "history": list, "text": dict}, where)
     checked(table.get("text", {}), dict.fromkeys(TEXTS, str), f"{where}, text")
     revisions = []
     for number, row in enumerate(table.get("history", []), start=1):
@@ -57,12 +56,8 @@ def read_document(table: Mapping[str, Any], path: Path) -> Document:
     logo = path.parent / table["logo"] if "logo" in table else None
     if logo is not None:
         logo_ending(logo, where)
-    return Document(
-        **{name: str(table[name]) for name in _LINES if name in table},
-        logo=logo,
-        history=tuple(revisions),
-        texts=dict(table.get("text", {})),
-    )
+    lines = {name: str(table[name]) for name in _LINES if name in table}
+    return Document(**lines, logo=logo, history=tuple(revisions), texts=dict(table.get("text", {})))
 
 
 def logo_ending(logo: Path, where: str) -> str:

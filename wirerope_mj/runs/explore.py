@@ -22,7 +22,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine, Measured
 from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
 from wirerope_mj.runs.scenario_file import judged_by
-from wirerope_mj.runs.sliders import Slider, checked_values, frequency_ratio, sliders_of, variant
+from wirerope_mj.runs.sliders import checked_values, frequency_ratio, sliders_of, variant
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.write import checked_arguments
 from wirerope_mj.views.explore.answer import answer
@@ -35,8 +35,7 @@ _START = 0.05  # Instant at which the pulse begins [s]: the curves show the rest
 def scenario_or_model(name_or_path: str | Path) -> ScenarioFile:
     """Return the scenario of that name or path, or of a run; of a model, the half-sine that strikes its base.
 
-    Raises:
-        ModelError: there is neither.
+    ModelError if there is neither.
     """
     path = Path(name_or_path)
     if is_run(path):
@@ -73,11 +72,9 @@ def _shock_of(model: Path) -> ScenarioFile:
         if duration is None:
             duration = round(_START + length + RING_DOWN * slowest_period(load_system(model)), 1)
         return Scenario(
-            question=(scenario.__doc__ or "").split("\n", 1)[0],
-            model=model,
+            question=(scenario.__doc__ or "").split("\n", 1)[0], model=model, simulate={"duration": duration},
             motion=pulses[0] if len(pulses) == 1 else sum(pulses[1:], start=pulses[0]),
-            simulate={"duration": duration},
-        )
+        )  # fmt: skip
 
     return ScenarioFile(name=model.stem, path=model, function=scenario)
 
@@ -92,10 +89,7 @@ class Exploration:
     shorter by as much as their fastest motion is faster: choosing a step for the accuracy again takes several times as long
     as the run, and much longer where stops are struck.
 
-    One thread at a time may call `run`; `start` and `recording` may be called meanwhile.
-
-    Attributes:
-        sliders: what can be changed.
+    One thread at a time may call `run`; `start` and `recording` may be called meanwhile. `sliders` are what can be changed.
     """
 
     def __init__(self, scenario: Scenario, tests: Sequence[Measured] = ()) -> None:
@@ -108,9 +102,8 @@ class Exploration:
         self._scenario, self._tests = scenario, tests
         self._arguments = checked_arguments(scenario)
         system = load_system(scenario.model_source(), isolators=scenario.isolators)
-        self._system = judged_by(
-            with_changes(system, scenario.changes), combined_travel=scenario.combined_travel, limits=scenario.limits
-        )
+        changed = with_changes(system, scenario.changes)
+        self._system = judged_by(changed, combined_travel=scenario.combined_travel, limits=scenario.limits)
         self.sliders = sliders_of(self._system, scenario.motion)
         self._numbers = count(1)
         self._recorder: Recorder | None = None
@@ -120,25 +113,17 @@ class Exploration:
     def start(self) -> dict[str, Any]:
         """Return title, question, sliders and the last answer."""
         return {
-            "title": title_of(self._scenario.name),
-            "question": self._scenario.question.strip().split("\n", 1)[0],
-            "sliders": [vars(slider) for slider in self.sliders],
-            "answer": self._answer(),
-        }
+            "title": title_of(self._scenario.name), "question": self._scenario.question.strip().split("\n", 1)[0],
+            "sliders": [vars(slider) for slider in self.sliders], "answer": self._answer(),
+        }  # fmt: skip
 
     def run(self, values: object, *, passing: bool = False, exact: bool = False) -> dict[str, Any]:
         """Simulate with the sliders at some values, and return what came out beside the run before it.
 
-        A run that was passing gives way to this one; every other one is what this one is compared with from now on.
-
-        Args:
-            values: of the sliders, by key; brought into their ranges, nominal where they are not given.
-            passing: whether a slider is on its way.
-            exact: whether the step is chosen for the accuracy of the scenario, as in the first run.
-
-        Raises:
-            ValueError: `values` is no table of finite numbers, or names what is no slider.
-            WireRopeError: the variant cannot be simulated.
+        A run that was passing gives way to this one; every other one is what this one is compared with from now on. Values of
+        sliders, by key, are brought into their ranges, nominal where they are not given; one on its way is `passing`; with
+        `exact` the step is chosen for the accuracy of the scenario, as in the first run. ValueError if `values` is no table of
+        finite numbers, or names what is no slider; WireRopeError if the variant cannot be simulated.
         """
         checked = checked_values(self.sliders, values)
         last = self._shown[-1]
@@ -189,24 +174,10 @@ class Exploration:
             warnings.simplefilter("always")
             response = simulate(system, motion, **arguments)
             judged = judged_run(system, motion, response)
+        moved = {one.label: one.text(values[one.key]) for one in self.sliders if values[one.key] != one.nominal}
         return ShownRun(
-            number=next(self._numbers),
-            values=values,
-            changes={
-                slider.label: _text(slider, values) for slider in self.sliders if values[slider.key] != slider.nominal
-            },
-            motion=motion.description,
-            response=response,
-            verdicts=judged.verdicts,
-            random=judged.random,
-            untested=judged.untested,
-            seconds=perf_counter() - began,
-            exact=exact,
-            passing=passing,
+            number=next(self._numbers), values=values, changes=moved,
+            motion=motion.description, response=response, verdicts=judged.verdicts, random=judged.random,
+            untested=judged.untested, seconds=perf_counter() - began, exact=exact, passing=passing,
             warnings=tuple(dict.fromkeys((*judged.model_warnings, *(str(warning.message) for warning in caught)))),
-        )
-
-
-def _text(slider: Slider, values: Mapping[str, float]) -> str:
-    value = f"{values[slider.key]:.4g}"
-    return f"{value}°" if slider.unit == "°" else f"×\N{NO-BREAK SPACE}{value}"
+        )  # fmt: skip

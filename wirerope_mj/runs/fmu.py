@@ -23,23 +23,16 @@ def write_fmu(
     system: System, path: str | Path, *, timestep: float | None = None, initial: str = "settled", every: bool = False,
     force: bool = False,
 ) -> Path:  # fmt: skip
-    """Write a system as a co-simulation unit of FMI 3, and return its path.
+    """Write a system as a co-simulation unit of FMI 3, a file that ends in .fmu, and return its path.
 
-    The unit holds the model and runs in a Python that has this package. Its inputs are the base's acceleration, in the world
-    frame, and force and moment at every site `force/NAME`, along the site's axes; they are held from one instant to the next.
-    Its outputs are what a response samples of bodies, points and mounts.
+    The unit holds the model and runs in a Python that has this package. Its inputs are the base's acceleration, in the
+    world frame, and force and moment at every site `force/NAME`, along the site's axes; they are held from one instant to
+    the next. Its outputs are what a response samples of bodies, points and mounts, with `every` rates, orientations and
+    internal states, too. It begins `initial`: "settled", "relaxed" or "unloaded". `timestep` is the largest between two
+    instants [s]; None: a tenth of the largest stable one.
 
-    Args:
-        system: the system.
-        path: file to write, ending in .fmu.
-        timestep: largest step between two instants [s]; None: a tenth of the largest stable one.
-        initial: "settled", "relaxed" or "unloaded".
-        every: whether rates, orientations and internal states are outputs, too.
-        force: whether a file that is there is replaced.
-
-    Raises:
-        RecordError: a file stands there, its folder does not, or the package pythonfmu3 is missing.
-        SimulationError: the step is too large.
+    RecordError if a file stands there that `force` does not replace, its folder does not, or the package pythonfmu3 is
+    missing; SimulationError if the step is too large.
     """
     target = Path(path)
     if target.suffix != ".fmu":
@@ -59,11 +52,8 @@ def write_fmu(
         about = {
             "identifier": f"m_{identifier}" if identifier[:1].isdigit() else identifier,
             "description": f"{identifier} on {len(system.mounts)} mounts, base acceleration and loads held between instants",
-            "model": model.name,
-            "timestep": float(step),
-            "initial": initial,
-            "outputs": "all" if every else list(OUTPUTS),
-        }
+            "model": model.name, "timestep": float(step), "initial": initial, "outputs": "all" if every else list(OUTPUTS),
+        }  # fmt: skip
         (here / "unit.toml").write_text(tomli_w.dumps(about), encoding="utf-8")
         script = Path(__file__).with_name("fmu_slave.py")
         made = FmuBuilder.build_FMU(script, here / "out", [here / "model", here / "unit.toml"])

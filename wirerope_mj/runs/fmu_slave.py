@@ -56,13 +56,8 @@ class WireRopeUnit(Fmi3Slave):
                 self._add(dotted, unit_of(name), self._output(number), causality=Fmi3Causality.output)
 
     def _add(self, name: str, unit: str, getter: Callable[[], float], setter: Any = None, *, causality: Any) -> None:
-        self.register_variable(
-            Float64(
-                name, unit=unit or None, causality=causality, variability=Fmi3Variability.continuous, getter=getter,
-                setter=setter,
-            ),
-            nested=False,
-        )  # fmt: skip
+        how = {"causality": causality, "variability": Fmi3Variability.continuous, "getter": getter, "setter": setter}
+        self.register_variable(Float64(name, unit=unit or None, **how), nested=False)
 
     def _output(self, number: int) -> Callable[[], float]:
         return lambda: float(self._going.values[number]) if self._going is not None else 0.0
@@ -83,17 +78,17 @@ class WireRopeUnit(Fmi3Slave):
         """Go on by a step [s] with the inputs held."""
         assert self._going is not None
         if abs(current_time - self._going.time) > 1e-9 * max(1.0, abs(current_time)):
-            self.log(
-                f"The unit stands at {self._going.time:.9g} s and cannot go on from {current_time:.9g} s: it does not go back.",
-                Fmi3Status.error,
-            )
-            return Fmi3StepResult(status=Fmi3Status.error)
+            there = f"The unit stands at {self._going.time:.9g} s"
+            return self._refused(f"{there} and cannot go on from {current_time:.9g} s: it does not go back.")
         try:
             self._going.advance(step_size, self._base, self._loads)
         except WireRopeError as error:
-            self.log(str(error), Fmi3Status.error)
-            return Fmi3StepResult(status=Fmi3Status.error)
+            return self._refused(str(error))
         return Fmi3StepResult()
+
+    def _refused(self, why: str) -> Any:
+        self.log(why, Fmi3Status.error)
+        return Fmi3StepResult(status=Fmi3Status.error)
 
 
 def _entry(values: Any, number: int) -> tuple[Callable[[], float], Callable[[float], None]]:

@@ -6,33 +6,17 @@
 import hashlib
 import re
 import warnings
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-from wirerope_mj.foundation.atomic_files import atomic_file, atomic_folder, check_folder
+from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError, RecordWarning, why_unread
 from wirerope_mj.foundation.regular_files import regular
 
 SCENARIO, SUMMARY = "scenario.toml", "summary.json"
 FORMAT = 1  # Of these two files
-
-
-def check_target(folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)) -> None:
-    """Raise RecordError unless a run may be written to `folder`, or another `kind` of folder, known by its `marks`."""
-    check_folder(folder, force=force, kind=kind, marks=marks)
-
-
-@contextmanager
-def atomic_run(
-    folder: Path, *, force: bool, kind: str = "run", marks: Sequence[str] = (SCENARIO, SUMMARY)
-) -> Iterator[Path]:
-    """Yield a new folder that becomes the run `folder` when the block ends well; arguments as those of `check_target`."""
-    with atomic_folder(folder, force=force, kind=kind, marks=marks) as beside:
-        yield beside
-
-
+KIND, MARKS = "run", (SCENARIO, SUMMARY)  # What messages call such a folder, and the files by which it is known
 CHECKSUMS = "checksums.txt"
 _LINE = re.compile(r"([0-9a-f]{64}) [ *](.+)")
 _MOST = 5  # names of files in one message
@@ -40,17 +24,11 @@ _MOST = 5  # names of files in one message
 
 @dataclass(frozen=True, kw_only=True)
 class Alterations:
-    """Files of a run that are not as they were written, relative to its folder, in order.
+    """Files of a run that are not as they were written, relative to its folder, in order."""
 
-    Attributes:
-        altered: those with another content.
-        missing: those that were written and are not there.
-        added: those that are there and were not written.
-    """
-
-    altered: tuple[str, ...]
-    missing: tuple[str, ...]
-    added: tuple[str, ...]
+    altered: tuple[str, ...]  # those with another content
+    missing: tuple[str, ...]  # those that were written and are not there
+    added: tuple[str, ...]  # those that are there and were not written
 
     @property
     def intact(self) -> bool:
@@ -74,8 +52,7 @@ def write_checksums(folder: Path) -> None:
 def update_checksums(folder: Path, files: Sequence[Path]) -> None:
     """Set the checksums of files that a command wrote into a run's folder; others, and a folder without any, stay as they are.
 
-    Raises:
-        RecordError: the checksums cannot be read.
+    RecordError if the checksums cannot be read.
     """
     inside = [file.resolve() for file in files if file.resolve().is_relative_to(folder.resolve())]
     if inside and (folder / CHECKSUMS).is_file():
@@ -86,8 +63,7 @@ def update_checksums(folder: Path, files: Sequence[Path]) -> None:
 def alterations(folder: Path) -> Alterations | None:
     """Return what was altered in a run's folder since it was written; None without checksums, as in older runs.
 
-    Raises:
-        RecordError: the checksums cannot be read.
+    RecordError if the checksums cannot be read.
     """
     if not (folder / CHECKSUMS).is_file():
         return None
@@ -121,8 +97,8 @@ def digest_of(path: Path) -> str:
 
 
 def _write(folder: Path, digests: dict[str, str]) -> None:
+    lines = [f"{digest}  {name}\n" for name, digest in sorted(digests.items())]
     with atomic_file(folder / CHECKSUMS) as beside:
-        lines = [f"{digest}  {name}\n" for name, digest in sorted(digests.items())]
         beside.write_text("".join(lines), encoding="utf-8", newline="\n")
 
 

@@ -63,19 +63,10 @@ def study_of(
     if timestep is not None or accuracy is not None:
         simulate |= {"timestep": timestep, "accuracy": simulate.get("accuracy", 1e-4) if accuracy is None else accuracy}
     return Study(
-        model=scenario.model,
-        motion=scenario.motion,
-        isolators=scenario.isolators,
-        changes=scenario.changes,
-        folder=scenario.folder,
-        name=name or scenario.name,
-        question=scenario.question,
-        vary=vary,
-        variants=VARIANTS if variants is None and sampling in _COUNTED else variants,
-        sampling=sampling,
-        seed=seed,
-        **simulate,
-    )
+        model=scenario.model, motion=scenario.motion, isolators=scenario.isolators, changes=scenario.changes,
+        folder=scenario.folder, name=name or scenario.name, question=scenario.question, vary=vary,
+        variants=VARIANTS if variants is None and sampling in _COUNTED else variants, sampling=sampling, seed=seed, **simulate,
+    )  # fmt: skip
 
 
 def what_can_vary(scenario: Scenario) -> str:
@@ -117,24 +108,15 @@ def _text(limit: PayloadLimit) -> str:
 
 def _carried(scenario: Scenario) -> dict[str, Any]:
     """Return the arguments of the simulation that a study shares; ModelError if there is another that matters."""
-    arguments = dict(scenario.simulate)
-    callback = arguments.pop("callback", "native")
-    if callback != "native":
-        raise ModelError(
-            f"scenario {scenario.name!r} asks for the {callback!r} callback, and variants are simulated with the native one; "
-            "leave it out."
-        )
-    engine = arguments.pop("engine", "auto")
-    if engine != "auto":
-        raise ModelError(
-            f"scenario {scenario.name!r} asks for the engine {engine!r}, and of variants each has its own; leave it out."
-        )
-    other = [key for key in arguments if key not in _CARRIED]
-    if other:
-        raise ModelError(
-            f"scenario {scenario.name!r}: a study cannot take over `{other[0]}` of its simulation; it takes "
-            f"{', '.join(_CARRIED)}."
-        )
+    arguments, asks = dict(scenario.simulate), f"scenario {scenario.name!r}"
+    if (callback := arguments.pop("callback", "native")) != "native":
+        text = f"{asks} asks for the {callback!r} callback, and variants are simulated with the native one"
+        raise ModelError(f"{text}; leave it out.")
+    if (engine := arguments.pop("engine", "auto")) != "auto":
+        raise ModelError(f"{asks} asks for the engine {engine!r}, and of variants each has its own; leave it out.")
+    if other := [key for key in arguments if key not in _CARRIED]:
+        text = f"a study cannot take over `{other[0]}` of its simulation; it takes {', '.join(_CARRIED)}."
+        raise ModelError(f"{asks}: {text}")
     if "duration" not in arguments:
-        raise ModelError(f"scenario {scenario.name!r}: `simulate` must say the duration [s].")
+        raise ModelError(f"{asks}: `simulate` must say the duration [s].")
     return arguments

@@ -17,6 +17,7 @@ import warnings
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from datetime import UTC, datetime
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
@@ -27,7 +28,7 @@ import tomli_w
 from wirerope_mj.content.job import JudgedCase, JudgedJob, job_content, job_headline
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import write_model
-from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, full_disk_named, worked_on_alone
+from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, full_disk_named, worked_on_alone, write_json
 from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
@@ -45,31 +46,24 @@ from wirerope_mj.views.json_content import plain_content
 JOB, CASES = "job.toml", "cases"
 FORMAT = 1
 
-INPUTS = "inputs"
-"""Option of a case's run that holds the digests of its inputs, by which it is known later whether one of them changed."""
-
+INPUTS = "inputs"  # Option of a case's run that holds digests of its inputs: was one of them changed since?
 _JUDGED_AGAIN = (
-    "changed: limits, judged again without simulating"  # why a case whose samples are still those of its inputs is
+    "changed: limits, judged again without simulating"  # why a case is whose samples are still those of its inputs
 )
 _CHARACTERS = 12  # of a digest: of a million changes none is missed by chance
 
+# Is told name, time [s] and answer of a case that was simulated, and how many are left.
 Done = Callable[[str, float, str, int], None]
-"""Is told name, time [s] and answer of a case that was simulated, and how many are left."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class JobRun(Summarised):
-    """A job that was computed.
+    """A job that was computed."""
 
-    Attributes:
-        job: its cases with their verdicts.
-        computed: why each case was computed: "new", "changed: motion", "altered", "asked for"; or only judged again.
-        folder: of the job.
-    """
-
-    job: JudgedJob
+    job: JudgedJob  #: its cases with their verdicts
+    #: why each case was computed: "new", "changed: motion", "altered", "asked for"; or only judged again
     computed: Mapping[str, str]
-    folder: Path
+    folder: Path  #: of the job
 
     @property
     def headline(self) -> str:
@@ -113,17 +107,12 @@ def run_job(
     folder.mkdir(parents=True, exist_ok=True)
     with worked_on_alone(folder, kind="job"), full_disk_named(folder):
         _write_job(job, folder)
-        made = {case.name: _with_digests(case.scenario, files) for files in [_model_digest(job)] for case in job.cases}
-        computed = {
-            case.name: why
-            for case in job.cases
-            if (why := _why(folder / CASES / case.folder, made[case.name], force=force))
-        }
-        questions = [
-            (made[case.name], folder / CASES / case.folder, computed[case.name] == _JUDGED_AGAIN)
-            for case in job.cases
-            if case.name in computed
-        ]
+        model, computed, questions = _model_digest(job), {}, []
+        for case in job.cases:
+            made, run = _with_digests(case.scenario, model), folder / CASES / case.folder
+            if why := _why(run, made, force=force):
+                computed[case.name] = why
+                questions.append((made, run, why == _JUDGED_AGAIN))
         try:
             failed = dict(_run_all(questions, workers, done))
         finally:
@@ -155,8 +144,7 @@ def case_folders(folder: Path) -> list[Path]:
 def judged_job(folder: Path) -> JudgedJob:
     """Judge the runs of a job; nothing outside its folder is read.
 
-    Raises:
-        RecordError: a run is missing or damaged, or the folder is not that of a job.
+    RecordError if a run is missing or damaged, or the folder is not that of a job.
     """
     content = job_table(folder)
     cases = []
@@ -176,11 +164,8 @@ def job_table(folder: Path) -> dict[str, Any]:
     content = read_toml(path, "job")
     kinds: dict[str, Any] = {"name": str, "question": str, "report": list, "written": datetime, "case": list}
     right = content.get("format") == FORMAT and all(isinstance(content.get(key), kind) for key, kind in kinds.items())
-    if (
-        not right
-        or not all({"name", "folder", "note"} <= table.keys() for table in content["case"])
-        or not content["case"]
-    ):
+    cases = content["case"] if right else ()
+    if not cases or not all({"name", "folder", "note"} <= table.keys() for table in cases):
         raise RecordError(
             f"{path}: this is not what `wirerope cases` writes into its folder, and was not touched. Choose another folder, or "
             "take the file from another copy of this one."
@@ -195,14 +180,11 @@ def _write_job(job: Job, folder: Path) -> None:
         with atomic_file(folder / logo) as beside:
             shutil.copyfile(job.document.logo, beside)
     content = {
-        "format": FORMAT,
-        "name": job.name,
-        "question": job.question,
-        "written": datetime.now(UTC).replace(microsecond=0),
+        "format": FORMAT, "name": job.name, "question": job.question, "written": datetime.now(UTC).replace(microsecond=0),
         "report": list(job.report),
         "case": [{"name": case.name, "folder": case.folder, "note": case.note} for case in job.cases],
         **({"document": document_table(job.document, logo)} if job.document else {}),
-    }
+    }  # fmt: skip
     with atomic_file(folder / JOB) as beside:
         beside.write_text(tomli_w.dumps(content, multiline_strings=True), encoding="utf-8")
 
@@ -219,12 +201,8 @@ def _with_digests(scenario: Scenario, model: str) -> Scenario:
     """Return a scenario one of whose options says what its inputs are."""
     motion = scenario.motion.to_dict(files={file: digest_of(file) for file in scenario.motion.files})
     judged = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
-    parts = {
-        "model": model,
-        "motion": _digest(motion),
-        "limits": _digest(judged),
-        "numerics": _digest(dict(scenario.simulate)),
-    }
+    values = {"motion": motion, "limits": judged, "numerics": dict(scenario.simulate)}
+    parts = {"model": model} | {name: _digest(value) for name, value in values.items()}
     said = ", ".join(f"{name} {digest}" for name, digest in parts.items())
     return replace(scenario, options={**scenario.options, INPUTS: f"{said}, version {version('wirerope-mj')}"})
 
@@ -271,14 +249,8 @@ def _simulated(question: _Question) -> _Outcome:
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         try:
-            options: dict[str, Any] = {
-                "when_judged": lambda judged: answers.append(judged.headline),
-                "case": folder.name,
-            }
-            if again:
-                rejudge_run(scenario, folder, **options)
-            else:
-                write_run(scenario, folder, force=True, **options)
+            write = rejudge_run if again else partial(write_run, force=True)
+            write(scenario, folder, when_judged=lambda judged: answers.append(judged.headline), case=folder.name)
         except (WireRopeError, ValueError, OSError) as error:
             return _Outcome(scenario.name, perf_counter() - began, "", error=str(error))
     warned = tuple((one.category, str(one.message)) for one in caught)
@@ -309,12 +281,7 @@ def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> N
     from wirerope_mj.views.recording.viewer import JOINED, join_recordings  # late: rerun takes long to import
 
     content = job_content(judged)
-    with atomic_file(folder / SUMMARY) as beside:
-        said = {
-            "format": FORMAT,
-            "name": judged.name,
-            "content": plain_content(content, "limits", "load-cases", "envelope"),
-        }
-        beside.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    said = plain_content(content, "limits", "load-cases", "envelope")
+    write_json(folder / SUMMARY, {"format": FORMAT, "name": judged.name, "content": said})
     write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
     join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / JOINED)

@@ -8,7 +8,7 @@ from typing import Any
 
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job import REPORTED
-from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, Row, read_sheet
+from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.simulate import duration_of
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
@@ -39,50 +39,34 @@ _JOB: dict[str, Any] = {
     "name": str, "question": str, "model": str, "report": list, "combined_travel": bool, "sheet": str, "case": list,
     "records": dict, "simulate": dict, "limits": dict, "document": dict,
 }  # fmt: skip
+# Columns of a sheet of cases besides their names.
 _IN_SHEETS = {"duration": "time", "start": "time"} | {
     name: PURE if kind is float else TEXT
     for name, kind in _CASE.items()
     if name not in ("name", "duration", "start", "sample_rate", "highpass", "resample", "accuracy", "timestep")
 }
-"""Columns of a sheet of cases besides their names."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class LoadCase:
-    """A load case.
+    """A load case."""
 
-    Attributes:
-        name: as it is called everywhere.
-        folder: name of its run's folder.
-        note: what it is from, such as a clause of a standard.
-        scenario: what is simulated.
-    """
-
-    name: str
-    folder: str
-    note: str
-    scenario: Scenario
+    name: str  # as it is called everywhere
+    folder: str  # name of its run's folder
+    note: str  # what it is from, such as a clause of a standard
+    scenario: Scenario  # what is simulated
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Job(Summarised):
-    """Load cases of one installation and what is written of them.
+    """Load cases of one installation and what is written of them."""
 
-    Attributes:
-        name: its title.
-        question: what the job answers.
-        cases: in the order of the file.
-        report: what each case shows, names of `content.job.REPORTED`.
-        document: data of the document; None for a plain report.
-        path: of the file.
-    """
-
-    name: str
-    question: str
-    cases: tuple[LoadCase, ...]
-    report: tuple[str, ...]
-    document: Document | None
-    path: Path
+    name: str  #: its title
+    question: str  #: what the job answers
+    cases: tuple[LoadCase, ...]  #: in the order of the file
+    report: tuple[str, ...]  #: what each case shows, names of `content.job.REPORTED`
+    document: Document | None  #: data of the document; None for a plain report
+    path: Path  #: of the file
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         return f"Job {self.name}", {case.name: case.scenario.motion.description for case in self.cases}
@@ -99,9 +83,8 @@ def load_job(path: str | Path) -> Job:
     content = read_toml(path, KIND)
     checked(content, _JOB, f"{path}")
     if "model" not in content:
-        raise ModelError(
-            f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".'
-        )
+        text = f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".'
+        raise ModelError(text)
     source = model_source(content["model"], folder=path.resolve().parent, asker=str(path))
     limits = tuple(_limits(path, content.get("limits", {})))
     combined = content.get("combined_travel", True)
@@ -120,13 +103,10 @@ def load_job(path: str | Path) -> Job:
         if not slug:
             raise ModelError(f'{where}: `name` is missing: it names the case and its folder, name = "vertical shock".')
         if any(other.folder == slug for other in cases):
-            raise ModelError(
-                f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
-            )
+            text = f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
+            raise ModelError(text)
         said = _scenario(f"{where} {quoted(name)}", every | table, folder, system)
-        made = Scenario(
-            question=question, model=source, name=name, limits=limits, combined_travel=combined, **said,
-        )  # fmt: skip
+        made = Scenario(question=question, model=source, name=name, limits=limits, combined_travel=combined, **said)
         cases.append(LoadCase(name=name, folder=slug, note=table.get("note", ""), scenario=made))
     if not cases:
         raise ModelError(
@@ -167,15 +147,11 @@ def _tables(path: Path, content: Mapping[str, Any]) -> Iterator[tuple[str, Path,
     if "sheet" in content:
         sheet = folder / content["sheet"]
         for row in read_sheet(sheet, kind="sheet of load cases", needed={"name": TEXT}, further=_IN_SHEETS):
-            yield row.location, sheet.parent, {"name": row.text("name")} | dict(_of_row(row))
+            given = {name: kind for name, kind in _IN_SHEETS.items() if row.has(name)}
+            cells = {name: row.text(name) if kind == TEXT else row.number(name) for name, kind in given.items()}
+            yield row.location, sheet.parent, {"name": row.text("name")} | cells
     if "records" in content:
         yield from _records(path, content["records"])
-
-
-def _of_row(row: Row) -> Iterator[tuple[str, Any]]:
-    for name, kind in _IN_SHEETS.items():
-        if row.has(name):
-            yield name, row.text(name) if kind == TEXT else row.number(name)
 
 
 def _records(path: Path, table: dict[str, Any]) -> Iterator[tuple[str, Path, dict[str, Any]]]:

@@ -1,13 +1,12 @@
 """A study of a job: the same variants of its system under every load case."""
 
-import json
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from wirerope_mj.content.blocks import Content
 from wirerope_mj.content.job_study import job_study_content
-from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.runs.from_scenario import limits_of, study_of
 from wirerope_mj.runs.job_file import Job
 from wirerope_mj.runs.page import write_page
@@ -24,20 +23,10 @@ def study_job(
 ) -> Content:
     """Compute the same variants under every load case, write them and what they say into a folder, and return that.
 
-    Each case is a study of its own in the folder of its name; variant k is the same system in all of them, so that the
-    probability that any limit of any case is exceeded can be told.
-
-    Args:
-        job: whose limits on accelerations and on clearances of points are judged.
-        folder: of the study.
-        vary: what varies, as `Study` takes it.
-        how: other arguments of `Study.run`.
-        drawn: number of variants, sampling and seed, as `study_of` takes them.
-
-    Raises:
-        ValueError: an argument is out of range.
-        ModelError: a name stands for nothing in the model.
-        RecordError: a folder is not that of this study.
+    Each case is a study of its own in the folder of its name, judged by the job's limits on accelerations and on clearances
+    of points; variant k is the same system in all of them, so that the probability that any limit of any case is exceeded
+    can be told. `how` are other arguments of `Study.run`, `drawn` number of variants, sampling and seed as `study_of` takes
+    them, and raises.
     """
     folder = Path(folder)
     cases: dict[str, StudySummary] = {}
@@ -48,8 +37,6 @@ def study_job(
         write_stated(result, limits)
         cases[case.name] = summary_of(result)
     content = job_study_content(job.name, job.question, cases)
-    with atomic_file(folder / CONTENT) as temporary:
-        said = plain_content(content, "answer", "cases")
-        temporary.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(folder / CONTENT, plain_content(content, "answer", "cases"))
     write_page(content, [folder / "report.html"])
     return content

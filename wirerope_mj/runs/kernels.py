@@ -42,13 +42,8 @@ def _use_laws() -> None:
     Stop(gap_below=0.005, k=5e5, loss=0.3, reversal=5e-4).pressed(0.01)
     VaianaRosati(kb=0.2, f0=0.4, alpha=2.0).kernel_parameters()
     Tabulated(
-        deflection=[0.0, 0.01],
-        force=[0.0, 1000.0],
-        symmetric=True,
-        amplitudes=[0.01],
-        areas=[5.0],
-        yield_deflection=0.001,
-    ).kernel_parameters()
+        deflection=[0.0, 0.01], force=[0.0, 1000.0], symmetric=True, amplitudes=[0.01], areas=[5.0], yield_deflection=0.001,
+    ).kernel_parameters()  # fmt: skip
 
 
 def _use_systems() -> None:
@@ -63,23 +58,20 @@ def _use_systems() -> None:
     frequency_sweep(system, upwards, payload="mass", timestep=1e-3)
     with system.assembly.scratch.data(system.model) as data:
         Loading(system, "virgin", data).solve()  # as where the kernel finds no rest
-    follow_branch(
-        load_system("cabinet"), start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack"
-    )  # of enough unknowns for the variational equation
+    cabinet = load_system("cabinet")  # of enough unknowns for the variational equation
+    follow_branch(cabinet, start=60.0, stop=60.5, acceleration=0.01, direction="z", payload="rack")
 
 
 def copy_kernels(folder: Path) -> None:
     """Copy the files of all kernels that Python calls into `folder`: what these call among themselves is part of their code.
 
-    Raises:
-        RuntimeError: one was not at hand, so that this process compiled it with others that are not called from Python.
+    RuntimeError if one was not at hand, so that this process compiled it with others that are not called from Python.
     """
     before = set(cache_folder().iterdir())
     use_all_kernels()
     if set(cache_folder().iterdir()) != before:
-        raise RuntimeError(
-            f"kernels were compiled: call `use_all_kernels` in another process first, with {cache_folder()}"
-        )
+        text = f"kernels were compiled: call `use_all_kernels` in another process first, with {cache_folder()}"
+        raise RuntimeError(text)
     folder.mkdir(parents=True, exist_ok=True)
     for path in LOADED:
         shutil.copyfile(path, folder / path.name)

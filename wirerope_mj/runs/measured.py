@@ -22,11 +22,9 @@ _OPTIONS = ("start", "clock", "baseline", "gaps")
 def read_map(items: Sequence[str]) -> dict[str, Any]:
     """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
 
-    The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`.
-
-    Raises:
-        ValueError: an item is neither, or a column is given twice.
-        ModelError, RecordError: the file cannot be read, or a key is unknown.
+    The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`. ValueError if
+    an item is neither, or a column is given twice; ModelError or RecordError if the file cannot be read, or a key is
+    unknown.
     """
     channels: dict[str, str] = {}
     options: dict[str, Any] = {}
@@ -37,9 +35,8 @@ def read_map(items: Sequence[str]) -> dict[str, Any]:
         elif item.endswith(".toml"):
             found = _checked(Path(item), read_toml(Path(item), _KIND))
         else:
-            raise ValueError(
-                f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
-            )
+            text = f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
+            raise ValueError(text)
         for name, phrase in found["channels"].items():
             if name in channels:
                 raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
@@ -51,8 +48,7 @@ def read_map(items: Sequence[str]) -> dict[str, Any]:
 def store_test(folder: Path, test: Measured, *, force: bool = False) -> None:
     """Copy the file of a test and its map into a run's folder, with their checksums.
 
-    Raises:
-        RecordError: another test of that name stands there, and `force` is not given.
+    RecordError if another test of that name stands there, and `force` is not given.
     """
     target = folder / FOLDER / f"{test.name}{test.path.suffix}"
     if target.exists() and not force and digest_of(target) != digest_of(test.path):
@@ -77,8 +73,7 @@ def store_test(folder: Path, test: Measured, *, force: bool = False) -> None:
 def tests_of(folder: Path) -> tuple[Measured, ...]:
     """Read the tests in a run's folder, in the order of their names; nothing outside it is read.
 
-    Raises:
-        RecordError: a map or a file is damaged.
+    RecordError if a map or a file is damaged.
     """
     tests = []
     for path in sorted((folder / FOLDER).glob("*.toml")):
@@ -96,7 +91,6 @@ def _checked(path: Path, content: dict[str, Any]) -> dict[str, Any]:
         raise RecordError(f"{path}: `{unknown[0]}` is unknown; known: channels, {', '.join(_OPTIONS)}.")
     channels = content.get("channels")
     if not isinstance(channels, dict) or not all(isinstance(phrase, str) for phrase in channels.values()):
-        raise RecordError(
-            f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
-        )
+        text = f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
+        raise RecordError(text)
     return content

@@ -23,16 +23,13 @@ _MODELS = {
     "cabinet": "cabinet.xml", "floor": "floating_floor.xml", "two-stage": "templates/two_stage.xml",
     "medium-weight-machine": "templates/medium_weight_machine.xml",
 }  # fmt: skip
-
-
 TABLES = ("mounts", "masses", "stops", "points", "forces", "envelope")
 
 
 def tables_in(source: Path) -> dict[str, Path]:
     """Return the tables of a model in a folder, files named after `TABLES`, or in a workbook, whose sheets are.
 
-    Raises:
-        RecordError: the workbook cannot be read, or there is no table of mounts or of masses.
+    RecordError if the workbook cannot be read, or there is no table of mounts or of masses.
     """
     if source.is_dir():
         files = sorted(file for file in source.iterdir() if file.suffix.lower() in (".csv", ".xlsx", ".xlsm", ".txt"))
@@ -53,21 +50,14 @@ def new_model(
 ) -> Layout:  # fmt: skip
     """Write the folder of a model from tables and return what they say.
 
-    It holds MODEL.xml, the isolators as used, the tables, and MODEL_plan in each of the formats. The model has been loaded
-    before the folder stands.
+    It holds MODEL.xml, MODEL being its last part, the isolators as used, the tables, and MODEL_plan in each of the
+    `formats`: "png", "pdf", "svg". The model has been loaded before the folder stands. Tables are CSV files or workbooks,
+    by their names in `TABLES`, as `read_layout` reads them; `name` is the payload's, by default the model's;
+    `positive_products` says that products of inertia are +sum x y dm, else elements of the tensor; a `deck` is what the
+    mounts stand on in place of a rigid one.
 
-    Args:
-        folder: to write; its last part is the model's name.
-        tables: CSV files or workbooks, by their names in `TABLES`; what they hold is said by `read_layout`.
-        name: of the payload; by default the model's.
-        positive_products: products of inertia are +sum x y dm; else elements of the tensor.
-        deck: that the mounts stand on, in place of a rigid one.
-        formats: of the drawing: "png", "pdf", "svg".
-        force: replace a model's folder that is there.
-
-    Raises:
-        RecordError: a table is wrong, or the folder cannot be written; nothing is written then.
-        ModelError: an isolator or the model is wrong.
+    RecordError if a table is wrong, or the folder cannot be written; ModelError if an isolator or the model is wrong;
+    nothing is written then.
     """
     called = folder.resolve().name
     check_folder(folder, force=force, kind=KIND, marks=marks(called))
@@ -151,10 +141,7 @@ def _write_isolators(layout: Layout, folder: Path, stops: Path | None) -> None:
 
 def _stop_isolator(law: StopLaw) -> Isolator:
     axial = Stop(gap_below=law.gap, k=law.stiffness, c=law.damping, rounding=law.rounding)
-    return Isolator(
-        name=f"Stop, {law.stiffness / 1e6:g} MN/m behind {1e3 * law.gap:g} mm",
-        axial=axial,
-        provenance=Provenance(
-            kind="illustrative", source="table of stops", assumed=("stiffness and damping are those of the table",)
-        ),
-    )
+    assumed = ("stiffness and damping are those of the table",)
+    stated = Provenance(kind="illustrative", source="table of stops", assumed=assumed)
+    name = f"Stop, {law.stiffness / 1e6:g} MN/m behind {1e3 * law.gap:g} mm"
+    return Isolator(name=name, axial=axial, provenance=stated)

@@ -4,11 +4,12 @@ import ast
 import inspect
 import traceback
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib.util import module_from_spec, spec_from_file_location
 from numbers import Integral, Real
 from pathlib import Path, PurePath
-from typing import Any
+from typing import Any, Self
 
 from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.plain_text import short
@@ -17,11 +18,9 @@ from wirerope_mj.foundation.regular_files import regular
 _PACKAGE = Path(__file__).resolve().parents[1]
 # Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well.
 _KINDS: tuple[tuple[type, Any, str], ...] = (
-    (bool, bool, "true or false"),
-    (int, Integral, "an integer"),
-    (float, Real, "a number"),
+    (bool, bool, "true or false"), (int, Integral, "an integer"), (float, Real, "a number"),
     (str, str | PurePath, "text"),
-)
+)  # fmt: skip
 
 
 def defines(path: Path, name: str) -> bool:
@@ -33,30 +32,60 @@ def defines(path: Path, name: str) -> bool:
     return any(isinstance(node, ast.FunctionDef) and node.name == name for node in tree.body)
 
 
-def file_called(name_or_path: str | Path, shipped: Mapping[str, Path], *, kind: str) -> Path:
-    """Return the path that is given if a file is there, or that of the shipped file of this name.
+@dataclass(frozen=True, kw_only=True)
+class OptionFile:
+    """A Python file with one function, whose keyword arguments are the options."""
 
-    Raises:
-        ModelError: there is neither; names what ships. `kind` is what the message calls it.
-    """
-    path = Path(name_or_path)
-    if path.is_file():
-        return path
-    if str(name_or_path) not in shipped:
-        near = get_close_matches(path.stem.replace("-", "_"), shipped, n=1, cutoff=0.5)
-        meant = f" Did you mean {near[0]}?" if near else ""
-        raise ModelError(
-            f"there is no {kind} {str(name_or_path)!r}.{meant} The package ships {', '.join(shipped) or 'none'}; "
-            "anything else must be the path of a Python file."
-        )
-    return shipped[str(name_or_path)]
+    name: str
+    path: Path
+    function: Callable[..., Any]
+
+    @classmethod
+    def load(cls, name_or_path: str | Path, shipped: Mapping[str, Path], kind: str) -> Self:
+        """Load the file at a path, or the shipped one of that name; `kind` is the name of its function.
+
+        ModelError if there is neither, or the file has no such function with keyword options only.
+        """
+        path = Path(name_or_path)
+        if not path.is_file():
+            if str(name_or_path) not in shipped:
+                near = get_close_matches(path.stem.replace("-", "_"), shipped, n=1, cutoff=0.5)
+                meant = f" Did you mean {near[0]}?" if near else ""
+                raise ModelError(
+                    f"there is no {kind} {str(name_or_path)!r}.{meant} The package ships {', '.join(shipped) or 'none'}; "
+                    "anything else must be the path of a Python file."
+                )
+            path = shipped[str(name_or_path)]
+        return cls(name=path.stem, path=path.resolve(), function=load_function(path, kind))
+
+    @property
+    def question(self) -> str:
+        """First line of the file's docstring."""
+        return (self.function.__doc__ or "").strip().split("\n", 1)[0]
+
+    @property
+    def defaults(self) -> dict[str, Any]:
+        """Options and their default values."""
+        return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
+
+    def made(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+        """Return what the function makes of some options, and all of them, the others with their defaults.
+
+        ModelError if an option is unknown or of another kind, or the function fails; says in which line.
+        """
+        values = self.defaults
+        for option, value in options.items():
+            if option not in values:
+                raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
+            _check_kind(self.path, option, values[option], value)
+        values |= options
+        return guarded(self.path, lambda: self.function(**values)), values
 
 
 def load_function(path: Path, name: str) -> Callable[..., Any]:
     """Return the function `name` of a Python file; its docstring is the file's, followed by its own arguments.
 
-    Raises:
-        ModelError: the file cannot be read or has no such function with keyword options only; says in which line.
+    ModelError if the file cannot be read or has no such function with keyword options only; says in which line.
     """
     spec = spec_from_file_location(path.stem, path.resolve())
     if path.suffix != ".py" or spec is None or spec.loader is None:
@@ -86,35 +115,11 @@ def _check_text(path: Path, name: str) -> None:
         raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
 
 
-def all_options(path: Path, function: Callable[..., Any], options: dict[str, Any]) -> dict[str, Any]:
-    """Return the options of a function with their defaults; ModelError if one is unknown."""
-    values = defaults(function)
-    for option in options:
-        if option not in values:
-            raise ModelError(f"{path}: no option {option!r}; the options are {', '.join(values)}.")
-        _check_kind(path, option, values[option], options[option])
-    return values | options
-
-
 def _check_kind(path: Path, option: str, default: Any, value: Any) -> None:
     """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
-    for kinds, accepted, kind in _KINDS:
-        if isinstance(default, kinds):
-            if not isinstance(value, accepted) or (isinstance(value, bool) and kinds is not bool):
-                raise ModelError(
-                    f"{path}: option `{option}` must be {kind}, as its default {default!r} is, got {value!r}."
-                )
-            return
-
-
-def defaults(function: Callable[..., Any]) -> dict[str, Any]:
-    """Return the options of a function and their default values."""
-    return {name: option.default for name, option in inspect.signature(function).parameters.items()}
-
-
-def question_of(function: Callable[..., Any]) -> str:
-    """Return the first line of the file's docstring."""
-    return (function.__doc__ or "").strip().split("\n", 1)[0]
+    known, accepted, kind = next((one for one in _KINDS if isinstance(default, one[0])), (object, object, ""))
+    if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
+        raise ModelError(f"{path}: option `{option}` must be {kind}, as its default {default!r} is, got {value!r}.")
 
 
 def guarded(path: Path, action: Callable[[], Any]) -> Any:

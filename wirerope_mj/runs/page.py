@@ -13,32 +13,22 @@ REPORT = "report.html"  # The report in a folder
 def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, docx: bool = False) -> list[Path]:
     """Return the files that a report will be, the page first, before anything is computed.
 
-    Args:
-        folder: of the run or the study.
-        out: the page, .html; None: report.html in the folder, which is made anew.
-        pdf: whether a PDF of the page stands beside it.
-        force: whether files at `out` are replaced.
-        docx: whether a DOCX of it does.
-
-    Raises:
-        ValueError: the page does not end with .html.
-        RecordError: a file is there and must not be replaced.
-        WireRopeError: a PDF or a DOCX cannot be made here.
+    The page, .html, is `out`, or report.html in the folder of the run or the study, which is made anew; a PDF and a DOCX of
+    it stand beside it. ValueError if the page does not end with .html; RecordError if a file is at `out` that `force` does
+    not replace; WireRopeError if a PDF or a DOCX cannot be made here.
     """
     from wirerope_mj.views.report import check_docx, check_pdf  # late: its libraries take long to import
 
     page = folder / REPORT if out is None else Path(out)
     if page.suffix.lower() not in (".html", ".htm"):
-        raise ValueError(
-            f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
-        )
+        text = f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
+        raise ValueError(text)
     wanted = ((".pdf", pdf, check_pdf), (".docx", docx, check_docx))
     files = [page, *(page.with_suffix(ending) for ending, asked, _ in wanted if asked)]
     for path in files:
         if out is not None and path.exists() and not (force and path.is_file()):
-            raise RecordError(
-                f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
-            )
+            text = f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
+            raise RecordError(text)
     for _, asked, check in wanted:
         if asked:
             check()

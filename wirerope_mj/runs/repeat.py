@@ -35,38 +35,25 @@ AGREES = 1e-9
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Replay(Summarised):
-    """Comparison of a run with itself computed again, and the files of its folder that were altered.
+    """Comparison of a run with itself computed again, and the files of its folder that were altered."""
 
-    Attributes:
-        identical: every stored number has the same bits: samples, peaks, states, scene, events, step, and those of
-            summary.json.
-        largest_difference: of a stored number: of a sample relative to the largest of its column, of a peak to the largest of
-            its components; infinite where a text differs, or where there is something else.
-        column: where it is, a column or what else is stored; "" if all is identical.
-        response: what was computed; None if its samples were streamed and are gone.
-        alterations: files that are not as they were written; None without checksums, as in older runs.
-    """
-
+    # every stored number has the same bits: samples, peaks, states, scene, events, step, and those of summary.json
     identical: bool
+    # of a stored number: of a sample relative to the largest of its column, of a peak to the largest of its components;
+    # infinite where a text differs, or where there is something else
     largest_difference: float
-    column: str
-    response: Response | None
+    column: str  # where it is, a column or what else is stored; "" if all is identical
+    response: Response | None  # what was computed; None if its samples were streamed and are gone
+    # files that are not as they were written; None without checksums, as in older runs
     alterations: Alterations | None = None
 
     def _summary(self) -> tuple[str, dict[str, str]]:
-        state = "bit-identical" if self.identical else "in agreement" if self.agrees else "DIFFERENT"
         lines = {} if self.identical else {"largest difference": f"{self.largest_difference:.1e} in {self.column}"}
-        files = (
-            "not known"
-            if self.alterations is None
-            else "as written"
-            if self.intact
-            else "altered since they were written"
-        )
-        return f"Replay: every stored number is {state}" if self.identical else f"Replay: {state}", {
-            **lines,
-            "files": files,
-        }
+        known = "as written" if self.intact else "altered since they were written"
+        lines["files"] = "not known" if self.alterations is None else known
+        if self.identical:
+            return "Replay: every stored number is bit-identical", lines
+        return f"Replay: {'in agreement' if self.agrees else 'DIFFERENT'}", lines
 
     @property
     def agrees(self) -> bool:
@@ -97,9 +84,8 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         computed = summary_content(judged_run(system, motion, stored, content), seconds=0.0)
         same_version = stored.numerics.versions.get("wirerope-mj") == versions()["wirerope-mj"]
         # Folders without checksums are older than some of the sentences.
-        differences = list(
-            summary_differences(read_summary(folder), computed, texts=same_version and altered is not None)
-        )
+        texts = same_version and altered is not None
+        differences = list(summary_differences(read_summary(folder), computed, texts=texts))
         arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
         arguments.setdefault("engine", "mujoco")  # older runs knew no other
         long = is_streamed(arguments)
@@ -111,12 +97,9 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
             differences += other_differences(stored, again, parts)
     difference, where = _largest(differences)
     return Replay(
-        identical=not where,
-        largest_difference=difference,
-        column=where,
-        response=None if long else again,
+        identical=not where, largest_difference=difference, column=where, response=None if long else again,
         alterations=altered,
-    )
+    )  # fmt: skip
 
 
 def replay_study(folder: str | Path) -> tuple[float, str]:

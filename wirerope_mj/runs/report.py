@@ -11,12 +11,12 @@ from wirerope_mj.content.correlation import correlation_sections
 from wirerope_mj.content.job import job_content
 from wirerope_mj.content.run import run_content
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import check_writable
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_writable
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import picked
 from wirerope_mj.motions.phrases import parse_phrase
 from wirerope_mj.runs.analyses import KIND, MARKS
-from wirerope_mj.runs.folder import alterations, atomic_run, update_checksums, warn_of_alterations
+from wirerope_mj.runs.folder import alterations, update_checksums, warn_of_alterations
 from wirerope_mj.runs.job import is_job, judged_job
 from wirerope_mj.runs.measured import tests_of
 from wirerope_mj.runs.page import REPORT, page_files, write_page
@@ -69,9 +69,8 @@ def _content_of(folder: Path) -> Content:
 def write_workbook_of(folder: Path, out: Path, *, channels: Sequence[str] = (), force: bool = False) -> Path:
     """Write the tables of a run, a job or a study as a workbook, and the columns that patterns name; return its path.
 
-    Raises:
-        RecordError: the folder is none of them, or the file cannot be written.
-        ValueError: a pattern matches no column, or a job has none.
+    RecordError if the folder is none of them, or the file cannot be written; ValueError if a pattern matches no column, or
+    a job has none.
     """
     from wirerope_mj.views.workbook import write_workbook
 
@@ -87,9 +86,8 @@ def write_workbook_of(folder: Path, out: Path, *, channels: Sequence[str] = (), 
 def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool = False) -> Path:
     """Write the scene of a run at an instant, "120 ms", or at that of its most critical verdict, as a PNG; return its path.
 
-    Raises:
-        RecordError: the folder is no run, or the file is there and must not be replaced.
-        ValueError: the instant is no time within the run, or nothing has moved at it.
+    RecordError if the folder is no run, or the file is there and must not be replaced; ValueError if the instant is no time
+    within the run, or nothing has moved at it.
     """
     from wirerope_mj.content.worst import scene_at, worst_instant
     from wirerope_mj.views.plots.scene_plan import save_still
@@ -105,9 +103,8 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
             raise ValueError(f'`at` must be a time within the run, 0 to {last:g} s, such as "120 ms"; got {at!r}.')
     view = worst_instant(run) if instant is None else scene_at(run.response, instant)
     if view is None:
-        raise ValueError(
-            "nothing that is drawn has moved from its modelled place at this instant; say another with `at`."
-        )
+        text = "nothing that is drawn has moved from its modelled place at this instant; say another with `at`."
+        raise ValueError(text)
     save_still(view, out, title=run.title)
     return out
 
@@ -115,9 +112,8 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
 def _run_folder(folder: Path) -> Path:
     """Return the folder; RecordError if it is something else than a run."""
     if not folder.is_dir():
-        raise RecordError(
-            f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote."
-        )
+        text = f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote."
+        raise RecordError(text)
     if all((folder / mark).is_file() for mark in MARKS):
         raise RecordError(f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs.")
     return folder
@@ -129,29 +125,20 @@ INDEX = "index.html"
 def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> list[Path]:
     """Write a run as a folder to hand on, whole or not at all, and return its files.
 
-    Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does.
-
-    Args:
-        folder: of the run.
-        out: folder to write, outside of the run.
-        force: whether a shared folder that is there is replaced.
-
-    Raises:
-        RecordError: the run has no report or no recording, or one that is a link or was altered since it was written, or `out`
-            is there and must not be replaced.
-        WireRopeError: the viewer does not hand out its files.
+    Nothing in it needs the network: a web server hands it out from any place, as `python -m http.server` does. RecordError
+    if the run has no report or no recording, or one that is a link or was altered since it was written, or `out` lies in
+    the run, or is there and `force` does not replace it; WireRopeError if the viewer does not hand out its files.
     """
     folder, target = Path(folder), Path(out)
     report = folder / REPORT
     if not report.is_file():
-        raise RecordError(
-            f"{folder}: there is no {REPORT} here to share. `wirerope report {folder}` makes one of a run."
-        )
+        text = f"{folder}: there is no {REPORT} here to share. `wirerope report {folder}` makes one of a run."
+        raise RecordError(text)
     recording = find_recording(folder)
     if target.resolve().is_relative_to(folder.resolve()):
         raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")
     _require_as_written(folder, (report, recording))
-    with atomic_run(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
+    with atomic_folder(target, force=force, kind="shared run", marks=(INDEX, f"{VIEWER}/{INDEX}")) as beside:
         pages = viewer_pages()
         (beside / INDEX).write_text(linked_report(report.read_text(encoding="utf-8")), encoding="utf-8")
         shutil.copyfile(recording, beside / FILE)

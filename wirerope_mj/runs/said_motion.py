@@ -11,36 +11,23 @@ from wirerope_mj.motions.records.record import Record, record_channels
 from wirerope_mj.motions.restore import motion_of_levels
 from wirerope_mj.motions.spoken import motion_from_phrase
 
+# What is said of how a record is played, beside its channels and their directions, as `load_record` takes it.
 PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
-"""What is said of how a record is played, beside its channels and their directions, as `load_record` takes it."""
 
 
 def said_motion(
-    phrases: Sequence[tuple[str, str]],
-    *,
-    levels: Sequence[Path] = (),
-    record: Path | None = None,
-    channels: Sequence[str] | None = None,
-    direction: str | None = None,
-    played: Mapping[str, Any] | None = None,
-    duration: float | None = None,
-    folder: Path | None = None,
-) -> BaseMotion:
-    """Add the motions of phrases, of files of levels and of a record.
+    phrases: Sequence[tuple[str, str]], *, levels: Sequence[Path] = (), record: Path | None = None,
+    channels: Sequence[str] | None = None, direction: str | None = None, played: Mapping[str, Any] | None = None,
+    duration: float | None = None, folder: Path | None = None,
+) -> BaseMotion:  # fmt: skip
+    """Add the motions of phrases, each a kind of `SPOKEN_MOTIONS` and a text, of files of levels and of a measured record.
 
-    Args:
-        phrases: kind, one of `SPOKEN_MOTIONS`, and text of each.
-        levels: files of levels.
-        record: file of a measured record.
-        channels: of the record: which to use, NAME=DIRECTION, or one with a `direction`.
-        direction: in which a record of one channel moves the base.
-        played: how the record is played, by the names of `PLAYED`.
-        duration: of the simulation [s], with which the record must begin; None for a default.
-        folder: where relative paths in phrases start; None: the current one.
+    `channels` of the record are those to use, NAME=DIRECTION, or one with a `direction`; it is `played` as `load_record`
+    takes it, by the names of `PLAYED`, and must begin within the `duration` of the simulation [s], if that is known.
+    Relative paths in phrases start at `folder`, else at the current one.
 
-    Raises:
-        ValueError: nothing is said, a phrase is not understood, or the record would not move the base.
-        ModelError, RecordError: a file cannot be read, or does not hold what it must.
+    ValueError if nothing is said, a phrase is not understood, or the record would not move the base; ModelError or
+    RecordError if a file cannot be read, or does not hold what it must.
     """
     motions = [motion_from_phrase(kind, phrase, folder=folder) for kind, phrase in phrases]
     motions += [motion_of_levels(file) for file in levels]
@@ -57,18 +44,16 @@ def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> 
     """Raise an error for a record that would leave the base at rest all the time."""
     if not motion.samples.any():
         zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
-        raise RecordError(
-            f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
-        )
+        text = f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
+        raise RecordError(text)
     if motion.end <= 0.0:
         raise ValueError(
             f"`start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
             "base would not move. Start it at 0 s or later."
         )
     if duration is not None and duration <= motion.start:
-        raise ValueError(
-            f"`duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (`start`)."
-        )
+        text = f"`duration` {duration:g} ends the simulation before the record begins, at {motion.start:g} s (`start`)."
+        raise ValueError(text)
 
 
 def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> dict[str, Any] | None:

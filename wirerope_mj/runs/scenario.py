@@ -1,6 +1,6 @@
 """A scenario: a question, the model and the base motion that answer it, and the file that makes them from options."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.resources import model_source, scenarios_folder
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.runs.option_file import all_options, defaults, file_called, guarded, load_function, question_of
+from wirerope_mj.runs.option_file import OptionFile
 
 # What each attribute of a scenario must be, and what a message calls it.
 _KINDS: dict[str, tuple[Any, str]] = {
@@ -23,45 +23,33 @@ _KINDS: dict[str, tuple[Any, str]] = {
     "motion": (BaseMotion, "a base motion, such as HalfSine(...)"),
     "simulate": (Mapping, 'a table of arguments, such as {"duration": 1.0}'),
     "isolators": (Mapping | None, "a table of isolators by name, or None"),
-    "name": (str, "text"),
-    "options": (Mapping, "a table of options by name"),
-    "folder": (Path | None, "a Path, or None"),
-    "changes": (list | tuple, "a list of Changes"),
-    "combined_travel": (bool, "True or False"),
-    "limits": (list | tuple, "a list of PayloadLimits"),
-}
+    "name": (str, "text"), "options": (Mapping, "a table of options by name"),
+    "folder": (Path | None, "a Path, or None"), "changes": (list | tuple, "a list of Changes"),
+    "combined_travel": (bool, "True or False"), "limits": (list | tuple, "a list of PayloadLimits"),
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
 class Scenario:
-    """A question and everything that a simulation of it needs.
+    """A question and everything that a simulation of it needs."""
 
-    Attributes:
-        question: what the run should answer.
-        model: MJCF file, or MJCF text. A relative path starts at the scenario file's folder (without a file at the
-            current one), then at the models that ship with the package; `.xml` may be left out.
-        motion: base motion.
-        simulate: arguments of `wirerope_mj.simulate` besides system and motion; `duration` must be among them.
-        isolators: isolators in memory by the name that follows `isolator/` in the model; they go before files.
-        name: names the run.
-        options: values of the options that made it, by name.
-        folder: where a relative model path starts.
-        combined_travel: whether mounts are judged on all axes at once, by this project's own rule, if the model does not
-            forbid it.
-        limits: what the payload can bear, in place of what the model states for the same subjects.
-        changes: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it.
-    """
-
-    question: str
+    question: str  #: what the run should answer
+    #: MJCF file, or MJCF text. A relative path starts at the scenario file's folder (without a file at the current one), then
+    #: at the models that ship with the package; `.xml` may be left out.
     model: str | Path
-    motion: BaseMotion
+    motion: BaseMotion  #: base motion
+    #: arguments of `wirerope_mj.simulate` besides system and motion; `duration` must be among them
     simulate: Mapping[str, Any]
+    #: isolators in memory by the name that follows `isolator/` in the model; they go before files
     isolators: Mapping[str, Isolator] | None = None
-    name: str = "scenario"
-    options: Mapping[str, Any] = field(default_factory=dict)
-    folder: Path | None = None
+    name: str = "scenario"  #: names the run
+    options: Mapping[str, Any] = field(default_factory=dict)  #: values of the options that made it, by name
+    folder: Path | None = None  #: where a relative model path starts
+    #: what the system differs by from the model, as `changes` of what `wirerope_mj.varied` returns says it
     changes: Sequence[Changes] = ()
+    #: whether mounts are judged on all axes at once, by this project's own rule, if the model does not forbid it
     combined_travel: bool = True
+    #: what the payload can bear, in place of what the model states for the same subjects
     limits: Sequence[PayloadLimit] = ()
 
     def __post_init__(self) -> None:
@@ -89,32 +77,15 @@ class Scenario:
         return replace(self, model=deck_text(system, deck), isolators=system.isolators, options=options)
 
 
-@dataclass(frozen=True, kw_only=True)
-class ScenarioFile:
+class ScenarioFile(OptionFile):
     """A file with one function `scenario(*, ...) -> Scenario`, whose keyword arguments are the options."""
-
-    name: str
-    path: Path
-    function: Callable[..., Scenario]
-
-    @property
-    def question(self) -> str:
-        """First line of the file's docstring."""
-        return question_of(self.function)
-
-    @property
-    def defaults(self) -> dict[str, Any]:
-        """Options and their default values."""
-        return defaults(self.function)
 
     def make(self, **options: Any) -> Scenario:
         """Return the scenario of some options; the others have their defaults.
 
-        Raises:
-            ModelError: an option is unknown, or the function does not return a Scenario, or fails; says in which line.
+        ModelError if an option is unknown, or the function does not return a Scenario, or fails; says in which line.
         """
-        values = all_options(self.path, self.function, options)
-        made = guarded(self.path, lambda: self.function(**values))
+        made, values = self.made(options)
         if not isinstance(made, Scenario):
             raise ModelError(f"{self.path}: `scenario` must return a wirerope_mj.Scenario, got {quoted(made)}.")
         return replace(made, name=self.name, options=values, folder=self.path.parent)
@@ -131,5 +102,4 @@ def load_scenario(name_or_path: str | Path) -> ScenarioFile:
     Raises:
         ModelError: there is no such scenario, or the file has no function `scenario` with keyword options only.
     """
-    path = file_called(name_or_path, shipped_scenarios(), kind="scenario")
-    return ScenarioFile(name=path.stem, path=path.resolve(), function=load_function(path, "scenario"))
+    return ScenarioFile.load(name_or_path, shipped_scenarios(), "scenario")

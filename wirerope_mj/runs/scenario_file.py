@@ -42,9 +42,7 @@ def read_judge_table(content: Mapping[str, Any]) -> dict[str, Any]:
     limits = []
     for key, values in stored.items():
         kind, _, name = key.partition("/")
-        if not isinstance(values, list) or any(
-            isinstance(one, bool) or not isinstance(one, int | float) for one in values
-        ):
+        if not isinstance(values, list) or not all(type(one) in (int, float) for one in values):
             raise ValueError(f"`judge.limits.{key}` must be a list of numbers, got {values!r}.")
         try:
             limits.append(PayloadLimit(kind=kind, name=name, values=tuple(values)))
@@ -59,13 +57,9 @@ def subjects_of(system: System) -> dict[str, list[str]]:
 
 
 def _with_limits(system: System, limits: Sequence[PayloadLimit]) -> System:
-    """Return the system with limits in place of those that its model states for the same subjects.
-
-    A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern.
-
-    Raises:
-        ModelError: a limit names no body of the payload and no point, or one thing is limited twice.
-    """
+    """Return the system with limits in place of those that its model states for the same subjects."""
+    # A name may hold * and ?; a limit on a subject by its own name counts before one by such a pattern. ModelError if a limit
+    # names no body of the payload and no point, or one thing is limited twice.
     if not limits:
         return system
     known = subjects_of(system)
@@ -89,25 +83,19 @@ _TABLES = {
     "simulate": ("duration", "initial", "timestep", "sample_rate", "callback", "accuracy", "corners", "engine"),
 }
 _NEEDED = {
-    "model": ("file",),
-    "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),
-    "motion": ("kind", "description"),
-    "options": (),
-    "versions": (),
-}
+    "model": ("file",), "simulate": ("duration", "initial", "timestep", "sample_rate", "callback"),
+    "motion": ("kind", "description"), "options": (), "versions": (),
+}  # fmt: skip
 _REMEDY = "Put it right, or take the file from another copy of the folder."
 _CHOICES = {
-    "initial": ("settled", "relaxed", "unloaded"),
-    "callback": ("native", "python"),
-    "engine": ("mujoco", "kernel"),
-}
+    "initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel"),
+}  # fmt: skip
 
 
 def scenario_content(folder: Path) -> dict[str, Any]:
     """Return the scenario of a run as it stands in its folder, with everything there and of the right type.
 
-    Raises:
-        RecordError: the folder is not a run, or its scenario is damaged; names the key.
+    RecordError if the folder is not a run, or its scenario is damaged; names the key.
     """
     path = folder / SCENARIO
     if not path.is_file():
@@ -118,9 +106,8 @@ def scenario_content(folder: Path) -> dict[str, Any]:
         raise RecordError(f"{path}: {why_unread(error)}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        raise RecordError(
-            f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
-        ) from None
+        text = f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
+        raise RecordError(text) from None
     except tomllib.TOMLDecodeError as error:
         raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
     if "format" in content and content["format"] != FORMAT:

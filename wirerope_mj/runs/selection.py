@@ -29,15 +29,10 @@ _PLACED = "WR16-400"  # part of the box's mounts before every part takes their p
 
 
 def equipment(
-    model: str | None,
-    cases: Mapping[str, BaseMotion],
-    *,
-    box: Mapping[str, Any] | None = None,
-    mounts: Sequence[str] = (),
-    limits: Sequence[PayloadLimit] = (),
-    fragility: float | None = None,
+    model: str | None, cases: Mapping[str, BaseMotion], *, box: Mapping[str, Any] | None = None,
+    mounts: Sequence[str] = (), limits: Sequence[PayloadLimit] = (), fragility: float | None = None,
     travel: float | None = None,
-) -> tuple[dict[str, System], dict[str, BaseMotion]]:
+) -> tuple[dict[str, System], dict[str, BaseMotion]]:  # fmt: skip
     """Load the equipment, once for each way of mounting it, with the limits that are judged; and its load cases.
 
     Args:
@@ -78,9 +73,8 @@ def equipment(
         own = {(one.kind, one.name): one for one in limits}
         if fragility is not None:
             for body in payload_bodies(system):
-                own.setdefault(
-                    ("acceleration", body), PayloadLimit(kind="acceleration", name=body, values=(fragility,))
-                )
+                stands = PayloadLimit(kind="acceleration", name=body, values=(fragility,))
+                own.setdefault(("acceleration", body), stands)
         if travel is not None:
             if not (points := payload_points(system)):
                 raise ModelError("the model has no points to keep a `--travel`: give it sites called point/NAME.")
@@ -93,8 +87,7 @@ def equipment(
 def read_prices(path: Path) -> dict[str, dict[str, float]]:
     """Read price and mass [kg] of one part, by its name, from a CSV or XLSX table with "name" and "price" or "mass [kg]".
 
-    Raises:
-        RecordError: the table is wrong; says file, row and column.
+    RecordError if the table is wrong; says file, row and column.
     """
     rows = read_sheet(path, kind="table of prices", needed={"name": TEXT}, further={"price": PURE, "mass": "mass"})
     return {row.text("name"): {key: row.number(key) for key in ("price", "mass") if row.has(key)} for row in rows}
@@ -103,17 +96,11 @@ def read_prices(path: Path) -> dict[str, dict[str, float]]:
 def write_selected(
     chosen: TriedPart, folder: Path, *, box: Mapping[str, Any] | None = None, force: bool = False
 ) -> Path:
-    """Write the model on a part that was chosen, its limits in it, and return the path of the model.
+    """Write the model on a part that was chosen, its limits in it, into `folder`, and return the path of the model.
 
-    Args:
-        chosen: the part.
-        folder: to write; its last part is the model's name.
-        box: as `equipment` took it: a deck is then drawn below the part's own height.
-        force: replace a model's folder that is there.
-
-    Raises:
-        RecordError: the folder is there.
-        ModelError: the model names files of its own, so that no new text of it can be written.
+    The folder's last part is the model's name. With the `box` that `equipment` took a deck is drawn below the part's own
+    height. RecordError if a folder is there that `force` does not replace; ModelError if the model names files of its own,
+    so that no new text of it can be written.
     """
     system, isolator, name = chosen.system, chosen.isolator, folder.resolve().name
     if system is None or isolator is None:

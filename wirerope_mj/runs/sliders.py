@@ -23,37 +23,30 @@ Values = Mapping[str, float]
 
 @dataclass(frozen=True, kw_only=True)
 class Slider:
-    """One quantity that can be changed.
+    """One quantity that can be changed."""
 
-    Attributes:
-        key: by which its value is handed over.
-        label: what it is called.
-        unit: "×" for a factor on what the scenario has, "°" for an angle.
-        minimum, maximum: smallest and largest value.
-        nominal: what leaves the scenario as it is.
-        note: what it acts on, and what stays.
-    """
-
-    key: str
-    label: str
-    unit: str
+    key: str  # by which its value is handed over
+    label: str  # what it is called
+    unit: str  # "×" for a factor on what the scenario has, "°" for an angle
+    # minimum, maximum: smallest and largest value
     minimum: float
     maximum: float
-    nominal: float
-    note: str
+    nominal: float  # what leaves the scenario as it is
+    note: str  # what it acts on, and what stays
+
+    def text(self, value: float) -> str:
+        """Return a value with its unit."""
+        return f"{value:.4g}°" if self.unit == "°" else f"×\N{NO-BREAK SPACE}{value:.4g}"
 
 
 def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     """Return the sliders that act on a system under a motion: none that could do nothing."""
     found = [_factor(LEVEL, "Base motion level", (0.1, 2.0), f"On {motion.description}.")]
     if _can_turn(system, motion):
-        note = "Turns the motion about the vertical, from x towards y."
-        found.append(
-            Slider(
-                key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0,
-                nominal=0.0, note=note,
-            )
-        )  # fmt: skip
+        found.append(Slider(
+            key=DIRECTION, label="Base motion direction", unit="°", minimum=-180.0, maximum=180.0, nominal=0.0,
+            note="Turns the motion about the vertical, from x towards y.",
+        ))  # fmt: skip
     if system.mounts:
         mass = sum(payload.mass for payload in payloads_of(system))
         note = f"On mass and inertia of all that the mounts carry, {significant(mass)} kg; its shape stays."
@@ -63,7 +56,8 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
         device = system.mounts[mounts[0]].written.name
         note = f"On all forces of {len(mounts)} {'mounts' if len(mounts) > 1 else 'mount'}; their ratings stay."
         found.append(_factor(STIFFNESS + group, f"Stiffness of {device}", (0.5, 2.0), note))
-    damped = [group for group, mounts in groups.items() if _has_damping(system.mounts[mounts[0]].written)]
+    laws = {group: system.mounts[mounts[0]].written.axes.values() for group, mounts in groups.items()}
+    damped = [group for group in groups if any(law.damping_parameters for law in laws[group] if law is not None)]
     if damped:
         others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
         note = (
@@ -89,8 +83,7 @@ def groups_of(system: System) -> dict[str, list[str]]:
 def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float]:
     """Return a value for every slider: the one that is given, brought into its range, else the nominal one.
 
-    Raises:
-        ValueError: `values` is no table of finite numbers, or names what is no slider.
+    ValueError if `values` is no table of finite numbers, or names what is no slider.
     """
     if not isinstance(values, Mapping):
         raise ValueError(f'the sliders\' values must be a table such as {{"level": 1.2}}, got {quoted(values, 40)}.')
@@ -110,9 +103,8 @@ def checked_values(sliders: Sequence[Slider], values: object) -> dict[str, float
 def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System, BaseMotion]:
     """Return system and motion with all sliders at some values; where all are nominal, those that are given.
 
-    Raises:
-        ValueError: a factor takes a parameter out of its law's range.
-        ModelError: the compiled model has no room for the change.
+    ValueError if a factor takes a parameter out of its law's range; ModelError if the compiled model has no room for the
+    change.
     """
     mass, damping = values.get(MASS, 1.0), values.get(DAMPING, 1.0)
     isolators: dict[str, Isolator] = {}
@@ -127,7 +119,8 @@ def variant(system: System, motion: BaseMotion, values: Values) -> tuple[System,
     if carried or tunings or any(isolators[mount] is not system.mounts[mount].written for mount in isolators):
         system = varied(system, isolators=isolators, masses=dict.fromkeys(carried, mass), tunings=tunings)
     if angle := values.get(DIRECTION, 0.0):
-        motion = Turned(motion, rotation=_about_vertical(angle))
+        c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+        motion = Turned(motion, rotation=[[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]])
     if (level := values.get(LEVEL, 1.0)) != 1.0:
         motion = Scaled(motion, level)
     return system, motion
@@ -154,16 +147,7 @@ def _can_turn(system: System, motion: BaseMotion) -> bool:
     return bool(follows and np.abs(motion.directions[:, :2]).max(initial=0.0) > 1e-9)
 
 
-def _about_vertical(angle: float) -> list[list[float]]:
-    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
-    return [[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]
-
-
 def _carried(system: System) -> list[str]:
     """Return the bodies with a mass that the mounts carry."""
     ids = {body for payload in payloads_of(system) for body in payload.bodies}
     return [name for name in moving_bodies(system.model) if system.model.body(name).id in ids]
-
-
-def _has_damping(isolator: Isolator) -> bool:
-    return any(law.damping_parameters for law in isolator.axes.values() if law is not None)

@@ -30,8 +30,7 @@ _CHARACTERS = 8  # of a file's digest: enough to see that two files differ
 def run_inputs(folder: str | Path) -> dict[str, str]:
     """Return scenario, options, motion, simulation, versions and the digests of the model's files; {} without a scenario.
 
-    Raises:
-        RecordError: the scenario or a file of the model cannot be read; names it.
+    RecordError if the scenario or a file of the model cannot be read; names it.
     """
     path = Path(folder) / SCENARIO
     if not path.is_file():  # a response that was saved alone
@@ -44,16 +43,14 @@ def run_inputs(folder: str | Path) -> dict[str, str]:
             inputs[f"{prefix}{key}"] = f"{value:.6g}" if isinstance(value, float) else str(value)
     for file in sorted(path.parent.glob("model/**/*")):
         if file.is_file():
-            digest = digest_of(file)[:_CHARACTERS]
-            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest}"
+            inputs[f"{file.relative_to(path.parent)}"] = f"digest {digest_of(file)[:_CHARACTERS]}"
     return inputs
 
 
 def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
     """Judge the response in a folder as `wirerope run` does; one that was saved alone by what its scene states.
 
-    Raises:
-        RecordError: scenario, motion or model cannot be read, or are not those of the response; names which.
+    RecordError if scenario, motion or model cannot be read, or are not those of the response; names which.
     """
     folder = Path(folder)
     return judged_folder(folder, response).verdicts if is_run(folder) else tuple(judge(response))
@@ -62,9 +59,8 @@ def run_verdicts(folder: str | Path, response: Response) -> tuple[Verdict, ...]:
 def judged_folder(folder: Path, response: Response | None = None) -> JudgedRun:
     """Judge the run in a folder, whose response may have been read already; nothing outside the folder is read.
 
-    Raises:
-        RecordError: the folder is not a run, or its files are damaged or not of one run.
-        ModelError: the model or an isolator in it is not what it must be.
+    RecordError if the folder is not a run, or its files are damaged or not of one run; ModelError if the model or an
+    isolator in it is not what it must be.
     """
     content = scenario_content(folder)
     system, motion = system_and_motion(folder, content)
@@ -77,15 +73,10 @@ _REMEDY = "One of the two was changed or belongs to another run: take them from 
 
 
 def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, BaseMotion]:
-    """Return system and motion of a run.
+    """Return system and motion of a run, whose `content` is what `scenario_content` returned.
 
-    Args:
-        folder: of the run.
-        content: what `scenario_content` returned.
-
-    Raises:
-        RecordError: one of their files is not in the folder, or the motion's parameters are not what they must be.
-        ModelError: the model or an isolator is not.
+    RecordError if one of their files is not in the folder, or the motion's parameters are not what they must be; ModelError
+    if the model or an isolator is not.
     """
     model = check_inside(folder, content["model"])
     motion = {key: value for key, value in content["motion"].items() if key != "description"}
@@ -93,19 +84,16 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
     system = load_system(model)
     missing = missing_isolators(system, model.parent)
     if missing:  # the catalogue stepped in, which may have changed since
-        raise RecordError(
-            f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/. Take it from another copy of the "
-            "folder."
-        )
+        where = f"{folder}: the isolator file {missing[0]!r} is missing in {model.parent.name}/"
+        raise RecordError(f"{where}. Take it from another copy of the folder.")
     changes = content["model"].get("changes")  # by which the variant that was simulated differs from the model
     system = with_changes(system, read_changes(folder / changes) if changes else ())
     system = judged_by(system, **read_judge_table(content.get("judge", {})))
     try:
         return system, motion_from_dict(motion, folder=folder)
     except (ModelError, ValueError) as error:
-        raise RecordError(
-            f"{folder / SCENARIO}: `motion`: {error} Put it right, or take the file from another copy of the folder."
-        ) from None
+        remedy = "Put it right, or take the file from another copy of the folder."
+        raise RecordError(f"{folder / SCENARIO}: `motion`: {error} {remedy}") from None
 
 
 def check_one_run(folder: Path, content: Mapping[str, Any], system: System, response: Response) -> None:
@@ -121,23 +109,17 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
             f"{response.time.size}. {_REMEDY}"
         )
     pairs = [
-        ("simulate.timestep", simulate["timestep"], numerics.timestep),
-        ("simulate.callback", simulate["callback"], numerics.callback),
+        *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("timestep", "callback")),
         *_motion_pairs(content["motion"], response.motion, "motion"),
-    ]
-    if "engine" in simulate:
-        pairs.append(("simulate.engine", simulate["engine"], numerics.engine))
-    if "accuracy" in simulate:
-        pairs.append(("simulate.accuracy", simulate["accuracy"], numerics.accuracy))
+        *((f"simulate.{key}", simulate[key], getattr(numerics, key)) for key in ("engine", "accuracy") if key in simulate),
+    ]  # fmt: skip
     for name, here, there in pairs:
         if here != there:
-            raise RecordError(
-                f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
-            )
+            text = f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
+            raise RecordError(text)
     if not same_columns(response.samples.names, column_plan(system).names):
-        raise RecordError(
-            f"{folder}: the bodies, points and mounts of {content['model']['file']} are not those of {FILE}. {_REMEDY}"
-        )
+        what = f"the bodies, points and mounts of {content['model']['file']}"
+        raise RecordError(f"{folder}: {what} are not those of {FILE}. {_REMEDY}")
 
 
 def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any, Any]]:
@@ -164,10 +146,8 @@ def stored_scenario(folder: str | Path) -> ScenarioFile:
     """Return the scenario of a run, which has no options; nothing outside the folder is read.
 
     Its step is chosen again for the accuracy of the run, if that was how it was chosen. It is called as the folder is.
-
-    Raises:
-        RecordError: the folder is not a run, or its files are damaged.
-        ModelError: the model or an isolator in it is not what it must be.
+    RecordError if the folder is not a run, or its files are damaged; ModelError if the model or an isolator in it is not
+    what it must be.
     """
     folder = Path(folder)
     content = scenario_content(folder)
@@ -178,13 +158,9 @@ def stored_scenario(folder: str | Path) -> ScenarioFile:
 
     def scenario() -> Scenario:
         return Scenario(
-            question=content["question"],
-            model=model,
-            motion=motion,
-            simulate=simulate,
-            changes=system.changes,
+            question=content["question"], model=model, motion=motion, simulate=simulate, changes=system.changes,
             **read_judge_table(content.get("judge", {})),
-        )
+        )  # fmt: skip
 
     scenario.__doc__ = content["question"]
     return ScenarioFile(name=folder.resolve().name, path=(folder / SCENARIO).resolve(), function=scenario)

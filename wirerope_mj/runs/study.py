@@ -1,6 +1,5 @@
 """Pictures and report of a study, and its worst variants as runs."""
 
-import json
 from pathlib import Path
 
 from wirerope_mj.content.blocks import Content, SceneView
@@ -8,7 +7,7 @@ from wirerope_mj.content.panels import Chart
 from wirerope_mj.content.search import front_table, search_content
 from wirerope_mj.content.study import measures_table, study_content, worst_table
 from wirerope_mj.engine.response import load_response
-from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
@@ -33,15 +32,7 @@ def checked_count(count: int) -> int:
 
 
 def result_content(result: StudyResult, by: str | None = None) -> Content:
-    """Compose what a study or a search says.
-
-    Args:
-        result: that is complete.
-        by: measure of a study that is looked at most; travel if anything is rated.
-
-    Raises:
-        ValueError: there is no such measure, or the result is that of a search.
-    """
+    """Compose what a complete study or search says; `by`: measure of a study that is looked at most, see `summary_of`."""
     if not isinstance(result, SearchResult):
         return study_content(summary_of(result, by))
     if by is not None:
@@ -60,9 +51,7 @@ def write_content(content: Content, folder: Path) -> None:
     from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes a while
     from wirerope_mj.views.plots.scene_plan import save_scenes
 
-    said = plain_content(content, "answer", "results", "inputs", "worst")
-    with atomic_file(folder / CONTENT) as temporary:
-        temporary.write_text(json.dumps(said, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(folder / CONTENT, plain_content(content, "answer", "results", "inputs", "worst"))
     blocks = list(content.blocks())
     for chart in blocks:
         if isinstance(chart, Chart):
@@ -75,19 +64,11 @@ def write_content(content: Content, folder: Path) -> None:
 def write_study_report(
     folder: str | Path, *, by: str | None = None, out: str | Path | None = None, pdf: bool = False, force: bool = False
 ) -> list[Path]:
-    """Write the report of a study and return the files, the page first.
+    """Write the report of a study, from its folder alone, and return the files, the page first; arguments as `page_files`.
 
-    Args:
-        folder: of the study; nothing outside it is read.
-        by: measure that is looked at most; travel if anything is rated.
-        out: the page, .html; by default report.html in the study's folder, which is made anew.
-        pdf: whether a PDF of the page is written beside it.
-        force: whether files at `out` are replaced.
-
-    Raises:
-        RecordError: the folder is not a study that is complete, or a file is there and must not be replaced.
-        ValueError: there is no such measure.
-        WireRopeError: a PDF cannot be made here.
+    `by` is the measure that is looked at most; travel if anything is rated. RecordError if the folder is not a study that
+    is complete, or a file is there and must not be replaced; ValueError for another measure; WireRopeError if a PDF cannot
+    be made.
     """
     from wirerope_mj.runs.page import page_files, write_page
 
@@ -103,16 +84,12 @@ def write_study_report(
 def write_worst(result: StudyResult, by: str | None, count: int) -> list[Path]:
     """Write the worst variants, or the best designs of a search, as runs, and return the paths that can be opened.
 
-    A run replaces one that is there. Of a search they are its front's: the knee, the ends, those between; without a front
-    those that are nearest to the limits.
+    A run replaces one that is there. The worst have the largest values of the measure `by`, or of that which is looked at
+    most; of a search they are its front's: the knee, the ends, those between; without a front those that are nearest to the
+    limits.
 
-    Each run is that of the variant alone, with its changes beside the model as written. Two or more are laid over each other in
-    one recording, too, which is returned first.
-
-    Args:
-        result: of the study.
-        by: measure whose largest values are the worst; None for that which is looked at most.
-        count: how many.
+    Each run is that of the variant alone, with its changes beside the model as written. Two or more are laid over each
+    other in one recording, too, which is returned first.
     """
     from wirerope_mj.views.recording import record_overlay
     from wirerope_mj.views.recording.viewer import OVERLAY, WORST
@@ -147,10 +124,8 @@ def _tables(result: StudyResult, by: str) -> list[Table]:
 def _inputs(result: StudyResult, number: int) -> dict[str, str]:
     """Return the inputs of a variant as text."""
     row = result.study.row(number)
-    return {
-        name: f"{row[name]:.5g}" if isinstance(row[name], float) else str(row[name])
-        for name in input_names(result.table)
-    }
+    values = {name: row[name] for name in input_names(result.table)}
+    return {name: f"{value:.5g}" if isinstance(value, float) else str(value) for name, value in values.items()}
 
 
 def _scenario(result: StudyResult, number: int) -> Scenario:
@@ -164,10 +139,7 @@ def _scenario(result: StudyResult, number: int) -> Scenario:
     row = study.row(number)
     return Scenario(
         question=f"{study.question}\n\nThis is variant {number} of the study {study.name}, which has {study.size}.",
-        model=result.folder / result.inputs["model"]["file"],
-        motion=study.motion(number),
-        simulate=simulate,
-        name=f"{study.name}-{number:06d}",
-        options={name: row[name] for name in input_names(result.table)},
+        model=result.folder / result.inputs["model"]["file"], motion=study.motion(number), simulate=simulate,
+        name=f"{study.name}-{number:06d}", options={name: row[name] for name in input_names(result.table)},
         changes=study.system(number).changes,
-    )
+    )  # fmt: skip

@@ -1,42 +1,27 @@
 """A file with one function that makes a study from options, and the studies that ship with the package."""
 
-from collections.abc import Callable
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import scenarios_folder
-from wirerope_mj.runs.option_file import all_options, file_called, guarded, load_function, question_of
+from wirerope_mj.runs.option_file import OptionFile
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
 
 
-@dataclass(frozen=True, kw_only=True)
-class StudyFile:
+class StudyFile(OptionFile):
     """A file with one function `study(*, ...) -> Study`, or `-> Search`, whose keyword arguments are the options."""
-
-    name: str
-    path: Path
-    function: Callable[..., Study | Search]
-
-    @property
-    def question(self) -> str:
-        """First line of the file's docstring."""
-        return question_of(self.function)
 
     def make(self, **options: Any) -> Study | Search:
         """Return the study of some options; the others have their defaults.
 
-        Raises:
-            ModelError: an option is unknown, or the function does not return a Study, or fails; says in which line.
+        ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.
         """
-        values = all_options(self.path, self.function, options)
-        made = guarded(self.path, lambda: self.function(**values))
+        made, _ = self.made(options)
         if not isinstance(made, Study | Search):
-            raise ModelError(
-                f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}."
-            )
+            text = f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}."
+            raise ModelError(text)
         made.name = self.name if made.name == "study" else made.name
         made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
         return made
@@ -50,8 +35,6 @@ def shipped_studies() -> dict[str, Path]:
 def load_study_file(name_or_path: str | Path) -> StudyFile:
     """Return the study file at a path, or the shipped one of that name.
 
-    Raises:
-        ModelError: there is no such study, or the file has no function `study` with keyword options only.
+    ModelError if there is no such study, or the file has no function `study` with keyword options only.
     """
-    path = file_called(name_or_path, shipped_studies(), kind="study")
-    return StudyFile(name=path.stem, path=path.resolve(), function=load_function(path, "study"))
+    return StudyFile.load(name_or_path, shipped_studies(), "study")

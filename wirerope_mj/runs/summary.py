@@ -22,9 +22,7 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
     response, content = judged.response, run_content(judged)
     numerics = response.numerics
     return {
-        "format": FORMAT,
-        "name": str(judged.inputs["name"]),
-        "motion": judged.motion.description,
+        "format": FORMAT, "name": str(judged.inputs["name"]), "motion": judged.motion.description,
         "record_warnings": list(judged.record_warnings),
         **({"model_warnings": list(judged.model_warnings)} if judged.model_warnings else {}),
         **summary(response, judged.verdicts),
@@ -32,20 +30,13 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
         **({"untested": judged.untested} if judged.untested else {}),
         "content": plain_content(content, *content.sections_of("headline", "summary")),
         "numerics": {
-            "timestep_s": numerics.timestep,
-            "steps": numerics.steps,
-            "samples": int(response.time.size),
-            "samples_hold": samples_hold(response),
-            "callback": numerics.callback,
-            "engine": numerics.engine,
-            "why_not_kernel": numerics.why,
-            "accuracy": json_values(numerics.accuracy),
-            "estimated_error": json_values(numerics.error_estimate),
-            "limited_by": numerics.limited_by,
-            "seconds": seconds,
-            "versions": numerics.versions,
+            "timestep_s": numerics.timestep, "steps": numerics.steps, "samples": int(response.time.size),
+            "samples_hold": samples_hold(response), "callback": numerics.callback, "engine": numerics.engine,
+            "why_not_kernel": numerics.why, "accuracy": json_values(numerics.accuracy),
+            "estimated_error": json_values(numerics.error_estimate), "limited_by": numerics.limited_by,
+            "seconds": seconds, "versions": numerics.versions,
         },
-    }
+    }  # fmt: skip
 
 
 def _random_content(judged: JudgedRun) -> dict[str, Any]:
@@ -57,11 +48,7 @@ def _random_content(judged: JudgedRun) -> dict[str, Any]:
 
 
 def read_summary(folder: str | Path) -> dict[str, Any]:
-    """Return the content of a run's summary.json.
-
-    Raises:
-        RecordError: there is none, or it cannot be read.
-    """
+    """Return the content of a run's summary.json; RecordError if there is none, or it cannot be read."""
     path = Path(folder) / SUMMARY
     try:
         content = json.loads(regular(path).read_text(encoding="utf-8"))

@@ -1,6 +1,5 @@
 """A scenario simulated into one folder."""
 
-import json
 import math
 import os
 import shutil
@@ -26,11 +25,12 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, json_text
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.restore import copy_records
-from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, SCENARIO, SUMMARY, atomic_run, check_target, write_checksums
+from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, KIND, MARKS, SCENARIO, SUMMARY, write_checksums
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, judged_by, scenario_content
 from wirerope_mj.runs.sources import system_and_motion
@@ -43,8 +43,7 @@ _REFRESH = 4.0  # times a second: it shows that work goes on, and costs nothing 
 def progress_line(*, enabled: bool) -> Iterator[Callable[[str], None]]:
     """Show on standard error what is being written while the block runs, if that is a terminal; nothing of it stays there.
 
-    Yields:
-        What to call with the name of what comes next.
+    Yields what to call with the name of what comes next.
     """
     from rich.console import Console  # late: nothing of it is needed where nothing is shown
     from rich.progress import Progress, SpinnerColumn, TextColumn
@@ -84,36 +83,21 @@ def run_scenario(scenario: Scenario, folder: str | Path, *, force: bool = False,
 
 
 def write_run(
-    scenario: Scenario,
-    folder: str | Path,
-    *,
-    force: bool = False,
-    progress: bool = False,
-    when_judged: Callable[[JudgedRun], None] = lambda judged: None,
-    state: bool = False,
-    case: str = "",
-) -> None:
+    scenario: Scenario, folder: str | Path, *, force: bool = False, progress: bool = False, state: bool = False,
+    when_judged: Callable[[JudgedRun], None] = lambda judged: None, case: str = "",
+) -> None:  # fmt: skip
     """Do what `run_scenario` does without reading the response back.
 
-    Args:
-        scenario: as `run_scenario` takes it.
-        folder: so, too.
-        force: so, too.
-        progress: so, too.
-        when_judged: called with the judged run before anything is made of them; what it raises ends the run,
-            whose folder is not written then.
-        state: whether the recording keeps every sample, too.
-        case: which load case it is among several, in letters of a file's name: its recording has a layout of its own then.
-
-    Raises:
-        WireRopeError: as `run_scenario`.
+    `when_judged` is called with the judged run before anything is made of it; what it raises ends the run, whose folder is
+    not written then. With `state` the recording keeps every sample, too; `case` says which load case it is among several,
+    in letters of a file's name: its recording has a layout of its own then.
     """
     target = Path(folder)
-    check_target(target, force=force)
+    check_folder(target, force=force, kind=KIND, marks=MARKS)
     arguments = checked_arguments(scenario)
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
-    with atomic_run(target, force=force) as beside:
+    with atomic_folder(target, force=force, kind=KIND, marks=MARKS) as beside:
         started = perf_counter()
         model = write_model(system, beside / "model")
         long = is_streamed(arguments)
@@ -128,31 +112,21 @@ def write_run(
                 response.save(beside)
             (beside / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(judged, seconds=round(seconds, 3))
-            (beside / SUMMARY).write_text(json.dumps(content, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+            (beside / SUMMARY).write_text(json_text(content), encoding="utf-8")
             _write_views(scenario, judged, beside, writing, state=state, case=case)
             write_checksums(beside)
 
 
 def rejudge_run(
-    scenario: Scenario,
-    folder: str | Path,
-    *,
-    when_judged: Callable[[JudgedRun], None] = lambda judged: None,
-    case: str = "",
-) -> None:
+    scenario: Scenario, folder: str | Path, *, when_judged: Callable[[JudgedRun], None] = lambda judged: None, case: str = ""
+) -> None:  # fmt: skip
     """Judge the run of a scenario by other limits, and write it anew from its own samples; nothing is simulated.
 
-    Args:
-        scenario: as it was but for `limits` and `combined_travel`.
-        folder: of the run.
-        when_judged: as `write_run` takes it.
-        case: so, too.
-
-    Raises:
-        WireRopeError: the run is damaged, or a limit is on nothing that is there.
+    The scenario is as it was but for `limits` and `combined_travel`; the rest as `write_run` takes it. WireRopeError if the
+    run is damaged, or a limit is on nothing that is there.
     """
     target = Path(folder)
-    with atomic_run(target, force=True) as beside:
+    with atomic_folder(target, force=True, kind=KIND, marks=MARKS) as beside:
         shutil.copytree(target, beside, dirs_exist_ok=True, copy_function=_linked)
         judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
         content = scenario_content(beside) | {"options": _options(scenario), "judge": judge, "written": _now()}
@@ -165,11 +139,8 @@ def rejudge_run(
         judged = judged_run(system, motion, response, content)
         when_judged(judged)
         seconds = read_summary(beside)["numerics"]["seconds"]
-        made = {
-            SCENARIO: tomli_w.dumps(content, multiline_strings=True),
-            SUMMARY: json.dumps(summary_content(judged, seconds=seconds), indent=2, allow_nan=False) + "\n",
-        }
-        for name, text in made.items():
+        summary = json_text(summary_content(judged, seconds=seconds))
+        for name, text in ((SCENARIO, tomli_w.dumps(content, multiline_strings=True)), (SUMMARY, summary)):
             (beside / name).unlink()
             (beside / name).write_text(text, encoding="utf-8")
         for old in (*beside.glob("*.png"), *beside.glob("*.html"), *beside.glob("*.rrd"), beside / CHECKSUMS):
@@ -220,9 +191,8 @@ def checked_arguments(scenario: Scenario) -> dict[str, Any]:
     except ValueError as error:
         raise ModelError(f"scenario {scenario.name!r}: {error}") from None
     if not isinstance(arguments.get("initial", "settled"), str):
-        raise ModelError(
-            f"scenario {scenario.name!r}: `initial` must be 'settled', 'relaxed' or 'unloaded', so that a file can say it."
-        )
+        choices = "'settled', 'relaxed' or 'unloaded'"
+        raise ModelError(f"scenario {scenario.name!r}: `initial` must be {choices}, so that a file can say it.")
     return arguments
 
 
@@ -243,31 +213,22 @@ def _scenario_text(
     """Return the scenario with every input resolved, as TOML; files of the motion are copied into `folder`."""
     numerics = response.numerics
     resolved = {
-        "duration": float(arguments["duration"]),
-        "initial": arguments.get("initial", "settled"),
-        "timestep": numerics.timestep,
-        "sample_rate": float(arguments.get("sample_rate", SAMPLE_RATE)),
-        "callback": numerics.callback,
-        "engine": numerics.engine,
-    }
+        "duration": float(arguments["duration"]), "initial": arguments.get("initial", "settled"),
+        "timestep": numerics.timestep, "sample_rate": float(arguments.get("sample_rate", SAMPLE_RATE)),
+        "callback": numerics.callback, "engine": numerics.engine,
+    }  # fmt: skip
     if not math.isnan(numerics.accuracy):
         resolved["accuracy"] = numerics.accuracy
     if "corners" in arguments:
         resolved["corners"] = [float(corner) for corner in arguments["corners"]]
+    motion = scenario.motion.to_dict(files=copy_records([scenario.motion], folder))
     content = {
-        "format": FORMAT,
-        "name": scenario.name,
-        "question": scenario.question.strip(),
-        "written": _now(),
-        "options": _options(scenario),
-        "model": model,
-        "simulate": resolved,
-        "motion": {"description": scenario.motion.description}
-        | scenario.motion.to_dict(files=copy_records([scenario.motion], folder)),
+        "format": FORMAT, "name": scenario.name, "question": scenario.question.strip(), "written": _now(),
+        "options": _options(scenario), "model": model, "simulate": resolved,
+        "motion": {"description": scenario.motion.description} | motion,
         "versions": {name: version(name) for name in _PACKAGES},
-    }
-    judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
-    if judge:
+    }  # fmt: skip
+    if judge := judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits):
         content["judge"] = judge
     if warned := aliasing([scenario.motion], resolved["sample_rate"]):
         content["warning"] = warned
@@ -287,10 +248,8 @@ def _write_views(
 
     title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
     writing("the recording")
-    panel = panel_over_frequency(judged)
-    record_run(
-        judged, folder / "run.rrd", title=title, scenario_text=text, state=state, over_frequency=panel, case=case
-    )
+    how: dict[str, Any] = {"state": state, "over_frequency": panel_over_frequency(judged), "case": case}
+    record_run(judged, folder / "run.rrd", title=title, scenario_text=text, **how)
     writing("the pictures")
     charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
     drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]

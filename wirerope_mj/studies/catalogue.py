@@ -27,24 +27,15 @@ Progress = Callable[[float], None]
 
 
 def try_parts(
-    system: System,
-    parts: Mapping[str, Isolator],
-    cases: Mapping[str, BaseMotion],
-    *,
-    initial: str = "settled",
-    placement: str = "",
-    accuracy: float = _ACCURACY,
-    progress: Progress = lambda _: None,
-) -> list[TriedPart]:
+    system: System, parts: Mapping[str, Isolator], cases: Mapping[str, BaseMotion], *, initial: str = "settled",
+    placement: str = "", accuracy: float = _ACCURACY, progress: Progress = lambda _: None,
+) -> list[TriedPart]:  # fmt: skip
     """Simulate every part in the places of a model's mounts under every load case.
 
-    Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height moves
-    along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved until what
-    is judged of a part keeps within `accuracy`, or is beyond a limit for certain.
-
-    Raises:
-        ValueError: `initial` is neither "settled" nor "relaxed", or a motion has no end.
-        ModelError: no mount of the model carries an isolator.
+    Places are those of the payload's bars: where a part is higher or lower than the model's isolator, its mid-height
+    moves along the mount's axis on the base's side, and the foundation with it. Stops stay as they are. Steps are halved
+    until what is judged of a part keeps within `accuracy`, or is beyond a limit for certain. ValueError if `initial` is
+    neither "settled" nor "relaxed", or a motion has no end; ModelError if no mount of the model carries an isolator.
     """
     if initial not in HISTORIES:
         raise ValueError(f"`initial` must be one of {', '.join(HISTORIES)}, got {initial!r}.")
@@ -160,15 +151,10 @@ BY = ("margin", "acceleration", "number", "height", "price", "mass")
 
 
 def select_parts(
-    systems: Mapping[str, System],
-    parts: Mapping[str, Isolator | str],
-    cases: Mapping[str, BaseMotion],
-    *,
-    by: str | None = None,
-    stated: Mapping[str, Mapping[str, float]] | None = None,
-    initial: str = "settled",
+    systems: Mapping[str, System], parts: Mapping[str, Isolator | str], cases: Mapping[str, BaseMotion], *,
+    by: str | None = None, stated: Mapping[str, Mapping[str, float]] | None = None, initial: str = "settled",
     progress: Progress = lambda _: None,
-) -> CatalogueSelection:
+) -> CatalogueSelection:  # fmt: skip
     """Simulate every part in the places of every model's mounts under every load case, and rank them.
 
     Args:
@@ -213,8 +199,7 @@ def select_parts(
 def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
     """Load the parts of the vendors' tables whose names match a pattern, or say why a part has no isolator.
 
-    Raises:
-        ValueError: no name matches.
+    ValueError if no name matches.
     """
     found: dict[str, Isolator | str] = {}
     for part in vendor_parts():
@@ -224,7 +209,6 @@ def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
             except WireRopeError as error:
                 found[part.name] = str(error).removeprefix(f"{part.name}: ")
     if not found:
-        raise ValueError(
-            f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them."
-        )
+        text = f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them."
+        raise ValueError(text)
     return found

@@ -179,11 +179,9 @@ class StudyDefinition:
         )  # fmt: skip
 
     def _common_step(self) -> float:
-        """Return the smallest of the steps that `simulate` chooses for the nominal system under the extreme motions [s].
-
-        Of every record that is the motion of the highest level; if the direction varies, those that reach farthest along x, y
-        and z.
-        """
+        """Return the smallest of the steps that `simulate` chooses for the nominal system under the extreme motions [s]."""
+        # Of every record that is the motion of the highest level; if the direction varies, those that reach farthest along x, y
+        # and z.
         steps = []
         for row in _extremes(self._columns, self._checked):
             motion = self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])

@@ -1,6 +1,5 @@
 """The folder of a study: the parts that are done, and the table that they make."""
 
-import json
 import shutil
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
@@ -19,6 +18,7 @@ from wirerope_mj.foundation.atomic_files import (
     check_folder,
     full_disk_named,
     worked_on_alone,
+    write_json,
 )
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
@@ -40,11 +40,9 @@ def prepare(
 ) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
-    Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose process
-    died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`.
-
-    Raises:
-        RecordError: something else stands there, or a study that is not resumed nor replaced, or that another process works on.
+    Without a part that is done there is nothing to go on with, and nothing to lose. A table with rows of chunks whose
+    process died is taken away again, but none of its parts. `search` is what a search adds to `study.toml`. RecordError
+    if something else stands there, or a study that is not resumed nor replaced, or that another process works on.
     """
     clear_half_written(folder.resolve().parent)
     if not (folder / STUDY).is_file():
@@ -80,9 +78,8 @@ def _begin(study: StudyDefinition, folder: Path, keep: str, search: dict[str, An
 def computed_alone(folder: Path, identity: str) -> Iterator[None]:
     """Hold the folder of the study of that id while the block computes; on a full disk keep what is done, if anything is.
 
-    Raises:
-        RecordError: another process works on it, or has put another study there since `prepare`.
-        DiskFullError: there is no space left.
+    RecordError if another process works on it, or has put another study there since `prepare`; DiskFullError if there is no
+    space left.
     """
     with worked_on_alone(folder, kind="study"):
         if read_inputs(folder)["id"] != identity:
@@ -158,9 +155,8 @@ def _check_table(path: Path, table: pa.Table, names: Sequence[str]) -> None:
     """Raise RecordError unless the columns of these names are what studies write, and the variants are numbered in order."""
     for name in names:
         if name not in table.column_names or table[name].type != _ALWAYS[name] or table[name].null_count:
-            raise RecordError(
-                f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}"
-            )
+            text = f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}"
+            raise RecordError(text)
     if "variant" in names and not np.array_equal(table["variant"].to_numpy(), np.arange(table.num_rows)):
         raise RecordError(f"{path}: column 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
 
@@ -199,9 +195,7 @@ def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> 
         with atomic_file(folder / TABLE) as temporary_path:
             _write_table(temporary_path, parts(folder, list(range(chunks))))
     if not (folder / SUMMARY).is_file():
-        text = json.dumps(summary(), indent=2, allow_nan=False) + "\n"
-        with atomic_file(folder / SUMMARY) as temporary_path:
-            temporary_path.write_text(text, encoding="utf-8")
+        write_json(folder / SUMMARY, summary())
     if not dead(folder):
         shutil.rmtree(folder / PARTS, ignore_errors=True)
     for path in (folder, folder / RESPONSES):  # of a process that was killed while it wrote

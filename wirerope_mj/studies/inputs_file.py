@@ -41,8 +41,7 @@ _TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
 def read_inputs(folder: Path) -> dict[str, Any]:
     """Return the content of a study's `study.toml`, inputs by the names that they have today.
 
-    Raises:
-        RecordError: there is no study, or it is damaged.
+    RecordError if there is no study, or it is damaged.
     """
     path = folder / STUDY
     if not path.is_file():
@@ -75,14 +74,10 @@ def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: dict[s
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     work = study.work
     content: dict[str, Any] = {
-        "format": FORMAT,
-        "name": study.name,
-        "question": study.question.strip(),
+        "format": FORMAT, "name": study.name, "question": study.question.strip(),
         "model": model_table(study.base, model),
         "simulate": {
-            "duration": work.duration,
-            "timestep": work.timestep,
-            "sample_rate": work.sample_rate,
+            "duration": work.duration, "timestep": work.timestep, "sample_rate": work.sample_rate,
             "initial": work.initial,
         },
         "sampling": {"method": study.sampling, "variants": study.size, "seed": study.seed},
@@ -90,7 +85,7 @@ def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: dict[s
         "motions": [motion.to_dict(files=names) for motion in study.motions],
         "versions": versions(),
         "files": {str(path.relative_to(folder)): hashlib.sha256(path.read_bytes()).hexdigest() for path in files},
-    }
+    }  # fmt: skip
     if keep != PEAKS:
         content["keep"] = keep
     if search is not None:

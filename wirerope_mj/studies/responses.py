@@ -44,16 +44,14 @@ def write_response(folder: Path, variant: int, content: bytes) -> None:
 def kept_response(folder: Path, variant: int) -> Response | None:
     """Return the response of a variant as it was kept in the study's `folder`; None if it was not.
 
-    Raises:
-        RecordError: its file is damaged.
+    RecordError if its file is damaged.
     """
     path = _file(folder, variant)
     try:
         return load_response(path) if path.is_file() else None
     except RecordError as error:
-        raise RecordError(
-            f"{error} It was kept by a study: remove it, and it is simulated when it is asked for."
-        ) from None
+        text = f"{error} It was kept by a study: remove it, and it is simulated when it is asked for."
+        raise RecordError(text) from None
 
 
 def kept_numbers(folder: Path) -> set[int]:

@@ -41,28 +41,19 @@ class StudyResult(Exportable, Summarised):
     Columns of the table: `variant` (int64), inputs (one for every sampled number, by its name in `vary`, or with the
     mount's own name in place of the pattern where each has its own: "mount/m01/axial/alpha"), measures (float64, SI, NaN where
     not judged or failed), `status` ("done" or "failed"), `message`.
-
-    Attributes:
-        folder: of the study.
-        inputs: content of its `study.toml`.
-        variants: number of variants of the study.
-        complete: whether all of them are in the table.
-        study_class: of `study`.
     """
 
-    folder: Path
-    inputs: dict[str, Any] = field(repr=False)
-    variants: int
-    complete: bool
-    study_class: type[StudyDefinition] = field(default=StudyDefinition, repr=False)
+    folder: Path  #: of the study
+    inputs: dict[str, Any] = field(repr=False)  #: content of its `study.toml`
+    variants: int  #: number of variants of the study
+    complete: bool  #: whether all of them are in the table
+    study_class: type[StudyDefinition] = field(default=StudyDefinition, repr=False)  #: of `study`
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         name = self.inputs.get("name", "study")
         state = "complete" if self.complete else "not complete"
-        return f"{type(self).__name__} of {name}: {self.variants} variants, {state}", {
-            "folder": str(self.folder),
-            "message": self.message,
-        }
+        lines = {"folder": str(self.folder), "message": self.message}
+        return f"{type(self).__name__} of {name}: {self.variants} variants, {state}", lines
 
     @cached_property
     def table(self) -> pa.Table:
@@ -104,13 +95,11 @@ class StudyResult(Exportable, Summarised):
         """The table as other programs take it, SI units."""
         names = self.table.column_names
         return Exported(
-            names=names,
-            units=[unit_of(name) for name in names],
+            names=names, units=[unit_of(name) for name in names], about={"study": str(self.inputs.get("name", "study"))},
             column=lambda number: self.table.column(number).to_numpy(),
             blocks=lambda: iter([[column.to_numpy() for column in self.table.columns]]),
-            about={"study": str(self.inputs.get("name", "study"))},
             grouped=False,  # "acceleration" and "acceleration/rack"
-        )
+        )  # fmt: skip
 
     def narrowed(self, columns: Sequence[str]) -> "StudyResult":
         """Return the result of a study that is complete with those columns alone that match `columns`; no others are read.

@@ -54,9 +54,7 @@ def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) ->
 def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
     """Return the engine of a name.
 
-    Raises:
-        ValueError: there is none, or the other arguments do not suit it.
-        SimulationError: its cluster does not answer.
+    ValueError if there is none, or the other arguments do not suit it; SimulationError if its cluster does not answer.
     """
     if workers is not None:
         integer("workers", workers, least=1)

@@ -58,17 +58,9 @@ class Study(StudyDefinition):
     """
 
     def run(
-        self,
-        folder: str | Path,
-        *,
-        keep: str = "peaks",
-        engine: str = "local",
-        workers: int | None = None,
-        address: str | None = None,
-        resume: bool = False,
-        force: bool = False,
-        progress: bool = False,
-    ) -> StudyResult:
+        self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
+        address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
+    ) -> StudyResult:  # fmt: skip
         """Compute all variants and return the result, which stands in `folder`.
 
         Finished parts of the table are kept whatever happens: a study that was killed goes on with what is missing. Its table

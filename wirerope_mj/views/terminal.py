@@ -82,6 +82,19 @@ def print_headline(statement: Statement) -> None:
     console().print(Text(f"  {plain_lines(statement.text)}", style=style), soft_wrap=True)
 
 
+def print_title(title: str) -> None:
+    """Print what a result is of, set apart from what stands above it."""
+    print()
+    console().print(Text(plain_lines(title), style="bold"))
+
+
+def show_answer(content: Content, *sections: str, last: str = "answer") -> None:
+    """Print sections of a result, its conclusion, and the section that says more of that."""
+    show(content, *sections)
+    print_headline(content.verdict)
+    show(content, last)
+
+
 def print_table(table: Table) -> None:
     """Print a table with its title and note; in a narrow terminal its columns move together."""
     screen = console()

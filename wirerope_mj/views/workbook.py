@@ -28,8 +28,7 @@ _WIDE = 16.0  # width of a column in letters: headings such as "static load [%]"
 def write_workbook(content: Content, samples: Exported | None, path: Path, *, force: bool = False) -> Path:
     """Write statements and tables of a content, values in the units that are shown, and samples in SI; return the path.
 
-    Raises:
-        RecordError: openpyxl is missing, the file is there and must not be replaced, or the samples are too many for a sheet.
+    RecordError if openpyxl is missing, the file is there and must not be replaced, or the samples are too many for a sheet.
     """
     try:
         from openpyxl import Workbook
@@ -45,10 +44,8 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
 
 @contextmanager
 def _full_disk_told() -> Iterator[None]:
-    """Raise what lxml, by which openpyxl writes its temporary files, says of a full disk as the operating system does.
-
-    The writers of unfinished sheets would print tracebacks when they are cleared away.
-    """
+    """Raise what lxml, by which openpyxl writes its temporary files, says of a full disk as the operating system does."""
+    # The writers of unfinished sheets would print tracebacks when they are cleared away.
     hook, number = sys.unraisablehook, 0
     try:
         yield
@@ -80,9 +77,8 @@ def _write(book: Any, content: Content, samples: Exported | None, path: Path) ->
         page.append(samples.headings)
         for number, row in enumerate(_rows(samples), start=2):
             if number > _ROWS or len(row) > _COLUMNS:
-                raise RecordError(
-                    f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
-                )
+                text = f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
+                raise RecordError(text)
             page.append(row)
     written = BytesIO()
     book.save(written)

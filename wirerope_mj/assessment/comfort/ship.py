@@ -85,14 +85,9 @@ def iso_6954_2000(
 
 
 def iso_6954_2000_of_history(
-    time: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    subject: str,
-    space: Literal["A", "B", "C"],
-    discard: float = 0.0,
-    resolution: float = 0.25,
-) -> tuple[Verdict, ...]:
+    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
+    discard: float = 0.0, resolution: float = 0.25,
+) -> tuple[Verdict, ...]:  # fmt: skip
     """Return the verdicts of ISO 6954:2000 on a history: the overall weighted rms velocity from 1 to 80 Hz.
 
     What counts are the third-octave bands of 1 to 80 Hz, from 0.891 to 89.1 Hz, with sharp edges.
@@ -186,9 +181,8 @@ def _rows(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Arr
     """Return frequencies [Hz] and velocities [m/s] in any order as arrays, and refuse what are none."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:
-        raise ValueError(
-            f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
-        )
+        text = f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
+        raise ValueError(text)
     if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
         raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
     return f, v

@@ -42,12 +42,9 @@ def compare_runs(
 ) -> Comparison:
     """Compare responses by name with the first of them.
 
-    `align` "start" lets all begin together, as they were simulated; with "shock" their first events fall together. Verdicts
-    are those that `judge` returns, if none are given.
-
-    Raises:
-        ValueError: `align` is unknown.
-        RecordError: they share nothing, or a run has no shock to align.
+    `align` "start" lets all begin together, as they were simulated; with "shock" their first events fall together.
+    Verdicts are those that `judge` returns, if none are given. ValueError if `align` is unknown; RecordError if they
+    share nothing, or a run has no shock to align.
     """
     one_of("align", align, get_args(Align))
     subjects = {name: subjects_of(response) for name, response in responses.items()}

@@ -32,18 +32,13 @@ _FACTORS: dict[tuple[str, str], dict[str, tuple[float, float]]] = {
 
 @dataclass(frozen=True, kw_only=True)
 class DesignValues:
-    """Design values of a mode.
+    """Design values of a mode."""
 
-    Attributes:
-        weight: modal weight [N].
-        reference_acceleration, reference_velocity: A0 [m/s^2] and V0 [m/s] of its weight and place, factor of the direction in.
-        acceleration: D = min(A, V w), at least 6 g [m/s^2].
-    """
-
-    weight: float
+    weight: float  #: modal weight [N]
+    #: reference_acceleration, reference_velocity: A0 [m/s^2] and V0 [m/s] of its weight and place, factor of the direction in
     reference_acceleration: float
     reference_velocity: float
-    acceleration: float
+    acceleration: float  #: D = min(A, V w), at least 6 g [m/s^2]
 
 
 def ddam_design_values(

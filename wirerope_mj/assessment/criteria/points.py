@@ -13,8 +13,7 @@ from wirerope_mj.motions.spectra import ShockResponseSpectrum
 def check_points(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:
     """Return frequencies [Hz] and values of a curve as arrays.
 
-    Raises:
-        ValueError: they are not as many, not positive, or the frequencies do not increase.
+    ValueError if they are not as many, not positive, or the frequencies do not increase.
     """
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(value, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:

@@ -163,11 +163,9 @@ def _uncertainty(density: PowerSpectralDensity, rms: float) -> str:
 
 
 def _expected(density: PowerSpectralDensity, rms: float, largest: float) -> str:
-    """Return how many sigma the largest value is, and how many a Gaussian process of this length leads to expect.
-
-    Its zeros are crossed upward sqrt(int f^2 G df / int G df) times a second (Rice 1944), and the largest size of N = twice
-    as many half waves has the mean c + 0.577 / c in sigma, c = sqrt(2 ln N) (Davenport 1964).
-    """
+    """Return how many sigma the largest value is, and how many a Gaussian process of this length leads to expect."""
+    # Its zeros are crossed upward sqrt(int f^2 G df / int G df) times a second (Rice 1944), and the largest size of N = twice
+    # as many half waves has the mean c + 0.577 / c in sigma, c = sqrt(2 ln N) (Davenport 1964).
     if not rms > 0.0:
         return ""
     rate = math.sqrt(float(np.sum(density.frequency**2 * density.density) / np.sum(density.density)))

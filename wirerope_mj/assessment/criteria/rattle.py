@@ -136,10 +136,8 @@ MISSED = 0.01
 def _judge(
     name: str, value: float, when: float, sides: Sequence[Side], limit: PayloadLimit | None, note: str, sampled: str
 ) -> list[Verdict]:
-    """Return one verdict on the length of the displacement without a limit, else one on every direction.
-
-    Not judged is what may be `MISSED` between samples, unless it is exceeded already.
-    """
+    """Return one verdict on the length of the displacement without a limit, else one on every direction."""
+    # Not judged is what may be `MISSED` between samples, unless it is exceeded already.
     if limit is None:
         note = "; ".join(part for part in (note, UNLIMITED) if part)
         return [

@@ -76,16 +76,11 @@ def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
     Without any random vibration these are minus and plus infinity. Files of records are not read.
     """
     parts = list(elements(motion))
-    intervals = [_steady(part) for part in parts if part.get("kind") == RandomVibration.kind]
+    random = [motion_from_dict(part) for part in parts if part.get("kind") == RandomVibration.kind]
+    intervals = [motion.steady for motion in random if isinstance(motion, RandomVibration)]
     first = max((interval[0] for interval in intervals), default=-math.inf)
     last = min((interval[1] for interval in intervals), default=math.inf)
     return bool(parts) and len(intervals) == len(parts), first, last
-
-
-def _steady(stored: Mapping[str, Any]) -> tuple[float, float]:
-    motion = motion_from_dict(stored)
-    assert isinstance(motion, RandomVibration)
-    return motion.steady
 
 
 def elements(stored: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:

@@ -167,8 +167,7 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
     """Return headline, peaks, limits and `verdicts` as plain values: accelerations [g], deflections [m], forces [N]."""
     travel = {mount.name: mount.travel for mount in response.scene.mounts}
     return {
-        "headline": headline(verdicts),
-        "verdicts": verdict_lines(response, verdicts),
+        "headline": headline(verdicts), "verdicts": verdict_lines(response, verdicts),
         "judged": [verdict.to_dict() for verdict in verdicts],
         "accelerations": [
             {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
@@ -176,9 +175,7 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
         ],
         "mounts": [
             {
-                "name": row.name,
-                "isolator": row.isolator,
-                "verdict": _travel_verdict(row),
+                "name": row.name, "isolator": row.isolator, "verdict": _travel_verdict(row),
                 "share_of_travel": {rating: verdict.utilisation for rating, verdict in row.travel.items()},
                 "rated_travel_m": travel[row.name],
                 "lowest_deflection_m": dict(zip(AXES, row.minimum, strict=True)),
@@ -188,7 +185,7 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
             for row in mount_peaks(response)
         ],
         "contacts": _contacts(response, verdicts),
-    }
+    }  # fmt: skip
 
 
 def _travel_verdict(row: MountPeak) -> str:
@@ -205,20 +202,12 @@ def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[dict[str,
     judged = {row.subject: row.verdict for row in verdicts if row.criterion in (CONTACT, STOP)}
     return [
         {
-            "name": name,
-            "geoms": list(contact.geoms),
-            "bodies": list(contact.bodies),
-            "mount": contact.mount,
-            "verdict": judged.get(name, NOT_JUDGED),
-            "from_start": contact.from_start,
-            "touches": contact.touches,
-            "first_touch_s": contact.first_touch,
-            "duration_s": contact.duration,
-            "peak_force_N": contact.force,
-            "peak_force_time_s": contact.force_time,
-            "penetration_m": contact.penetration,
+            "name": name, "geoms": list(contact.geoms), "bodies": list(contact.bodies), "mount": contact.mount,
+            "verdict": judged.get(name, NOT_JUDGED), "from_start": contact.from_start, "touches": contact.touches,
+            "first_touch_s": contact.first_touch, "duration_s": contact.duration, "peak_force_N": contact.force,
+            "peak_force_time_s": contact.force_time, "penetration_m": contact.penetration,
             "penetration_time_s": contact.penetration_time,
         }
         | ({} if contact.energy is None else {"energy_J": contact.energy})
         for name, contact in response.peaks.contacts.items()
-    ]
+    ]  # fmt: skip

@@ -104,12 +104,10 @@ def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: 
 
 
 def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
-    """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1.
-
-    A rebound into tension, which few vendors rate, counts nothing in the sum, and is said; so no axis uses more by itself than
-    all do together. A mount that is never pressed, or whose shear or roll is not rated, has a lower bound: it can exceed, but
-    not be within. Older responses have it in their samples alone: see `_missed`.
-    """
+    """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1."""
+    # A rebound into tension, which few vendors rate, counts nothing in the sum, and is said; so no axis uses more by itself
+    # than all do together. A mount that is never pressed, or whose shear or roll is not rated, has a lower bound: it can
+    # exceed, but not be within. Older responses have it in their samples alone: see `_missed`.
     peak = response.peaks.mounts[mount.name].deflection
     reached = travel_reached(peak.minimum, peak.maximum)
     missing = [rating for rating in RATINGS if rating not in mount.travel and reached[rating] > 0.0]

@@ -55,27 +55,16 @@ STRUCK, TOUCHING, CLEAR = "struck", "touching from the start", "not touched"
 
 @dataclass(frozen=True, kw_only=True)
 class Verdict:
-    """A value against its limit by one criterion; without a limit, or without a value, nothing is judged.
+    """A value against its limit by one criterion; without a limit, or without a value, nothing is judged."""
 
-    Attributes:
-        criterion: what is judged, for instance "acceleration along z" or "travel in compression".
-        subject: of what, for instance the name of a body, a point or a mount.
-        value: what was reached, in `unit`; NaN if it is not known.
-        limit: what is allowed, in `unit`; None if nobody states it.
-        unit: SI unit of both, "" for a ratio.
-        time: instant at which the value was reached [s]; None if it has none.
-        note: why nothing is judged, or what the value rests on.
-        contact: STRUCK, TOUCHING, CLEAR or NOT_JUDGED for a contact pair; "" for everything else.
-    """
-
-    criterion: Criterion
-    subject: str
-    value: float
-    limit: float | None
-    unit: str
-    time: float | None = None
-    note: str = ""
-    contact: str = ""
+    criterion: Criterion  #: what is judged, for instance "acceleration along z" or "travel in compression"
+    subject: str  #: of what, for instance the name of a body, a point or a mount
+    value: float  #: what was reached, in `unit`; NaN if it is not known
+    limit: float | None  #: what is allowed, in `unit`; None if nobody states it
+    unit: str  #: SI unit of both, "" for a ratio
+    time: float | None = None  #: instant at which the value was reached [s]; None if it has none
+    note: str = ""  #: why nothing is judged, or what the value rests on
+    contact: str = ""  #: STRUCK, TOUCHING, CLEAR or NOT_JUDGED for a contact pair; "" for everything else
 
     def __post_init__(self) -> None:
         if not isinstance(self.criterion, Criterion):  # a criterion of a caller's own, as text
@@ -142,16 +131,12 @@ def payload_bodies(response: Response) -> list[str]:
 
 
 def limits_by_name(
-    response: Response,
-    limits: Sequence[PayloadLimit] | None,
-    kind: str,
-    known: Sequence[str],
+    response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str],
     others: Sequence[str] = (),
-) -> dict[str, PayloadLimit]:
+) -> dict[str, PayloadLimit]:  # fmt: skip
     """Return the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
 
-    Raises:
-        ValueError: a limit names nothing that is known.
+    ValueError if a limit names nothing that is known.
     """
     chosen = [limit for limit in (response.scene.limits if limits is None else limits) if limit.kind == kind]
     for limit in chosen:

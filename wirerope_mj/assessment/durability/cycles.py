@@ -132,10 +132,8 @@ def fatigue_damage_spectrum(
 
 
 def _deflection(x: Array, step: Array) -> Array:
-    """Return an oscillator's deflection over the step squared at every sample, from rest; `step` is of `ramp_steps`, (2, 4).
-
-    The two states of a step u, v -> A (u, v) + b0 x + b1 x' as one recursion of second order in u.
-    """
+    """Return an oscillator's deflection over the step squared at every sample, from rest; `step` is of `ramp_steps`, (2, 4)."""
+    # The two states of a step u, v -> A (u, v) + b0 x + b1 x' as one recursion of second order in u.
     (a11, a12, b01, b11), (a21, a22, b02, b12) = step
     above = np.array([b11, b01 - a22 * b11 + a12 * b12, a12 * b02 - a22 * b01])
     below = np.array([1.0, -(a11 + a22), a11 * a22 - a12 * a21])

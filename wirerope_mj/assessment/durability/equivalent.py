@@ -39,8 +39,7 @@ class EquivalentVibration:
 def equivalent_vibration(response: Response, text: str, *, exponent: float) -> EquivalentVibration:
     """Find the random vibration that does the damage of a run, by N = C / A^b, at a body, a point or the base; text: `EXAMPLE`.
 
-    Raises:
-        ValueError: the text is not understood, there is no such body or point, or the samples are too few.
+    ValueError if the text is not understood, there is no such body or point, or the samples are too few.
     """
     subject, rest = site_first(text, Path())
     known = {name: one.acceleration for name, one in (*response.bodies.items(), *response.points.items())}

@@ -65,8 +65,7 @@ class MountDamage:
 def read_mission(path: str | Path) -> Mission:
     """Return the service life of a TOML file; folders of runs stand relative to it.
 
-    Raises:
-        RecordError: the file cannot be read, or a key is missing, unknown or out of its range.
+    RecordError if the file cannot be read, or a key is missing, unknown or out of its range.
     """
     file = Path(path)
     try:
@@ -115,8 +114,7 @@ def _require_known(content: dict[str, Any], known: tuple[str, ...]) -> None:
 def mission_damage(mission: Mission) -> list[MountDamage]:
     """Return the damage of every mount and axis over a service life, the largest first.
 
-    Raises:
-        RecordError: the folder of a stage holds no run, its samples are too few, or its mounts are not those of the first.
+    RecordError if the folder of a stage holds no run, its samples are too few, or its mounts are not those of the first.
     """
     found: dict[tuple[str, str], list[tuple[float, float, float]]] = {}
     coarse: list[tuple[float, float, float, Stage, float]] = []
@@ -162,14 +160,10 @@ def mission_damage(mission: Mission) -> list[MountDamage]:
 
 
 def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
-    """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s].
-
-    Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines, sweeps
-    and records from their start to their end, with all that follows. Repetitions are of the whole run.
-
-    Raises:
-        RecordError: hours are asked for of a shock, or of random vibration of which the run holds too little.
-    """
+    """Return the instants between which the cycles of a stage are counted, and how long that is of its `hours` [s]."""
+    # Hours are of what goes on: of random vibration its stationary part, neither rise nor fall nor what follows; of sines,
+    # sweeps and records from their start to their end, with all that follows. Repetitions are of the whole run. RecordError if
+    # hours are asked for of a shock, or of random vibration of which the run holds too little.
     first, last = float(response.time[0]), float(response.time[-1])
     if stage.hours is None:
         return first, last, last - first
@@ -177,9 +171,8 @@ def _counted(response: Response, stage: Stage) -> tuple[float, float, float]:
     if random:
         start, end = max(rises, first), min(falls, last)
         if end - start < _SHORTEST * (falls - rises):
-            raise RecordError(
-                f"{stage.run}: it holds too little of the stationary vibration from {rises:.4g} to {falls:.4g} s."
-            )
+            text = f"{stage.run}: it holds too little of the stationary vibration from {rises:.4g} to {falls:.4g} s."
+            raise RecordError(text)
         return start, end, end - start
     if shocks := sorted({str(part.get("kind")) for part in elements(response.motion)} - _LASTING):
         raise RecordError(

@@ -46,9 +46,8 @@ class Worksheet:
         for name in ("mass", "isolation_ratio", "gravity", "travel", "fragility", "disturbance"):
             value = getattr(self, name)
             if value is not None and not ranges.SMALLEST <= positive(name, value) <= ranges.LARGEST:
-                raise ValueError(
-                    f"`{name}` must be {ranges.SMALLEST:g} to {ranges.LARGEST:g} in SI units, got {value!r}."
-                )
+                text = f"`{name}` must be {ranges.SMALLEST:g} to {ranges.LARGEST:g} in SI units, got {value!r}."
+                raise ValueError(text)
         integer("mounts", self.mounts, least=1)
         for name in ("loading", "direction"):
             mode = "shear" if getattr(self, name) == "roll" else getattr(self, name)
@@ -143,8 +142,7 @@ def shock_of(pulse: Shock | None, velocity: float | None, drop: float | None, re
 def shock_from_text(text: str) -> Shock:
     """Make the shock of a text such as `15 g 11 ms half-sine` or `2 m/s`; its g are those of the worksheet.
 
-    Raises:
-        ValueError: the text is no pulse and no velocity.
+    ValueError if the text is no pulse and no velocity.
     """
     shock = motion_from_words(text)
     if not isinstance(shock, Shock):

@@ -191,10 +191,8 @@ def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together)
 def _grown(
     work: Work, begin: float, rows: Sequence[dict[str, Any]], values: Mapping[str, Array], which: Sequence[int]
 ) -> list[list[str]]:
-    """Return the kinds of measures of variants that reach more than until `begin` [s], for which they are computed again.
-
-    What has a limit may grow by `GROWTH` of it, as in a run, and what has none by as much of itself.
-    """
+    """Return the kinds of measures of variants that reach more than until `begin` [s], for which they are computed again."""
+    # What has a limit may grow by `GROWTH` of it, as in a run, and what has none by as much of itself.
     shorter, chunk = replace(work, duration=begin), Chunk(number=0, rows=rows)
     done = _together(shorter, chunk)
     rest = np.setdiff1d(np.arange(len(rows)), done.indices).tolist()

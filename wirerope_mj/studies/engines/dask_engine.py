@@ -41,13 +41,11 @@ def run_dask(
 ) -> Generator[Part, None, None]:
     """Yield the part of each chunk as they are ready, in any order.
 
-    A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its workers
-    also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed over at a time.
-    `workers` are processes of a cluster of this machine's own, `address` is that of a cluster's scheduler, tcp://HOST:8786.
-
-    Raises:
-        ValueError: `workers` together with `address`, or Dask is not installed.
-        SimulationError: no scheduler answers, it goes away, or its workers have other versions of the packages that compute.
+    A worker that dies loses nothing: the scheduler gives what it had to another. A chunk that ends the life of its
+    workers also where it is alone becomes rows that failed. At most `AHEAD` chunks per thread of the workers are handed
+    over at a time. `workers` are processes of a cluster of this machine's own, `address` is that of a cluster's
+    scheduler, tcp://HOST:8786. ValueError if `workers` together with `address`, or Dask is not installed; SimulationError
+    if no scheduler answers, it goes away, or its workers have other versions of the packages that compute.
     """
     check_cluster(workers, address)
     where = "this machine's own cluster" if address is None else f"the cluster at {address}"
@@ -78,9 +76,8 @@ def _gone(where: str) -> Iterator[None]:
     try:
         yield
     except (CancelledError, OSError) as error:
-        raise SimulationError(
-            f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
-        ) from error
+        text = f"the scheduler of {where} has gone; what is done is kept: go on with it with --resume (`resume=True`)."
+        raise SimulationError(text) from error
 
 
 class _Cluster:
@@ -138,9 +135,8 @@ class _Cluster:
             return None
         except (ModuleNotFoundError, RuntimeError) as error:
             reason = error.__cause__ or error
-            raise SimulationError(
-                f"a worker of {self._where} cannot compute ({reason}); it must have the same wirerope-mj installed."
-            ) from error
+            text = f"a worker of {self._where} cannot compute ({reason}); it must have the same wirerope-mj installed."
+            raise SimulationError(text) from error
 
 
 @contextmanager
@@ -165,10 +161,8 @@ def _client(workers: int | None, address: str | None) -> Iterator["Client"]:
 
 @contextmanager
 def _workers(scheduler_at: str, number: int) -> Iterator["subprocess.Popen[bytes]"]:
-    """Run worker processes of one thread each for the block; one that dies is started again.
-
-    They are Dask's own command, not children that import the script that asked for the study: such a script needs no guard.
-    """
+    """Run worker processes of one thread each for the block; one that dies is started again."""
+    # They are Dask's own command, not children that import the script that asked for the study: such a script needs no guard.
     command = [sys.executable, "-m", "dask", "worker", scheduler_at, "--nworkers", str(number), "--nthreads", "1",
                "--host", "127.0.0.1", "--no-dashboard", "--memory-limit", "0", "--death-timeout", f"{STARTING:g}"]  # fmt: skip
     with (
@@ -219,9 +213,8 @@ def check_answers(address: str) -> None:
         with ThreadPoolExecutor(1) as thread:
             answer = thread.submit(asyncio.run, ask()).result()
     except Exception as error:  # what another service answers is read as anything, as exbibytes for instance
-        raise SimulationError(
-            f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
-        ) from error
+        text = f"no Dask scheduler answers at {address!r}; is it running, and is this its address (tcp://HOST:8786)?"
+        raise SimulationError(text) from error
     if answer != "Scheduler":
         raise SimulationError(f"a Dask {answer.lower()} answers at {address!r}; give the address of the scheduler.")
 

@@ -43,12 +43,9 @@ def run_local(
 
 
 def in_processes(
-    function: Callable[[Question], Answer],
-    questions: Iterable[Question],
-    *,
-    lost: Callable[[Question, str], Answer],
+    function: Callable[[Question], Answer], questions: Iterable[Question], *, lost: Callable[[Question, str], Answer],
     workers: int | None = None,
-) -> Generator[Answer, None, None]:
+) -> Generator[Answer, None, None]:  # fmt: skip
     """Yield what a function of a module makes of each question as they are ready, in any order; all must be pickled.
 
     Questions are read as processes become free; one worker calls the function here. `lost` answers a question during which a
@@ -188,7 +185,8 @@ class _Process:
                 self._process.wait(timeout=5.0)
             code = self._process.poll()
             self.kill()
-            raise WorkerDiedError("died" if code is None else f"died ({_ending(code)})") from None
+            ending = "" if code is None else f" (signal {-code})" if code < 0 else f" (exit status {code})"
+        raise WorkerDiedError(f"died{ending}") from None
 
     def end(self) -> None:
         """End the process; whoever waits for it finds it dead."""
@@ -202,7 +200,3 @@ class _Process:
             if pipe is not None:
                 with suppress(OSError):  # what was not yet written has nobody to read it
                     pipe.close()
-
-
-def _ending(code: int) -> str:
-    return f"signal {-code}" if code < 0 else f"exit status {code}"

@@ -22,13 +22,25 @@ def bodies_of(system: System) -> list[str]:
     return [body for body in moving_bodies(system.model) if body != system.base]
 
 
-class Mass(ValueOrFactor):
+class Positive(ValueOrFactor):
+    """Quantity that is larger than nothing, and changes by a factor."""
+
+    bounds = "positive"
+
+    def factors(self, draft: Draft, value: Any) -> dict[str, Any]:
+        """Return the factor on each target that a value is."""
+        if not (math.isfinite(value) and value > 0.0):
+            unit = "" if self.relative else f" {self.model_unit}"
+            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
+        return {one: value if self.relative else value / self.nominal_of(draft.system, one) for one in self.targets}
+
+
+class Mass(Positive):
     """Mass [kg] of bodies, with their moments of inertia."""
 
     form = "body/NAME/mass"
     pattern = re.compile(r"body/(.*)/mass")
     model_unit = "kg"
-    bounds = "positive"
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
@@ -41,11 +53,7 @@ class Mass(ValueOrFactor):
 
     def apply(self, draft: Draft, value: Any) -> None:
         """Put a value into a variant."""
-        if not (math.isfinite(value) and value > 0.0):
-            unit = "" if self.relative else " kg"
-            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
-        for body in self.targets:
-            draft.masses[body] = value if self.relative else value / self.nominal_of(draft.system, body)
+        draft.masses |= self.factors(draft, value)
 
 
 class CentreShift(Shift):
@@ -163,13 +171,12 @@ def _middle(distribution: Distribution) -> float:
     return (ends[0] + ends[1]) / 2.0
 
 
-class Tuning(ValueOrFactor):
+class Tuning(Positive):
     """Natural frequency [Hz] that a joint's spring gives what stands on it alone; its damping ratio stays."""
 
     form = "joint/NAME/frequency"
     pattern = re.compile(r"joint/(.*)/frequency")
     model_unit = "Hz"
-    bounds = "positive"
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
@@ -182,8 +189,4 @@ class Tuning(ValueOrFactor):
 
     def apply(self, draft: Draft, value: Any) -> None:
         """Put a value into a variant."""
-        if not (math.isfinite(value) and value > 0.0):
-            unit = "" if self.relative else " Hz"
-            raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
-        for joint in self.targets:
-            draft.tunings[joint] = value if self.relative else value / self.nominal_of(draft.system, joint)
+        draft.tunings |= self.factors(draft, value)

@@ -92,9 +92,7 @@ class InputColumn:
     def resolve(cls, entry: Entry) -> "tuple[InputColumn, ...]":
         """Return the columns of an entry whose name has this form.
 
-        Raises:
-            ModelError: it stands for nothing that exists.
-            ValueError: the distribution does not suit it.
+        ModelError if it stands for nothing that exists; ValueError if the distribution does not suit it.
         """
         raise NotImplementedError
 

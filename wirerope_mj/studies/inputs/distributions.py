@@ -20,24 +20,18 @@ FARTHEST = 37.0
 
 @dataclass(frozen=True)
 class Normal:
-    """A normal distribution, truncated at `low` and `high` if they are given.
-
-    Args:
-        mean: its mean.
-        deviation: its standard deviation, > 0.
-        relative: whether its values are factors on what the model says, and not values themselves.
-        each: whether every mount or body that the name matches has a sample of its own; else they share one.
-        group: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own.
-        low, high: bounds of the values; None = unbounded.
-    """
+    """A normal distribution, truncated at `low` and `high` if they are given."""
 
     mean: float
-    deviation: float
+    deviation: float  #: standard deviation, > 0
     _: KW_ONLY
-    relative: bool = False
-    each: bool = False
+    relative: bool = False  #: whether its values are factors on what the model says, and not values themselves
+    each: bool = (
+        False  #: whether every mount or body that the name matches has a sample of its own; else they share one
+    )
+    #: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own
     group: str | None = None
-    low: float | None = None
+    low: float | None = None  #: bounds of the values; None = unbounded
     high: float | None = None
 
     def __post_init__(self) -> None:
@@ -74,13 +68,7 @@ class Normal:
 
 @dataclass(frozen=True)
 class Uniform:
-    """Values between two bounds, all equally likely.
-
-    Args:
-        low, high: the bounds, low < high.
-        relative, each, group: as for `Normal`.
-        points: number of equally spaced values from `low` to `high` in a grid, at least 2; other samplings do not use it.
-    """
+    """Values between two bounds, low < high, all equally likely; relative, each and group are as for `Normal`."""
 
     low: float
     high: float
@@ -88,7 +76,7 @@ class Uniform:
     relative: bool = False
     each: bool = False
     group: str | None = None
-    points: int | None = None
+    points: int | None = None  #: equally spaced values from `low` to `high` in a grid, at least 2; of no use otherwise
 
     def __post_init__(self) -> None:
         _check_group(self.group)
@@ -109,12 +97,7 @@ class Uniform:
 
 @dataclass(frozen=True, init=False)
 class Choice:
-    """One of some values, all equally likely; in a grid each of them.
-
-    Args:
-        choices: numbers, booleans or strings, all of one kind.
-        relative, each, group: as for `Normal`.
-    """
+    """One of some values, numbers, booleans or strings, all equally likely; in a grid each of them; the rest as `Normal`."""
 
     choices: tuple[Any, ...]
     relative: bool
@@ -135,9 +118,8 @@ class Choice:
             raise ValueError(f"the values of a `Choice` must all be numbers, booleans or strings, got {list(plain)}.")
         for one in plain:
             if isinstance(one, int) and finite("Choice", int(one)) != one:
-                raise ValueError(
-                    f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}."
-                )
+                text = f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}."
+                raise ValueError(text)
 
     def values(self, probabilities: Array) -> npt.NDArray[Any]:
         """Return the choices at probabilities, (n,)."""
@@ -152,15 +134,10 @@ class Choice:
 
 @dataclass(frozen=True, kw_only=True)
 class Specimens:
-    """The scatter of the specimens that an isolator was identified from: the joint normal distribution of its `spread`.
+    """The scatter of the specimens that an isolator was identified from: the joint normal distribution of its `spread`."""
 
-    Attributes:
-        each: whether every mount has specimens of its own; else those that the name matches share one.
-        group: as for `Normal`.
-    """
-
-    each: bool = True
-    group: str | None = None
+    each: bool = True  #: whether every mount has specimens of its own; else those that the name matches share one
+    group: str | None = None  #: as for `Normal`
     relative: bool = False
 
     def __post_init__(self) -> None:
@@ -173,18 +150,15 @@ class Isotropic:
 
     With azimuths that are uniform over the circle, no direction is then more likely than another. A uniform elevation would
     crowd them about the vertical.
-
-    Attributes:
-        low, high: bounds of the elevation [deg], -90 <= low < high <= 90; from 0 up it is the half above the horizon.
-        group: as for `Normal`.
     """
 
     relative: ClassVar[bool] = False
     each: ClassVar[bool] = False
 
+    #: low, high: bounds of the elevation [deg], -90 <= low < high <= 90; from 0 up it is the half above the horizon
     low: float = -90.0
     high: float = 90.0
-    group: str | None = None
+    group: str | None = None  #: as for `Normal`
 
     def __post_init__(self) -> None:
         _check_group(self.group)

@@ -95,36 +95,36 @@ class Level(MotionColumn):
         return super().certainly_valid(draft, values) and bool((values != 0.0).all())
 
 
-class Azimuth(MotionColumn):
+class Angle(MotionColumn):
+    """Angle [deg] of the motion's direction."""
+
+    model_unit = "°"
+
+    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+        """Return whether all values are valid; False says nothing."""
+        return super().certainly_valid(draft, values) and len(draft.system.assembly.tables.drive) >= 3
+
+
+class Azimuth(Angle):
     """Direction [deg] of the motion from x towards y."""
 
     form = "motion/azimuth"
     pattern = re.compile(form)
-    model_unit = "°"
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
         """Return the azimuths of the motions' directions [deg]; of a vertical motion there is none."""
         return [math.degrees(math.atan2(y, x)) for x, y, _ in _directions(motions) if math.hypot(x, y) > 0.0]
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return super().certainly_valid(draft, values) and _drives_everywhere(draft.system)
 
-
-class Elevation(MotionColumn):
+class Elevation(Angle):
     """Direction [deg] of the motion above the plane of x and y."""
 
     form = "motion/elevation"
     pattern = re.compile(form)
-    model_unit = "°"
 
     def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
         """Return what the model says."""
         return [math.degrees(math.atan2(z, math.hypot(x, y))) for x, y, z in _directions(motions)]
-
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
-        """Return whether all values are valid; False says nothing."""
-        return super().certainly_valid(draft, values) and _drives_everywhere(draft.system)
 
 
 class Record(MotionColumn):
@@ -155,7 +155,3 @@ class Record(MotionColumn):
 
 def _directions(motions: Sequence[BaseMotion]) -> list[list[float]]:
     return [row for motion in motions for row in motion.directions.tolist()]
-
-
-def _drives_everywhere(system: System) -> bool:
-    return len(system.assembly.tables.drive) >= 3

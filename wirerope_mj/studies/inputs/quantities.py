@@ -85,11 +85,8 @@ class SharedDraw(InputColumn):
 
 
 def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[SharedDraw, ...]:
-    """Return the columns of names that share a draw: one, or with `each` as many as every name has targets.
-
-    Raises:
-        ValueError: they cannot share one.
-    """
+    """Return the columns of names that share a draw: one, or with `each` as many as every name has targets."""
+    # ValueError if they cannot share one.
     every = [column for own in columns for column in own]
     if any(not column.targets or column.type != pa.float64() for column in every):
         raise ValueError(f"`vary`: {name!r}: only numbers of mounts and bodies can share a draw.")
@@ -98,9 +95,8 @@ def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[Share
         raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
     if len({(column.nature_of_numbers, column.unit) for column in every}) > 1:
         kinds = ", ".join(dict.fromkeys(f"{one.nature_of_numbers} {one.unit}".strip() for one in every))
-        raise ValueError(
-            f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
-        )
+        text = f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
+        raise ValueError(text)
     return tuple(
         SharedDraw(
             name=TOGETHER.join(column.name for column in together),
@@ -114,9 +110,8 @@ def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[Share
 def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequence[BaseMotion]) -> tuple[Quantity, ...]:
     """Return the quantities that vary, resolved for a system and its motions.
 
-    Raises:
-        ModelError: a name stands for nothing that exists; says what does.
-        ValueError: a distribution does not suit its quantity, or two names stand for the same.
+    ModelError if a name stands for nothing that exists; says what does; ValueError if a distribution does not suit its
+    quantity, or two names stand for the same.
     """
     if not vary:
         raise ValueError(f"`vary` must name at least one quantity: {FORMS}.")
@@ -146,9 +141,8 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         shared = [_quantity(one, distribution, system, motions).columns for one in names]
         return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
     if not isinstance(distribution, Distribution):
-        raise ValueError(
-            f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
-        )
+        text = f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
+        raise ValueError(text)
     kind, parts = next(
         ((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ())
     )

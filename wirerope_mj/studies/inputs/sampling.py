@@ -28,12 +28,9 @@ SAMPLINGS = ("sobol", "latin-hypercube", "random", *LISTED, sobol.SAMPLING)
 def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: str, seed: int) -> pa.Table:
     """Return the table of inputs: `variant`, and one column for every sampled number.
 
-    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger study
-    are those of a smaller one.
-
-    Raises:
-        ValueError: the number of variants is not positive or does not suit the sampling, the sampling is unknown, or a grid has
-            no listed values.
+    The same arguments give the same table. With "sobol", "sobol-indices" and "random" the first variants of a larger
+    study are those of a smaller one. ValueError if the number of variants is not positive or does not suit the sampling,
+    the sampling is unknown, or a grid has no listed values.
     """
     one_of("sampling", sampling, SAMPLINGS)
     columns = [column for quantity in quantities for column in quantity.columns]
@@ -103,11 +100,9 @@ def sampled(isolator: Isolator, normals: Array) -> Array:
 
 
 def _joint(isolator: Isolator) -> tuple[Array, Array]:
-    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n).
-
-    Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
-    curves of a law whose file states one, have the same columns.
-    """
+    """Return the parameters of an isolator's spread, (n,), and a root R of their covariance R.T R, (n, n)."""
+    # Directions in which the specimens did not scatter have none, and parameters that were always equal, as those of both limit
+    # curves of a law whose file states one, have the same columns.
     spread = isolator.spread
     assert spread is not None  # `quantities` has seen to it
     laws = [(isolator.axes[axis], key) for axis, key in (name.split(".", 1) for name in spread.parameters)]

@@ -29,8 +29,7 @@ def factors(quantities: Sequence[Quantity]) -> dict[str, list[int]]:
 def base_rows(variants: int, n_factors: int) -> int:
     """Return the number n of base rows of n (factors + 2) variants.
 
-    Raises:
-        ValueError: n is not a power of two; says which numbers of variants are near.
+    ValueError if n is not a power of two; says which numbers of variants are near.
     """
     of_row = n_factors + 2
     rows = variants / of_row
@@ -48,11 +47,9 @@ def base_rows(variants: int, n_factors: int) -> int:
 def points(groups: Sequence[Sequence[int]], variants: int, seed: int) -> Array:
     """Return numbers from 0 to 1, (variants, n_columns), of Saltelli's matrices (Saltelli et al. 2010).
 
-    Row by row: A, B, then for each factor A with the columns of this factor, `groups`, from B. So a larger study begins with a
-    smaller one, and what a failed variant spoils is one row.
-
-    Raises:
-        ValueError: there are too many columns for Sobol's sequence, or the number of variants does not suit.
+    Row by row: A, B, then for each factor A with the columns of this factor, `groups`, from B. So a larger study begins
+    with a smaller one, and what a failed variant spoils is one row. ValueError if there are too many columns for Sobol's
+    sequence, or the number of variants does not suit.
     """
     rows = base_rows(variants, len(groups))
     columns = sum(map(len, groups))

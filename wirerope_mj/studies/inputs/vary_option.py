@@ -114,11 +114,9 @@ _KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)
 def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
     """Return distributions by the names of quantities, from texts "NAME = Normal(1, 0.1, relative)".
 
-    A distribution is written as in Python, with numbers, strings in quotes, True and False; nothing is evaluated. A flag such
-    as `relative` may stand for `relative=True`, and a group without quotes: `group=ropes`.
-
-    Raises:
-        ValueError: a text is not of this form, or the distribution cannot be; says what there is.
+    A distribution is written as in Python, with numbers, strings in quotes, True and False; nothing is evaluated. A flag
+    such as `relative` may stand for `relative=True`, and a group without quotes: `group=ropes`. ValueError if a text is
+    not of this form, or the distribution cannot be; says what there is.
     """
     distributions: dict[str, Distribution] = {}
     for text in texts:
@@ -179,9 +177,8 @@ def _flag(name: str, kind: str, flag: str) -> str:
     flags = _flags(kind)
     if flag not in flags:
         there = " and ".join(flags) or "none"
-        raise ValueError(
-            f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
-        )
+        text = f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
+        raise ValueError(text)
     return flag
 
 
@@ -202,9 +199,8 @@ def _value(name: str, node: ast.expr) -> Any:
     try:
         return ast.literal_eval(node)
     except ValueError:
-        raise ValueError(
-            f"{name!r}: {ast.unparse(node)!r} must be a number, a string in quotes, True, False or a list of them."
-        ) from None
+        text = f"{name!r}: {ast.unparse(node)!r} must be a number, a string in quotes, True, False or a list of them."
+        raise ValueError(text) from None
 
 
 def _signature(kind: str) -> str:

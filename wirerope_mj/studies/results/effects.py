@@ -43,10 +43,8 @@ def sphere_areas(azimuth: Array, elevation: Array) -> Array:
 
 
 def _arcs(angles: Array) -> tuple[Array, float]:
-    """Return the fraction of its circle's part that each of some angles [deg] stands for, and how wide that part is [deg].
-
-    They go around unless there is a gap wider than all others by half: then they are a fan.
-    """
+    """Return the fraction of its circle's part that each of some angles [deg] stands for, and how wide that part is [deg]."""
+    # They go around unless there is a gap wider than all others by half: then they are a fan.
     if angles.size < 2:
         return np.ones(angles.size), 0.0
     gaps = np.diff(np.append(angles, angles[0] + 360.0))  # behind each angle

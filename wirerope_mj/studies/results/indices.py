@@ -63,9 +63,8 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
         ValueError: the study was sampled otherwise, or there is no such measure.
     """
     if result.study.sampling != SAMPLING:
-        raise ValueError(
-            f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.'
-        )
+        text = f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.'
+        raise ValueError(text)
     names = measures_of(result.table)
     if measure not in (*names, ALL):
         raise ValueError(unknown_measure(measure, names))

@@ -71,9 +71,8 @@ def measure_of(name: str, limits: Mapping[str, float] = MappingProxyType({})) ->
 
 def unit_of(name: str) -> str:
     """Return the SI unit of a column of a study's table; "" of ratios, counts and inputs."""
-    return {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N"}.get(
-        name.partition("/")[0], ""
-    )
+    units = {"acceleration": "m/s^2", "deflection": "m", "displacement": "m", "force": "N"}
+    return units.get(name.partition("/")[0], "")
 
 
 def input_names(table: pa.Table) -> list[str]:
@@ -94,9 +93,8 @@ def checked_measure(table: pa.Table, name: str) -> str:
     if name not in (*names, ALL):
         raise ValueError(unknown_measure(name, names))
     if not np.isfinite(values_of(table, name)).any():
-        raise ValueError(
-            f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."
-        )
+        text = f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."
+        raise ValueError(text)
     return name
 
 

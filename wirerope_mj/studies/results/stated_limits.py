@@ -12,7 +12,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
@@ -53,8 +53,7 @@ class StatedLimit:
 def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
     """Return the limit of a text such as `deflection/*/roll = 35 mm`.
 
-    Raises:
-        ValueError: the text is no limit, or there is no such measure among those that are known.
+    ValueError if the text is no limit, or there is no such measure among those that are known.
     """
     match = _TEXT.fullmatch(text)
     if match is None:
@@ -66,9 +65,8 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
         raise ValueError(f"limit {short(text)!r}: {unknown_measure(pattern, known)}")
     units = _UNITS.get(quantity, {})
     if unit not in units:
-        raise ValueError(
-            f"limit {short(text)!r}: {unit!r} is no unit of {quantity}; known are {', '.join(units) or 'none'}."
-        )
+        message = f"limit {short(text)!r}: {unit!r} is no unit of {quantity}; known are {', '.join(units) or 'none'}."
+        raise ValueError(message)
     try:
         return StatedLimit(text=text, measures=names, limit=in_si(float(number), units[unit]))
     except ValueError as error:
@@ -78,19 +76,16 @@ def limit_of_text(text: str, known: Sequence[str]) -> StatedLimit:
 def write_stated(result: StudyResult, limits: Sequence[StatedLimit]) -> None:
     """Write how often limits are exceeded into the summary of a study, in place of those that were stated before.
 
-    Raises:
-        RecordError: the summary is damaged.
+    RecordError if the summary is damaged.
     """
     whole = _content(result.folder) | {KEY: [_exceeded(result, one) for one in limits]}
-    with atomic_file(result.folder / SUMMARY) as temporary_path:
-        temporary_path.write_text(json.dumps(whole, indent=2, allow_nan=False) + "\n", encoding="utf-8")
+    write_json(result.folder / SUMMARY, whole)
 
 
 def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
     """Return the limits that stand in the summary of a study; nothing if there is no summary yet.
 
-    Raises:
-        RecordError: the summary is damaged.
+    RecordError if the summary is damaged.
     """
     path = result.folder / SUMMARY
     if not path.is_file():

@@ -169,9 +169,8 @@ def _of_one_mount(name: str) -> bool:
 def summary_of(result: StudyResult, by: str | None = None) -> StudySummary:
     """Return the summary of a study, by a measure; by travel if none is said and anything is rated, else by acceleration.
 
-    Raises:
-        ValueError: there is no such measure, or it has no value in any variant.
-        RecordError: the limits that were stated cannot be read.
+    ValueError if there is no such measure, or it has no value in any variant; RecordError if the limits that were stated
+    cannot be read.
     """
     table = result.table
     by = checked_measure(table, by or (headlines(table) or HEADLINES)[0])

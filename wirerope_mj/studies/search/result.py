@@ -143,8 +143,7 @@ class SearchResult(StudyResult):
 def read_result(folder: Path, study_class: type[StudyDefinition]) -> StudyResult:
     """Return the result in a folder; its `study` will be of this class.
 
-    Raises:
-        RecordError: the folder is not that of a study, or is damaged.
+    RecordError if the folder is not that of a study, or is damaged.
     """
     content = read_inputs(folder)
     complete = (folder / TABLE).is_file()

@@ -68,9 +68,8 @@ class SearchDefinition:
         self.start = tuple(self._design(index, design) for index, design in enumerate(start))
         names = list(self.variables)
         sampled = study.table().select(names).to_pylist()
-        self.first = list(
-            {tuple(design[name] for name in names): design for design in (*self.start, *sampled)}.values()
-        )
+        every = (*self.start, *sampled)
+        self.first = list({tuple(design[name] for name in names): design for design in every}.values())
         if len(self.first) < FEWEST:
             raise ValueError(
                 f"the first generation has {len(self.first)} designs; it must have at least {FEWEST}, `variants` of the study "
@@ -145,9 +144,8 @@ class SearchDefinition:
         known = {one.name for one in self.study.quantities} | set(self.variables)
         unknown = [name for name in given if name not in known]
         if unknown:
-            raise ValueError(
-                f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do."
-            )
+            text = f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do."
+            raise ValueError(text)
         for quantity in self.study.quantities:
             for column in quantity.columns:
                 if column.name not in given and quantity.name not in given:
@@ -178,9 +176,8 @@ def _checked(index: int, name: str, value: Any, variable: Uniform | Choice) -> A
             raise ValueError(f"`start[{index}]`: {name!r} must be one of {list(variable.choices)}, got {value!r}.")
         return chosen
     if isinstance(value, bool) or not isinstance(value, int | float) or not variable.low <= value <= variable.high:
-        raise ValueError(
-            f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}."
-        )
+        text = f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}."
+        raise ValueError(text)
     return float(value)
 
 
@@ -209,10 +206,8 @@ class Evolving:
             designs = evolution.ask()
             if not designs:
                 return  # every design that the best can be crossed to is among them
-            new = list(
-                {self._key(design): design for design in designs if self._key(design) not in self._known}.values()
-            )
-            for table in self._tables(new, generation):
+            new = {self._key(design): design for design in designs if self._key(design) not in self._known}
+            for table in self._tables(list(new.values()), generation):
                 self._remember(table)
             results = [self._known[self._key(design)] for design in designs]
             evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
@@ -284,25 +279,13 @@ class Search(SearchDefinition):
     are the first generation, after designs that are given. Each later one is made by the optimiser (pymoo's NSGA-II)
     from the best so far, and computed as variants are: by the same engines, with the same bits.
 
-    All arguments are attributes, and further:
-
-    Attributes:
-        study: what varies, and how a design is simulated.
-        first: the designs of the first generation, by column; those of `start` first.
+    All arguments are attributes, and further `first`, the designs of the first generation by column, those of `start` first.
     """
 
     def run(
-        self,
-        folder: str | Path,
-        *,
-        keep: str = "peaks",
-        engine: str = "local",
-        workers: int | None = None,
-        address: str | None = None,
-        resume: bool = False,
-        force: bool = False,
-        progress: bool = False,
-    ) -> SearchResult:
+        self, folder: str | Path, *, keep: str = "peaks", engine: str = "local", workers: int | None = None,
+        address: str | None = None, resume: bool = False, force: bool = False, progress: bool = False,
+    ) -> SearchResult:  # fmt: skip
         """Evolve all generations and return the result, which stands in `folder`; arguments are those of `Study.run`.
 
         The folder is that of a study whose variants are the designs, no design twice. A search that was killed goes on: the
@@ -343,10 +326,7 @@ def _summary(result: SearchResult) -> dict[str, Any]:
     """Return the front of a search, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
     names = ["variant", GENERATION, *result.shown]
     return {
-        **head(result),
-        "minimised": list(result.minimise),
-        "limits": result.limits,
-        "within_limits": int(result.feasible.sum()),
-        "front": result.front.select(names).to_pylist(),
+        **head(result), "minimised": list(result.minimise), "limits": result.limits,
+        "within_limits": int(result.feasible.sum()), "front": result.front.select(names).to_pylist(),
         "knee": result.knee,
-    }
+    }  # fmt: skip

@@ -43,11 +43,9 @@ def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = (
     told["lines"] += [f"{one.name}: {one.statement}" for one in agreeing[-1]]
     panels = [*_measured_panels(agreeing, runs), *_panels(comparison, runs)]
     return {
-        "now": told,
-        "before": None if before is None else _told(before),
-        "tables": [_table(table) for table in tables],
+        "now": told, "before": None if before is None else _told(before), "tables": [_table(table) for table in tables],
         "curves": json_values([_curve(panel, runs) for panel in panels]),
-    }
+    }  # fmt: skip
 
 
 def _measured_panels(agreeing: Sequence[Sequence[Correlation]], runs: Sequence[ShownRun]) -> Iterator[Panel]:
@@ -63,21 +61,14 @@ def _told(run: ShownRun) -> dict[str, Any]:
     said = headline(run.verdicts)
     origin = "" if run.exact else " (the step is that of the first run)"
     return {
-        "name": run.name,
-        "number": run.number,
-        "values": dict(run.values),
-        "changes": dict(run.changes),
-        "motion": run.motion,
-        "headline": said.text,
-        "tone": said.tone,
+        "name": run.name, "number": run.number, "values": dict(run.values), "changes": dict(run.changes),
+        "motion": run.motion, "headline": said.text, "tone": said.tone,
         "lines": [
             line for block in answer_blocks(run) if block for line in (*filter(None, [block.text]), *block.items)
         ],
-        "warnings": list(run.warnings),
-        "exact": run.exact,
-        "seconds": run.seconds,
+        "warnings": list(run.warnings), "exact": run.exact, "seconds": run.seconds,
         "step": f"{numerics_statement(run.response.numerics).text}{origin}.",
-    }
+    }  # fmt: skip
 
 
 def _table(table: Table) -> dict[str, Any]:
@@ -95,7 +86,11 @@ def _panels(comparison: Comparison, runs: list[ShownRun]) -> list[Panel]:
     window = float(now.time[0]), float(now.time[-1])
     mount = _worst_mount(mount_peaks(now))
     if mount is not None:
-        axis = RATINGS[mount.governing][0] if mount.governing else _farthest_axis(mount)
+        axis = (
+            RATINGS[mount.governing][0]
+            if mount.governing
+            else int(np.abs([mount.minimum, mount.maximum]).max(axis=0).argmax())
+        )
         lines = [
             Line(response=run.response, subject=mount.name, name=run.name, kind=rank) for rank, run in enumerate(runs)
         ]
@@ -118,10 +113,6 @@ def _worst_mount(rows: list[MountPeak]) -> MountPeak | None:
     if not rows or rows[0].utilisation is not None:
         return rows[0] if rows else None
     return max(rows, key=lambda row: float(np.abs([row.minimum, row.maximum]).max()))
-
-
-def _farthest_axis(row: MountPeak) -> int:
-    return int(np.abs([row.minimum, row.maximum]).max(axis=0).argmax())
 
 
 def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:

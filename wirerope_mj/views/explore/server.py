@@ -215,9 +215,7 @@ def serve(explored: Explored, *, browser: bool, viewer: bool, port: int = 0) -> 
     """Serve the page of a what-if on a port (0: a free one), print its address, and return when Ctrl-C ends it.
 
     The page is opened with `browser` where there is a screen, and has the viewer of recordings beside it with `viewer`.
-
-    Raises:
-        WireRopeError: the port is taken.
+    WireRopeError if the port is taken.
     """
     try:
         server = ExploreServer(explored, viewer=viewer, port=port)

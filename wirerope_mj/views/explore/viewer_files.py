@@ -17,9 +17,7 @@ def viewer_files() -> dict[str, bytes]:
     """Return the files of the web viewer by name: 43 MB, which its server is asked for once and then ended.
 
     The server itself is not what the page talks to: its recordings could be read by whatever page is open in the browser.
-
-    Raises:
-        WireRopeError: there is no viewer, or it does not hand them out.
+    WireRopeError if there is no viewer, or it does not hand them out.
     """
     server, page = free_port(9876), free_port(9090)
     command = [str(viewer_binary()), "--bind", "127.0.0.1", "--serve-web"]

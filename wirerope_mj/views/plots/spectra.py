@@ -35,11 +35,9 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
 
 
 def shock_spectra_figure(
-    spectra: Mapping[str, ShockResponseSpectrum],
-    *,
-    title: str = "",
+    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "",
     test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
-) -> Figure:
+) -> Figure:  # fmt: skip
     """Return the largest absolute accelerations (maximax) over frequency, "base" in grey.
 
     `test` are frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
@@ -71,12 +69,9 @@ def save_four_way(spectra: Mapping[str, ShockResponseSpectrum], path: str | Path
 
 
 def save_shock_spectra(
-    spectra: Mapping[str, ShockResponseSpectrum],
-    path: str | Path,
-    *,
-    title: str = "",
+    spectra: Mapping[str, ShockResponseSpectrum], path: str | Path, *, title: str = "",
     test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
-) -> None:
+) -> None:  # fmt: skip
     """Write `shock_spectra_figure` as a picture; the ending of `path` says of which kind."""
     shock_spectra_figure(spectra, title=title, test=test).savefig(path)
 

@@ -33,7 +33,8 @@ _ROOM = 0.05  # of the range, left free above and below
 def chart_svg(chart: Chart) -> str:
     """Return a chart as an <svg> element; the curves' names stand above, each once."""
     legend, top = _legend([panel for row in chart.rows for panel in row])
-    parts, y, room = [legend], top, _room(chart)
+    names = [text for row in chart.rows for _, text in row[0].yticks]  # of bars, on the left of the panels
+    parts, y, room = [legend], top, max(_LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
     for number, row in enumerate(chart.rows):
         y += _TITLE if any(panel.title for panel in row) else 0.0
         width = (WIDTH - room - _RIGHT - _GAP * (len(row) - 1)) / len(row)
@@ -47,12 +48,6 @@ def chart_svg(chart: Chart) -> str:
     if chart.alt:
         head += f' aria-label="{safe_text(chart.alt)}"'
     return f'{head} font-family="Helvetica, Arial, sans-serif" font-size="11">{"".join(parts)}</svg>'
-
-
-def _room(chart: Chart) -> float:
-    """Return the room on the left of a chart's panels, where names of bars may stand."""
-    names = [text for row in chart.rows for _, text in row[0].yticks]
-    return max(_LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
 
 
 def _legend(panels: Sequence[Panel]) -> tuple[str, float]:

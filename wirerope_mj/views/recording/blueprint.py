@@ -29,8 +29,7 @@ _TABS = (1040.0, 730.0)  # The same of the tabs beside them, without their title
 def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> Any:
     """Return the layout with `tab` and `scene` in front, the first scene without one; `factor` enlarges the ghosts' motion.
 
-    Raises:
-        ValueError: there is no such tab or scene.
+    ValueError if there is no such tab or scene.
     """
     scenes = _scenes(drawn, factor)
     left: Any = tabs_with(scenes, "scene", scene or str(scenes[0].name))

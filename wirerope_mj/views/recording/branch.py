@@ -69,9 +69,7 @@ def record_branches(
 ) -> Path:
     """Write the branches of a frequency response as a recording, a file or `run.rrd` of a folder, and return its path.
 
-    Raises:
-        ValueError: no level has a branch.
-        RecordError: the environment variable RERUN switches recordings off.
+    ValueError if no level has a branch; RecordError if the environment variable RERUN switches recordings off.
     """
     if not result.branches:
         raise ValueError("there is no branch to record; a sweep alone has no periodic motions.")
@@ -206,7 +204,8 @@ def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, widt
     lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
     for mount, axis in shown:
         loops = [_loops_over(strip, mount, axis) for strip in strips]
-        plot = _plot([loop for part in loops for loop in part], width)
+        points = np.concatenate([loop for part in loops for loop in part])
+        plot = Plot.around(points.min(axis=0), points.max(axis=0), width)
         path = loop_path(mount, axis)
         log_frame(
             rec, path, plot, across=linear_ticks(*plot.across, most=most), upward=linear_ticks(*plot.upward, most=most),
@@ -229,12 +228,6 @@ def _filled(loop: Array) -> Array:
     """Return a loop over its own half ranges."""
     low, high = loop.min(axis=0), loop.max(axis=0)
     return np.asarray((2.0 * loop - low - high) / np.maximum(high - low, 1e-12))
-
-
-def _plot(loops: list[Array], width: float) -> Plot:
-    low = np.min([loop.min(axis=0) for loop in loops], axis=0)
-    high = np.max([loop.max(axis=0) for loop in loops], axis=0)
-    return Plot.around(low, high, width)
 
 
 def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:

@@ -123,9 +123,8 @@ def several_runs(
 ) -> Drawn:
     """Return what a recording draws of runs over each other; verdicts as `compare_runs` takes them.
 
-    Raises:
-        ValueError: there are too few or too many, or `align` is unknown.
-        RecordError: they share nothing, or a run has no shock to align.
+    ValueError if there are too few or too many, or `align` is unknown; RecordError if they share nothing, or a run has no
+    shock to align.
     """
     if not 2 <= len(responses) <= len(COLORS):
         raise ValueError(f"`responses` must be two to {len(COLORS)}, got {len(responses)}.")

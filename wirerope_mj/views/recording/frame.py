@@ -59,16 +59,10 @@ def fitting_width(pane: tuple[float, float], columns: int, rows: int, *, least: 
 
 
 def log_frame(
-    rec: Any,
-    path: str,
-    plot: Plot,
-    *,
-    across: Array,
-    upward: Array,
-    names: tuple[Sequence[str], Sequence[str]] | None = None,
-    marked: Sequence[tuple[float, Color]] = (),
+    rec: Any, path: str, plot: Plot, *, across: Array, upward: Array,
+    names: tuple[Sequence[str], Sequence[str]] | None = None, marked: Sequence[tuple[float, Color]] = (),
     lift: float = 8.0,
-) -> None:
+) -> None:  # fmt: skip
     """Log a frame with lines at round numbers, `across` upright and `upward` level, and the numbers, or `names`, beside it.
 
     `marked` are lines across in a colour of their own. `lift` raises the numbers to stand at their lines, in units of the view:

@@ -164,10 +164,9 @@ def loop_points(mount: MountResponse, axis: int) -> Array:
 
 
 def _cycles(values: Array, line: Rows) -> list[Rows]:
-    """Return the rows of what is drawn of a loop: all of them, or some stretches of a long run.
-
-    These are about its largest deflection and evenly over the rest: a few cycles in full tell more than turning points of all.
-    """
+    """Return the rows of what is drawn of a loop: all of them, or some stretches of a long run."""
+    # These are about its largest deflection and evenly over the rest: a few cycles in full tell more than turning points of
+    # all.
     if line.size <= MOST_TRAIL_ROWS:
         return [line]
     middles = {
@@ -178,10 +177,8 @@ def _cycles(values: Array, line: Rows) -> list[Rows]:
 
 
 def _trail_rows(time: Array, values: Array, parts: Sequence[Rows]) -> tuple[Rows, npt.NDArray[np.bool_]]:
-    """Return the rows of trail and cursor, and whether the path from each to the next is drawn.
-
-    Of a long run the cursor stands still for moments outside of the stretches that are drawn.
-    """
+    """Return the rows of trail and cursor, and whether the path from each to the next is drawn."""
+    # Of a long run the cursor stands still for moments outside of the stretches that are drawn.
     if len(parts) == 1:
         steps = rows_of_steps(time, values, _tolerance(values, _COARSE), limit=time.size)
         rows = np.union1d(parts[0], steps)
@@ -233,10 +230,8 @@ def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Seque
 
 
 def _log_trail(rec: Any, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
-    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor.
-
-    Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
-    """
+    """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
+    # Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
     width = rr.Radius.ui_points(1.5)
     # Above the whole loop, which at the same draw order would hide the trail in some views and not in others.
     look = rr.LineStrips2D.from_fields(colors=color, radii=width, draw_order=40.0 + order)

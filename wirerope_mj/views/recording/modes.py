@@ -34,10 +34,8 @@ _AWAY = 1.12  # Factor by which the camera stands farther away than for the mode
 def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "", larger: Sequence[Modes] = ()) -> Path:
     """Write modes in motion as a recording, a file or `run.rrd` of a folder, and return its path.
 
-    `larger` are modes of the same system at other amplitudes, for the table of all.
-
-    Raises:
-        RecordError: the environment variable RERUN switches recordings off.
+    `larger` are modes of the same system at other amplitudes, for the table of all. RecordError if the environment
+    variable RERUN switches recordings off.
     """
     target = target_of(path)
     with atomic_recording(target) as rec:

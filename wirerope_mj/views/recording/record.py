@@ -70,17 +70,9 @@ def record_rerun(
 
 
 def record_run(
-    run: RunResult,
-    path: str | Path,
-    *,
-    title: str = "",
-    scenario_text: str = "",
-    tab: str = "Overview",
-    state: bool = False,
-    over_frequency: Panel | None = None,
-    tests: Sequence[Correlation] = (),
-    case: str = "",
-) -> Path:
+    run: RunResult, path: str | Path, *, title: str = "", scenario_text: str = "", tab: str = "Overview",
+    state: bool = False, over_frequency: Panel | None = None, tests: Sequence[Correlation] = (), case: str = "",
+) -> Path:  # fmt: skip
     """Write a judged run, and return the path; the rest as `record_rerun`.
 
     `over_frequency` is what is drawn over frequency, `case` names the load case among several in one file; measured channels of
@@ -139,16 +131,9 @@ def record_overlay(
 
 
 def record_runs(
-    drawn: Drawn,
-    path: str | Path,
-    *,
-    inputs: Inputs,
-    tables: Sequence[Table] = (),
-    judged: Mapping[str, JudgedRun] | None = None,
-    tab: str = "Overview",
-    scene: str = "",
-    state: bool = False,
-) -> Path:
+    drawn: Drawn, path: str | Path, *, inputs: Inputs, tables: Sequence[Table] = (),
+    judged: Mapping[str, JudgedRun] | None = None, tab: str = "Overview", scene: str = "", state: bool = False,
+) -> Path:  # fmt: skip
     """Write what `several_runs` made of the runs, and return the path; the rest is as for `record_overlay`."""
     drawn = replace(drawn, texts=overlay_texts(drawn.comparison, inputs, tables, judged))
     target = target_of(path, file=OVERLAY_FILE)
@@ -240,10 +225,7 @@ def log_state(rec: Any, response: Response) -> None:
 def read_state(path: str | Path, *, run: str = "") -> dict[str, Array]:
     """Return the columns under /state of a recording, (n_t,) each, by name and in the order of `response.parquet`.
 
-    Where it lays several runs over each other, `run` is the name of one.
-
-    Raises:
-        RecordError: the file holds none.
+    Where it lays several runs over each other, `run` is the name of one. RecordError if the file holds none.
     """
     root = root_of(run) + entity(ROOT)
     names: dict[str, tuple[int, list[str]]] = {}

@@ -59,11 +59,9 @@ def atomic_recording(target: Path, *, case: str = "") -> Iterator[Any]:
 
 @contextmanager
 def _ourselves_written(path: Path) -> Iterator[Path]:
-    """Lend a path to which rerun may write what becomes the file `path`: a pipe, at whose other end we write it.
-
-    On a full disk rerun's own writing ends with a line on standard error, and whoever waits for it, as the end of a recording
-    and that of the process do, waits for ever. From the pipe everything is taken, whether or not there is space for it.
-    """
+    """Lend a path to which rerun may write what becomes the file `path`: a pipe, at whose other end we write it."""
+    # On a full disk rerun's own writing ends with a line on standard error, and whoever waits for it, as the end of a recording
+    # and that of the process do, waits for ever. From the pipe everything is taken, whether or not there is space for it.
     if not _OPEN_FILES.is_dir():
         yield path
         return

@@ -22,11 +22,8 @@ _LOCAL = "127.0.0.1"  # The viewer listens on this machine only; its own default
 def show(path_or_folder: str | Path, *, web: bool = False) -> None:
     """Open a recording and return when the viewer is closed or interrupted; with `web`, serve it to a browser of this machine.
 
-    What is given is a `.rrd` file, or the folder of a run, or of a study whose worst variants were written.
-
-    Raises:
-        RecordError: there is no recording.
-        WireRopeError: there is no screen, or no viewer.
+    What is given is a `.rrd` file, or the folder of a run, or of a study whose worst variants were written. RecordError
+    if there is no recording; WireRopeError if there is no screen, or no viewer.
     """
     path = find_recording(path_or_folder)
     if not web and not has_display():
@@ -52,14 +49,12 @@ def find_recording(path_or_folder: str | Path) -> Path:
     name = JOINED if (given / JOINED).is_file() else FILE
     path = given / name if given.is_dir() else given
     if not path.is_file():
-        raise RecordError(
-            f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
-        )
+        text = f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
+        raise RecordError(text)
     with path.open("rb") as file:
         if not file.read(len(_BEGINNING)).startswith(_BEGINNING):
-            raise RecordError(
-                f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}."
-            )
+            text = f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}."
+            raise RecordError(text)
     return path
 
 
@@ -129,9 +124,7 @@ def _run(command: list[str]) -> None:
 def join_recordings(recordings: Sequence[Path], target: Path) -> None:
     """Write recordings into one file, each as it is.
 
-    Raises:
-        RecordError: one of them is missing or damaged.
-        WireRopeError: rerun-sdk is incomplete.
+    RecordError if one of them is missing or damaged; WireRopeError if rerun-sdk is incomplete.
     """
     with atomic_file(target) as temporary:
         command = [str(viewer_binary()), "rrd", "merge", "-o", str(temporary), *map(str, recordings)]

@@ -37,11 +37,7 @@ def check_docx() -> None:
 
 
 def write_docx(content: Content, path: Path) -> None:
-    """Write a content, of which nothing is folded, as a DOCX document.
-
-    Raises:
-        WireRopeError: python-docx is not installed.
-    """
+    """Write a content, of which nothing is folded, as a DOCX document; WireRopeError if python-docx is not installed."""
     check_docx()
     with tempfile.TemporaryDirectory() as folder:
         writer = _Writer(content, Path(folder))
@@ -205,10 +201,8 @@ class _Writer:
 
 
 def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) -> tuple[int, list[int]]:
-    """Return the size of the letters, and the widths of the columns that their texts need within that of the page.
-
-    Where there is too little room columns of text break into lines first, then letters are smaller.
-    """
+    """Return the size of the letters, and the widths of the columns that their texts need within that of the page."""
+    # Where there is too little room columns of text break into lines first, then letters are smaller.
     words = [1.3 * max(map(len, head.split()), default=0) for head in heads]  # which are bold
     longest = [max([word, *(len(row[n]) for row in rows)]) for n, word in enumerate(words)]
     breaks = [column.align == "text" or long > _LINE / 3 for column, long in zip(columns, longest, strict=True)]

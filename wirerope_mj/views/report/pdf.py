@@ -10,8 +10,7 @@ from wirerope_mj.foundation.errors import WireRopeError
 def write_pdf(page: str, path: Path) -> None:
     """Write the page as a PDF file.
 
-    Raises:
-        WireRopeError: WeasyPrint is not installed, or the libraries that it draws with are missing.
+    WireRopeError if WeasyPrint is not installed, or the libraries that it draws with are missing.
     """
     weasyprint = _weasyprint()
     fetcher = weasyprint.urls.URLFetcher(allowed_protocols={"data"})  # a report holds all it needs: nothing is fetched
@@ -30,9 +29,8 @@ def _weasyprint() -> Any:
             warnings.simplefilter("ignore", DeprecationWarning)
             import weasyprint.urls
     except ImportError:
-        raise WireRopeError(
-            "a PDF needs WeasyPrint: pip install 'wirerope-mj[pdf]'. Or print the HTML page from a browser."
-        ) from None
+        text = "a PDF needs WeasyPrint: pip install 'wirerope-mj[pdf]'. Or print the HTML page from a browser."
+        raise WireRopeError(text) from None
     except OSError as error:  # Pango is loaded as a shared library when WeasyPrint is imported
         raise WireRopeError(
             f"a PDF needs Pango, which WeasyPrint cannot load ({' '.join(str(error).split())}). Install Pango from your "
