@@ -121,6 +121,7 @@ class Branch(Summarised):
         gaps: values of the parameter between which the branch could not be followed and was taken up again.
         model_steps: of all integrations.
         message: why it ended.
+        beyond_travel: mount and travel where it ended at a rated travel, else empty.
     """
 
     system: System = field(repr=False)
@@ -147,6 +148,7 @@ class Branch(Summarised):
     model_steps: int
     message: str
     side_branches: tuple[SideBranch, ...] = ()
+    beyond_travel: str = ""
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         unit = "Hz" if self.parameter == "frequency" else "m/s^2"
