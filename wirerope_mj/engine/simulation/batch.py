@@ -27,7 +27,13 @@ from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import RunResult, require_lawful, run, warn_of_aliasing
+from wirerope_mj.engine.simulation.run import (
+    RunResult,
+    require_lawful,
+    run,
+    warn_of_aliasing,
+    warn_of_given_step,
+)
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
@@ -36,8 +42,9 @@ from wirerope_mj.engine.simulation.simulate import (
     checked_step,
     numerics_of,
 )
+from wirerope_mj.engine.simulation.stability import decay_over_step
 from wirerope_mj.engine.simulation.stepper import initial_state
-from wirerope_mj.engine.simulation.timestep import limit_of_given
+from wirerope_mj.engine.simulation.timestep import error_of_given, limit_of_given
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
@@ -130,6 +137,9 @@ def simulate_batch(
     Raises:
         ValueError: an argument is out of range.
         ModelError: the systems are not of one layout.
+
+    Warns:
+        AccuracyWarning: `timestep` is too long for friction that yields within it; by the variant in which it yields most.
     """
     check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate)
     threads = (os.cpu_count() or 1) if threads is None else integer("threads", threads, least=1)
@@ -162,6 +172,18 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
+        decays = [
+            (decay_over_step(v.system, one.peaks, one.timestep), v)
+            for v in variants
+            if isinstance(one := results[v.number], BatchResult)
+        ]
+        if decays:
+            decay, worst = max(decays, key=lambda pair: pair[0])
+            error = error_of_given(
+                worst.system, worst.motion, worst.start, decay=decay, timestep=timestep, duration=duration,
+                sample_rate=sample_rate, engine=engine,
+            )  # fmt: skip
+            warn_of_given_step(timestep, error)
     if responses:
         warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]

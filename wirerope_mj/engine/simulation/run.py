@@ -246,13 +246,8 @@ def warn_of_uncertainty(response: Response) -> None:
             AccuracyWarning,
             stacklevel=3,
         )
-    elif math.isnan(numerics.accuracy) and numerics.error_estimate > ENOUGH_GIVEN:
-        warnings.warn(
-            f"the given step of {1e3 * numerics.timestep:.4g} ms is too long for friction that yields within it: half of it "
-            f"differs by {numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
-            AccuracyWarning,
-            stacklevel=3,
-        )
+    elif math.isnan(numerics.accuracy):
+        warn_of_given_step(numerics.timestep, numerics.error_estimate, stacklevel=4)
     elif numerics.error_estimate > numerics.accuracy:
         warnings.warn(
             f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
@@ -260,4 +255,15 @@ def warn_of_uncertainty(response: Response) -> None:
             "Ask for less (a larger `accuracy`), or give a smaller `timestep`.",
             AccuracyWarning,
             stacklevel=3,
+        )
+
+
+def warn_of_given_step(timestep: float, error: float, *, stacklevel: int = 3) -> None:
+    """Warn of a given step [s] whose error, relative to the peaks, is large; NaN is not."""
+    if error > ENOUGH_GIVEN:
+        warnings.warn(
+            f"the given step of {1e3 * timestep:.4g} ms is too long for friction that yields within it: half of it differs by "
+            f"{error:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen.",
+            AccuracyWarning,
+            stacklevel=stacklevel,
         )

@@ -31,6 +31,8 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
+# decay of a hysteretic state over a given step from which on RK4 may make it grow, and half of the step is tried beside it
+STIFF = 2.0
 HALVINGS = 11  # halvings after which the search ends: 1e-3 s becomes 5e-7 s
 
 # the same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead
@@ -85,9 +87,15 @@ def limit_of_given(timestep: float, sample_rate: float) -> str:
 
 
 def error_of_given(
-    system: System, motion: BaseMotion, start: State, *, timestep: float, duration: float, sample_rate: float, engine: Engine,
+    system: System, motion: BaseMotion, start: State, *, decay: float, timestep: float, duration: float, sample_rate: float,
+    engine: Engine = "auto",
 ) -> float:  # fmt: skip
-    """Estimate the error of a given step, relative to the peaks, by a pilot with half of it; NaN where that fails."""
+    """Estimate the error of a given step, relative to the peaks, by a pilot with half of it.
+
+    NaN where that fails, or hysteretic states decay by little over the step, see `decay_over_step`.
+    """
+    if decay <= STIFF:
+        return np.nan
     window = _windows(system, motion, start, duration, sample_rate)[:1]
     pilots = partial(_pilots, system, motion, lambda: [start], window, sample_rate, engine, [])
     difference = _difference(pilots(timestep), pilots(timestep / 2.0))
