@@ -179,11 +179,11 @@ def simulate_batch(
         ]
         if decays:
             decay, worst = max(decays, key=lambda pair: pair[0])
-            error = error_of_given(
+            half = error_of_given(
                 worst.system, worst.motion, worst.start, decay=decay, timestep=timestep, duration=duration,
                 sample_rate=sample_rate, engine=engine,
             )  # fmt: skip
-            warn_of_given_step(timestep, error)
+            warn_of_given_step(timestep, half)
     if responses:
         warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]
