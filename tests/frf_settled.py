@@ -99,7 +99,7 @@ def compared(system, axis, level, keep):
         called=len(branch.jumps), confirmed=sum(is_jump(system, branch, jump) for jump in branch.jumps),
         uncalled=len(branch.folds) - len(branch.jumps), unstable=int((~branch.stable).sum()), points=branch.stable.size,
         side=max((side.difference for side in branch.side_branches), default=0.0), gaps=len(branch.gaps),
-        ended="" if result.complete else f" ENDED EARLY: {branch.message}", seconds=seconds,
+        ended="" if result.complete or branch.beyond_travel else f" ENDED EARLY: {branch.message}", seconds=seconds,
     )  # fmt: skip
 
 

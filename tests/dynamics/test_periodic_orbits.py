@@ -162,7 +162,7 @@ def test_travel_beyond_the_rating_is_refused_with_its_place():
     )
     system = wr.load_system(sdof_text(mass=1.0), isolators={"a": isolator})
     with pytest.raises(
-        wr.SimulationError, match=r"at 0\.127.* Hz.* mount 'm1' reaches 1\.50.* m in compression, rated for 1 m"
+        wr.SimulationError, match=r"at 0\.127.* Hz.* mount 'm1' reaches 150\d mm in compression, rated for 1000 mm"
     ):
         wr.periodic_orbit(system, frequency=0.8 / (2 * np.pi), acceleration=1.0, direction="z")
 

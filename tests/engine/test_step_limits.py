@@ -205,3 +205,33 @@ def test_a_given_step_in_which_friction_yields_is_held_against_half_of_it(timest
     if asked:
         assert error < run.numerics.error_estimate < 5.0 * error
         assert f"half of it differs by {run.numerics.error_estimate:.1e} of the peaks" in warned[0]
+
+
+def said_of_a_given_step(compute):
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        compute()
+    return [str(one.message) for one in caught if "the given step of" in str(one.message)]
+
+
+@pytest.mark.parametrize(("timestep", "times"), [(5e-4, 1), (1e-4, 0)])
+def test_batches_and_studies_say_once_that_a_given_step_is_too_long_for_friction(timestep, times, tmp_path):
+    motion = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="x")
+    asked = {"duration": 0.1, "timestep": timestep, "sample_rate": 2000.0}
+    system = wr.load_system("shock_table")
+    said = said_of_a_given_step(lambda: wr.simulate_batch([system] * 3, motion, **asked))
+    study = wr.Study(
+        model="shock_table", motion=motion, vary={"motion/level": wr.Uniform(0.9, 1.1)}, variants=4, **asked
+    )
+    told = said_of_a_given_step(lambda: study.run(tmp_path / "study", workers=1))
+    assert len(said) == len(told) == times
+    if times:
+        assert 1e-3 < float(said[0].split("differs by ")[1].split(" of")[0]) < 0.1
+
+
+@pytest.mark.parametrize(("timestep", "times"), [(1e-3, 1), (5e-5, 0)])
+def test_a_sweep_says_that_a_given_step_is_too_long_for_friction(timestep, times):
+    system = wr.load_system("shock_table")
+    asked = {"direction": "x", "payload": "block", "acceleration": 6.0, "settled": 0.1, "timestep": timestep}
+    said = said_of_a_given_step(lambda: wr.stepped_sine(system, frequencies=[5.0], **asked))
+    assert len(said) == times

@@ -67,6 +67,12 @@ def _headline(findings: Sequence[LevelSummary], payload: str) -> Statement:
     early = [one.level.branch for one in findings if one.level.branch is not None and not one.level.branch.complete]
     if early:
         level, text = abs(float(early[0].acceleration[0])), early[0].message
+        if all(branch.beyond_travel for branch in early):
+            at = float(early[0].frequency[-1])
+            return Statement(
+                id="headline", text=f"RATED TRAVEL at {level:.4g} m/s² from {at:.4g} Hz on: {early[0].beyond_travel}; motions "
+                "beyond are not followed.", tone="exceeded", values={"acceleration": level, "frequency": at},
+            )  # fmt: skip
         return Statement(id="headline", text=f"ENDED EARLY at {level:.4g} m/s²: {text}.", tone="exceeded")
     first, last = _top(findings[0]), _top(findings[-1])
     words = "Resonance" if not (first.at_edge or last.at_edge) else "No resonance peak in the range; largest response"
@@ -108,7 +114,7 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
     for summary in findings:
         level = summary.level
         for number, peak in enumerate(summary.peaks):
-            name = _peak_name(peak, first=number == 0, complete=level.complete)
+            name = _peak_name(peak, first=number == 0, branch=level.branch)
             note = f"{peak.harmonic}, {100.0 * peak.share:.3g} %"
             rows.append((level.acceleration, name, peak.frequency, peak.amplitude, peak.transmissibility, note))
         for way, seen in summary.comparisons.items():
@@ -121,11 +127,11 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
     return Table(id="peaks", title="Peaks", columns=columns, rows=rows, note=note)
 
 
-def _peak_name(peak: ResonancePeak, *, first: bool, complete: bool) -> Cell:
+def _peak_name(peak: ResonancePeak, *, first: bool, branch: Branch | None) -> Cell:
     if not first:
         return f"peak of {peak.harmonic}" if peak.share >= _MARKED else "further peak"
-    if not complete:
-        return Mark("highest before it ended", "exceeded")
+    if branch is not None and not branch.complete:
+        return Mark("highest within rated travel" if branch.beyond_travel else "highest before it ended", "exceeded")
     return Mark("highest, at the edge", "unjudged") if peak.at_edge else "resonance peak"
 
 
@@ -168,7 +174,7 @@ def _level_statement(summary: LevelSummary, rate: float) -> Statement:
     level, lines = summary.level, []
     if level.branch is not None:
         branch = level.branch
-        start = "continuation" if branch.complete else "continuation ENDED EARLY"
+        start = "continuation" if branch.complete or branch.beyond_travel else "continuation ENDED EARLY"
         lines.append(
             f"{start}: {branch.frequency.size} points, {branch.model_steps} model steps, {level.branch_seconds:.1f} s; "
             f"{branch.message}"

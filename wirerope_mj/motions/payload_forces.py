@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times, finite
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion
 
@@ -157,12 +157,6 @@ class Blow(PayloadForce):
     def shortest_time(self) -> float:
         """Length [s]."""
         return self.duration
-
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        return {
-            "site": self.site, "impulse": self.impulse, "duration": self.duration, "start": self.start,
-            "direction": plain_direction(self.direction),
-        }  # fmt: skip
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -1,17 +1,15 @@
 """Hull plates that the shock wave of an underwater explosion strikes."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
-from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
+from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 
@@ -108,7 +106,3 @@ class StruckPlate(StartedMotion):
             return np.where((t >= self.start) & (t < self.end), self._kick(since, 2), 0.0)
         coasted = self.velocity_change * np.maximum(t - self.end, 0.0) if order == 0 else 0.0
         return self._kick(since, order) + coasted
-
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values = {name: getattr(self, name) for name in ("pressure", "decay", "areal_mass", "impedance", "start")}
-        return {**values, "direction": plain_direction(self.direction)}

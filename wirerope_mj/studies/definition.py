@@ -1,6 +1,6 @@
 """The definition of a study: a system and a base motion, what varies of them, and how it is sampled."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from pathlib import Path
@@ -10,7 +10,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation import simulate, simulate_batch
 from wirerope_mj.engine.simulation.grid import joined
 from wirerope_mj.engine.simulation.simulate import check_arguments
 from wirerope_mj.engine.simulation.stepper import initial_state
@@ -183,14 +183,25 @@ class StudyDefinition:
         # Of every record that is the motion of the highest level; if the direction varies, those that reach farthest along x, y
         # and z.
         steps = []
-        for row in _extremes(self._columns, self._checked):
-            motion = self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])
+        for motion in self._extreme_motions():
             chosen = choose_timestep(
                 self.base, motion, initial_state(self.base, motion, self.initial), duration=self.duration,
                 sample_rate=self.sample_rate, accuracy=self.accuracy,
             )  # fmt: skip
             steps.append(chosen.timestep)
         return min(steps)
+
+    def _extreme_motions(self) -> Iterator[BaseMotion]:
+        for row in _extremes(self._columns, self._checked):
+            yield self._maker.motion(self._checked.slice(row, 1).to_pylist()[0])
+
+    def warn_of_given_step(self) -> None:
+        """Warn of a given step that is too long for the friction of the nominal system under the extreme motions."""
+        if self.timestep is not None:
+            simulate_batch(
+                self.base, list(self._extreme_motions()), duration=self.duration, timestep=self.timestep,
+                initial=self.initial, sample_rate=self.sample_rate,
+            )  # fmt: skip
 
     @property
     def _columns(self) -> tuple[InputColumn, ...]:

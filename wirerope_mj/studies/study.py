@@ -92,6 +92,7 @@ class Study(StudyDefinition):
             warn_of_aliasing(self.motions, self.sample_rate)
         with computed_alone(folder, identity):
             if not (folder / TABLE).is_file():
+                self.warn_of_given_step()
                 compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
             parts = math.ceil(self.size / chunk_size(self, keep))
             finish(folder, parts, lambda: summary(read_result(folder, type(self))))

@@ -25,6 +25,9 @@ Method = Literal["sweep", "continuation", "both"]
 # Default range: from a quarter of the lowest natural frequency, where the superharmonic resonances of order 2 and 3 lie
 # above, to twice the highest, where every mount isolates.
 BELOW, ABOVE = 4.0, 2.0
+# Widest range over the lowest and the highest natural frequency: beyond it the payload moves as its base does to 1e-4, or rests
+# to 1e-4 of it, which rounding blurs: steps of a branch grow small in vain.
+BEYOND = 100.0
 # Natural frequencies below this fraction of the highest belong to what no mount holds back [-].
 STILL = 1e-3
 AnyArray = npt.NDArray[Any]
@@ -107,9 +110,8 @@ def natural_frequencies(system: System) -> list[float]:
 
 def _range(system: System, start: float | None, stop: float | None) -> tuple[float, float, str]:
     """Return the range and where it comes from."""
-    source = "given"
+    source, natural = "given", natural_frequencies(system)
     if start is None or stop is None:
-        natural = natural_frequencies(system)
         if not natural:
             raise ModelError(
                 "the system has no natural frequency that a range could be taken from; give `start` and `stop`."
@@ -121,6 +123,11 @@ def _range(system: System, start: float | None, stop: float | None) -> tuple[flo
     low, high = positive("start", start), positive("stop", stop)
     if low >= high:
         raise ValueError(f"`stop` must be above `start`, got {low:g} to {high:g} Hz; sweeps go up and then down again.")
+    if natural and not natural[0] / BEYOND <= low < high <= natural[-1] * BEYOND:
+        raise ValueError(
+            f"`start` and `stop` must lie between {natural[0] / BEYOND:.3g} and {natural[-1] * BEYOND:.3g} Hz, {BEYOND:.0f} "
+            f"times beyond the system's natural frequencies, got {low:g} to {high:g} Hz. Take a narrower range."
+        )
     return low, high, source
 
 

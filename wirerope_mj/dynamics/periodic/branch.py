@@ -110,6 +110,7 @@ class Branch(Summarised):
     message: str  #: why it ended
     #: stretches with two motions within 1 % of each other, past which the branch goes on
     side_branches: tuple[SideBranch, ...] = ()
+    beyond_travel: str = ""  #: mount and travel where it ended at a rated travel, else empty
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         unit = "Hz" if self.parameter == "frequency" else "m/s^2"

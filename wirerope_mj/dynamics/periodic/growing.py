@@ -35,6 +35,7 @@ LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
 RIPPLE = 5.0  # distance of two folds in units of the accuracy within which they may be the steps': three were seen
 # Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
+REACHED = 1e-3  # relative change of the parameter within which the rated travel is reached
 SAVE_EVERY = 2.0  # seconds between two looks at the disk: what a killed process loses
 
 
@@ -51,7 +52,7 @@ class GrowingBranch:
         self.events: list[Bifurcation] = []
         self.gaps: list[tuple[float, float]] = []
         self.side_branches: list[SideBranch] = []
-        self.complete, self.message, self._earlier_steps = False, "", 0
+        self.complete, self.message, self.beyond_travel, self._earlier_steps = False, "", "", 0
         self._saved, self._jump = time.monotonic(), -1
 
     def go(self, guess: State | None, update: Callable[[float, float], None]) -> Branch:
@@ -105,7 +106,10 @@ class GrowingBranch:
             )
             return last, length
         over = travel_exceeded(self.system, point.shot.track)
+        if over and length * options.largest_step > REACHED:
+            return last, length / 2.0
         if over:
+            self.beyond_travel = over
             self.message = f"ended at {self._where(point)}: {over}"
             return last, length
         if (point.parameter - options.stop) * options.sign >= 0.0:
@@ -194,6 +198,7 @@ class GrowingBranch:
         self.side_branches = [SideBranch(**side) for side in stored.get("side_branches", ())]
         if stored["message"]:
             self.complete, self.message = stored["complete"], stored["message"]
+            self.beyond_travel = stored.get("beyond_travel", "")
             return None
         last = self.rows[-1]
         if last.smoothing_width:
@@ -255,7 +260,7 @@ class GrowingBranch:
         return {
             "system": fingerprint(self.system), **options, "complete": self.complete, "message": self.message,
             "model_steps": self.search.flow.steps + self._earlier_steps, "gaps": self.gaps,
-            "side_branches": [asdict(side) for side in self.side_branches],
+            "beyond_travel": self.beyond_travel, "side_branches": [asdict(side) for side in self.side_branches],
         }  # fmt: skip
 
     def _save(self) -> None:
@@ -278,6 +283,7 @@ class GrowingBranch:
             complete=self.complete, gaps=tuple(self.gaps),
             side_branches=tuple(sorted(self.side_branches, key=lambda side: min(side.start, side.stop))),
             model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
+            beyond_travel=self.beyond_travel,
         )  # fmt: skip
 
 

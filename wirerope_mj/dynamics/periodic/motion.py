@@ -213,7 +213,7 @@ def travel_exceeded(system: System, track: Track) -> str:
     for (name, mount), low, high in zip(system.mounts.items(), lowest, highest, strict=True):
         rated, reached = mount.isolator.limits.travel.stated, travel_reached(low, high)
         for rating, utilisation in travel_utilisation(reached, rated).items():
-            far = f"mount {name!r} reaches {reached[rating]:.4g} m in {rating}, rated for {rated[rating]:.4g} m"
+            far = f"mount {name!r} reaches {1e3 * reached[rating]:.4g} mm in {rating}, rated for {1e3 * rated[rating]:.4g} mm"
             exceeded += [(utilisation, far)] if utilisation > 1.0 else []
     exceeded.sort(reverse=True)
     more = f", and {len(exceeded) - 1} more" if len(exceeded) > 1 else ""

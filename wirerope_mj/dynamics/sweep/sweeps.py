@@ -14,8 +14,10 @@ from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, at_start, settle,
 from wirerope_mj.dynamics.sweep.envelope import AXES, Collector, FrequencySweep
 from wirerope_mj.engine.control.install import STATE
 from wirerope_mj.engine.simulation.progress import share_bar
+from wirerope_mj.engine.simulation.run import warn_of_given_step
 from wirerope_mj.engine.simulation.simulate import check_direction, checked_step
-from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep
+from wirerope_mj.engine.simulation.stability import yield_rates
+from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_timestep, error_of_given
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, nonzero, one_of, positive, the_one_given
@@ -178,13 +180,16 @@ def frequency_sweep(
                 update(float(ends[-1] / instants[-1]), float(frequency[-1]))
             collector.count(stepped.steps, stepped.largest_step)
             final = stepped.finish()
-        return collector.finish(
+        result = collector.finish(
             {
                 "payload": payload, "response_direction": along, "estimated_error": step.error,
                 "excitation": sweep.to_dict(),
             },
             initial_state=start, final_state=final, warnings=warnings,
         )  # fmt: skip
+    if timestep is not None:
+        _judge_step(system, result, sweep.direction)
+    return result
 
 
 def _lead_in(
@@ -297,13 +302,30 @@ def stepped_sine(
                 unsettled.append(f"{sine.frequency:.5g} Hz ({at.remaining:.2g})")
             update((number + 1) / len(sines), sine.frequency)
         warning = f"not settled to {tolerance:.2g} after {most} cycles (estimated distance from the limit): "
-        return collector.finish(
+        result = collector.finish(
             {
                 "payload": payload, "response_direction": along, "estimated_error": step.error,
                 "excitation": {"kind": KIND, quantity: level, "direction": plain_direction(base)},
             },
             initial_state=start, final_state=state, warnings=[f"{warning}{', '.join(unsettled)}."] if unsettled else [],
         )  # fmt: skip
+    if timestep is not None:
+        _judge_step(system, result, base)
+    return result
+
+
+def _judge_step(system: System, sweep: FrequencySweep, direction: Direction) -> None:
+    """Warn of a given step that is too long for friction at the frequency at which it yields most."""
+    travel = np.stack([mount.maximum - mount.minimum for mount in sweep.mounts.values()], axis=1)
+    decays = sweep.timestep * math.pi * sweep.frequency * (yield_rates(system) * travel).max(axis=(1, 2))
+    most = int(np.argmax(decays))
+    frequency = float(sweep.frequency[most])
+    sine = Sine(frequency=frequency, acceleration=float(sweep.base_amplitude[most]), direction=direction)
+    error = error_of_given(
+        system, sine, at_start(system, sine, sweep.initial_state), decay=float(decays[most]), timestep=sweep.timestep,
+        duration=PILOT, sample_rate=SAMPLES_PER_CYCLE * frequency,
+    )  # fmt: skip
+    warn_of_given_step(sweep.timestep, error, stacklevel=4)
 
 
 def checked_frequencies(frequencies: npt.ArrayLike) -> list[float]:

@@ -21,7 +21,13 @@ from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import RunResult, require_lawful, run, warn_of_aliasing
+from wirerope_mj.engine.simulation.run import (
+    RunResult,
+    require_lawful,
+    run,
+    warn_of_aliasing,
+    warn_of_given_step,
+)
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
@@ -30,9 +36,9 @@ from wirerope_mj.engine.simulation.simulate import (
     checked_step,
     numerics_of,
 )
-from wirerope_mj.engine.simulation.stability import stable_step
+from wirerope_mj.engine.simulation.stability import decay_over_step, stable_step
 from wirerope_mj.engine.simulation.stepper import initial_state
-from wirerope_mj.engine.simulation.timestep import limit_of_given
+from wirerope_mj.engine.simulation.timestep import error_of_given, limit_of_given
 from wirerope_mj.engine.system import System, on_deck, varied
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.arrays import Array
@@ -116,6 +122,9 @@ def simulate_batch(
     Raises:
         ValueError: an argument is out of range.
         ModelError: the systems are not of one layout.
+
+    Warns:
+        AccuracyWarning: `timestep` is too long for friction that yields within it; by the variant in which it yields most.
     """
     check_arguments(duration=duration, timestep=timestep, sample_rate=sample_rate)
     threads = (os.cpu_count() or 1) if threads is None else integer("threads", threads, least=1)
@@ -148,6 +157,18 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
+        decays = [
+            (decay_over_step(v.system, one.peaks, one.timestep), v)
+            for v in variants
+            if isinstance(one := results[v.number], BatchResult)
+        ]
+        if decays:
+            decay, worst = max(decays, key=lambda pair: pair[0])
+            half = error_of_given(
+                worst.system, worst.motion, worst.start, decay=decay, timestep=timestep, duration=duration,
+                sample_rate=sample_rate, engine=engine,
+            )  # fmt: skip
+            warn_of_given_step(timestep, half)
     if responses:
         warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]

@@ -240,14 +240,25 @@ def _uncertainties(response: Response) -> Iterator[str]:
             f"differ by up to {numerics.error_estimate:.1e} of the peaks, and finer ones do not agree better. Take the peaks "
             "with that spread, or give the stops more loss."
         )
-    elif math.isnan(numerics.accuracy) and numerics.error_estimate > ENOUGH_GIVEN:
-        yield (
-            f"the given {step} is too long for friction that yields within it: half of it differs by "
-            f"{numerics.error_estimate:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen."
-        )
+    elif math.isnan(numerics.accuracy):
+        yield from _of_given_step(numerics.timestep, numerics.error_estimate)
     elif numerics.error_estimate > numerics.accuracy:
         yield (
             f"the estimated error, {numerics.error_estimate:.1e} of the peaks, is above the accuracy asked for, "
             f"{numerics.accuracy:.1e}: the {step} is limited by {numerics.limited_by}. Ask for less (a larger `accuracy`), or "
             "give a smaller `timestep`."
+        )
+
+
+def warn_of_given_step(timestep: float, error: float, *, stacklevel: int = 3) -> None:
+    """Warn of a given step [s] whose error, relative to the peaks, is large; NaN is not."""
+    for text in _of_given_step(timestep, error):
+        warnings.warn(text, AccuracyWarning, stacklevel=stacklevel)
+
+
+def _of_given_step(timestep: float, error: float) -> Iterator[str]:
+    if error > ENOUGH_GIVEN:
+        yield (
+            f"the given step of {1e3 * timestep:.4g} ms is too long for friction that yields within it: half of it differs by "
+            f"{error:.1e} of the peaks. Give a smaller `timestep`, or None to have it chosen."
         )

@@ -32,8 +32,6 @@ NUMBER = 8  # bytes of a number
 # bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
 OF_AN_INSTANT = 4 * NUMBER
 FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
-# decay of a hysteretic state over a given step from which on RK4 may make it grow, and half of the step is tried beside it
-STIFF = 2.0
 # steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
 MOST_STEPS = 1e9
 # periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left
@@ -119,9 +117,10 @@ def simulate(
                 )
         require_lawful(system, done.peaks)
         error = step.error or math.nan  # no difference at all tells nothing
-        if timestep is not None and decay_over_step(system, done.peaks, done.largest_step) > STIFF:
+        if timestep is not None:
             error = error_of_given(
-                system, motion, start, timestep=done.largest_step, duration=duration, sample_rate=sample_rate, engine=engine,
+                system, motion, start, decay=decay_over_step(system, done.peaks, done.largest_step),
+                timestep=done.largest_step, duration=duration, sample_rate=sample_rate, engine=engine,
             )  # fmt: skip
         asked = accuracy if timestep is None else math.nan
         numerics = numerics_of(system, motion, done, accuracy=asked, error=error, limited_by=step.limited_by)

@@ -22,6 +22,8 @@ from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 
+# decay of a hysteretic state over a given step from which on RK4 may make it grow, and half of the step is tried beside it
+STIFF = 2.0
 HALVINGS = 11  # halvings after which the search ends: 1e-3 s becomes 5e-7 s
 # the same where bodies touch: an impact's error falls slowly and irregularly, so the error reached is reported instead
 HALVINGS_IN_CONTACT = 4
@@ -69,9 +71,15 @@ def limit_of_given(timestep: float, sample_rate: float) -> str:
 
 
 def error_of_given(
-    system: System, motion: BaseMotion, start: State, *, timestep: float, duration: float, sample_rate: float, engine: Engine,
+    system: System, motion: BaseMotion, start: State, *, decay: float, timestep: float, duration: float, sample_rate: float,
+    engine: Engine = "auto",
 ) -> float:  # fmt: skip
-    """Estimate the error of a given step, relative to the peaks, by a pilot with half of it; NaN where that fails."""
+    """Estimate the error of a given step, relative to the peaks, by a pilot with half of it.
+
+    NaN where that fails, or hysteretic states decay by little over the step, see `decay_over_step`.
+    """
+    if decay <= STIFF:
+        return np.nan
     pilots = _Pilots(system, motion, start, duration=duration, sample_rate=sample_rate, engine=engine)
     del pilots.windows[1:]
     difference = _difference(pilots.at(timestep), pilots.at(timestep / 2.0))

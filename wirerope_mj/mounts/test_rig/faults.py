@@ -19,6 +19,9 @@ _STANDS_OUT = 3.0  # times that a line is above the largest of its neighbours: h
 _LEAST = 1e-3  # of half of the force range, below which hum changes no parameter
 _DRIFTS = 0.02  # of half of the force range over the record, from which a drift is named
 _LAGS = 0.0009  # of the period: a lag is named from 0.1 %, which is told to a tenth
+_HIDDEN = (
+    0.3  # of the period, times noise over half of the force range: a bend that noise hides is taken for as much lag
+)
 _NOISY = 0.03  # of half of the force range, from which noise is named
 _SURE = 4.0  # standard errors of a drift or a lag
 _LIKE = 0.1  # ratio by which strokes may differ and count as alike
@@ -105,7 +108,10 @@ def record_faults(time: Array, deflection: Array, force: Array) -> Iterator[str]
             "has a dead zone that goes with the reversal, so that none follows these loops: take up the play and test again"
         )
     lag = None if play else lag_in(time, deflection, force)  # with play they do not turn round together
-    if lag is not None and abs(lag.delay) > max(_SURE * lag.error, _LAGS * lag.period):
+    noise = rms_noise(force)
+    if lag is not None and abs(lag.delay) > max(
+        _SURE * lag.error, max(_LAGS, _HIDDEN * noise / max(half, 1e-300)) * lag.period
+    ):
         which = "force turns round after" if lag.delay > 0.0 else "force turns round before"
         share, doubt = 100.0 * abs(lag.delay) / lag.period, 100.0 * lag.error / lag.period
         size = f"about {1e3 * abs(lag.delay):.2g} ms, {share:.2g} +- {max(doubt, 0.01):.1g} % of a cycle"
@@ -114,7 +120,6 @@ def record_faults(time: Array, deflection: Array, force: Array) -> Iterator[str]
             f"the {which} the deflection by {size}: {cause}; the loss factor of the loops is wrong by about "
             f"{2.0 * np.pi * abs(lag.delay) / lag.period:.1g}, and so are the parameters that follow from their tips"
         )
-    noise = rms_noise(force)
     if noise > _NOISY * half:
         yield f"noise of the force is {noise:.3g} N rms, {100.0 * noise / half:.2g} % of half of its range: average more cycles"
 

@@ -17,7 +17,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.test_rig.turning import Trace, find_turning_points
 
 _DEGREES = ((1, 1), (2, 2), (2, 3))  # of the polynomials in u before and behind a reversal
-_WIDTHS = (0.012, 0.017, 0.024, 0.034, 0.048, 0.068, 0.096)  # of the period, to either side of a reversal
+_WIDTHS = (0.012, 0.017, 0.024, 0.034, 0.048, 0.068, 0.096, 0.136, 0.19)  # of the period, to either side of a reversal
 _FEWEST = 5  # samples of a window on either side
 _MOST = 300  # samples of a cycle that are worth it: more are averaged
 _SHAPE = 0.06  # of the period, to either side, where a deflection's reversal is a parabola and a corner
@@ -137,8 +137,13 @@ def _of_run(alike: _Reversals, time: Array, force: Array) -> Lag | None:
                 begin = one[0]
     best: Lag | None = None
     for width, degree, delay, error in fits:
-        # What fits that bend more freely differ by, over a window no wider, may be this one's bias.
-        bias = max(abs(delay - freer) for w, n, freer, _ in fits if w <= width and n >= degree)
+        # What fits that bend more freely differ by, over a window no wider, may be this one's bias, beyond what noise makes:
+        # the variance of such a fit less that of this one, which is efficient if it has no bias (Hausman 1978).
+        bias = max(
+            abs(delay - freer) - np.sqrt(max(its**2 - error**2, 0.0))
+            for w, n, freer, its in fits
+            if w <= width and n >= degree
+        )
         total = float(np.hypot(error, bias))
         if best is None or total < best.error:
             best = Lag(delay=delay, error=total, period=alike.period)

@@ -1,6 +1,5 @@
 """The computation of every engine: the rows of some variants, from what all variants share and their own inputs."""
 
-import warnings
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
@@ -9,12 +8,12 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.assessment.criteria.ended import GROWTH, growth_note
-from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
+from wirerope_mj.engine.simulation import BatchFailure, BatchResult
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
+from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
-from wirerope_mj.studies.engines.together import NONE, Together, together
+from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together
 from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, late, measure_names, measures, needs_samples
 from wirerope_mj.studies.responses import packed
@@ -120,12 +119,9 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
             motions.append(motion)
             indices.append(index)
     try:
-        with warnings.catch_warnings(action="ignore", category=AccuracyWarning):  # the study has warned before it began
-            results = simulate_batch(
-                systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
-                sample_rate=work.sample_rate, corners=work.corners, threads=1,
-                responses=responses is not None or needs_samples(work.system),
-            )  # fmt: skip
+        results = go_alone(
+            work, systems, motions, threads=1, responses=responses is not None or needs_samples(work.system)
+        )
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]
@@ -140,10 +136,7 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
 def nominal(work: Work) -> Mapping[str, float] | str:
     """Return the measures of the system as it stands, under the first of the motions, or why there are none."""
     try:
-        (result,) = simulate_batch(
-            [work.system], [work.motions[0]], duration=work.duration, timestep=work.timestep, initial=work.initial,
-            sample_rate=work.sample_rate, corners=work.corners, threads=1, responses=needs_samples(work.system),
-        )  # fmt: skip
+        (result,) = go_alone(work, [work.system], [work.motions[0]], threads=1, responses=needs_samples(work.system))
     except _RESULTS as error:
         return why_not(error)
     outcome = _outcome(work, work.system, result)

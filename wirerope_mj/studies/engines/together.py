@@ -1,6 +1,7 @@
 """Variants of a study side by side in the kernel's lanes, without systems of their own."""
 
 import os
+import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -12,7 +13,7 @@ import pyarrow as pa
 from wirerope_mj.engine.control.install import state_of
 from wirerope_mj.engine.kernel.equations import Equations, equations
 from wirerope_mj.engine.kernel.variants import Numbers
-from wirerope_mj.engine.simulation import BatchFailure, simulate_batch
+from wirerope_mj.engine.simulation import BatchFailure, BatchResult, simulate_batch
 from wirerope_mj.engine.simulation.engines import unsupported_motion, unsupported_system
 from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
@@ -23,7 +24,7 @@ from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
 from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import WireRopeError
+from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
@@ -333,12 +334,19 @@ def histories(work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str]
             continue
         systems, motions, indices = [*systems, system], [*motions, motion], [*indices, index]
     if systems:
-        results = simulate_batch(
-            systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
-            sample_rate=work.sample_rate, corners=work.corners, responses=True,
-        )  # fmt: skip
-        for index, result in zip(indices, results, strict=True):
+        for index, result in zip(indices, go_alone(work, systems, motions, responses=True), strict=True):
             if not isinstance(result, BatchFailure) and result.response is not None:
                 time = result.response.time
                 found[index] = np.stack([result.response.column(name) for name in columns], axis=1)
     return time, found
+
+
+def go_alone(
+    work: Work, systems: Sequence[System], motions: Sequence[BaseMotion], *, responses: bool, threads: int | None = None
+) -> list[BatchResult | BatchFailure]:
+    """Compute variants by systems of their own, without the warnings that a study gives before it begins."""
+    with warnings.catch_warnings(action="ignore", category=AccuracyWarning):
+        return simulate_batch(
+            systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
+            sample_rate=work.sample_rate, corners=work.corners, threads=threads, responses=responses,
+        )  # fmt: skip
