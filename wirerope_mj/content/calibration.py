@@ -162,8 +162,8 @@ def _charts(result: Calibration) -> Iterator[Chart]:
             x, y, ylabel, log = np.exp(x), [np.exp(values) for values in y], "transmissibility", "xy"
         panel = Panel(
             curves=(
-                Curve(x=x, y=y[0], name="measured", kind=OTHERS, marks=one.across != "time"),
-                Curve(x=x, y=y[1], name="calculated", kind=0),
+                Curve(x=x, y=y[1], name="calculated", kind=0, dash="dashed"),
+                Curve(x=x, y=y[0], name="measured", kind=OTHERS, marks=one.across != "time", weight=2.0),
                 Curve(x=x, y=y[2], name="90 % band", kind=0, dash="dotted"),
                 Curve(x=x, y=y[3], name="", kind=0, dash="dotted"),
             ),
