@@ -124,6 +124,14 @@ def test_a_factor_is_the_ratio_of_spectra_at_every_frequency():
     assert shock_ratio(pair(decaying, 0.7 * decaying)).within_3db == 0.0  # 3 dB are 0.7079
 
 
+def test_an_event_of_few_cycles_that_rings_to_its_end_has_a_shock_spectrum_at_its_own_frequency():
+    time = np.arange(400) / 1000.0
+    ringing = np.sin(2.0 * np.pi * 7.0 * time)
+    assert shock_ratio(pair(ringing, ringing)).frequency[0] < 7.0  # two of its periods last 0.29 s
+    stationary = np.sin(2.0 * np.pi * 70.0 * time)
+    assert shock_ratio(pair(stationary, stationary)) is None  # 28 cycles
+
+
 def test_a_band_is_where_the_model_is_low():
     rng = np.random.default_rng(7)
     time = np.arange(60_000) / 1000.0

@@ -5,6 +5,8 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
+from wirerope_mj.content.blocks import Statement
+from wirerope_mj.content.calibration import calibration_content
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.records.measured import MeasuredChannel
 from wirerope_mj.studies.calibration import Prior, Series
@@ -77,6 +79,17 @@ def test_spectra_find_it_too_though_the_clock_is_off(residuals):
     late = wr.MeasuredTest(name="late", motion=SHOCK, channels=[channel(one.time + 0.004, one.values)])
     found = wr.calibrate(sdof(LAW, mass=20.0, gravity=9.80665), [late], vary=[STIFFNESS], residuals=residuals)
     assert found.values[0] == pytest.approx(1.2, rel=0.02)  # the delay cuts 4 ms of the end off: 1 % of the series
+
+
+@pytest.mark.slow
+def test_a_clock_that_is_late_is_named_and_a_model_that_is_off_is_not(found):
+    (test,) = found.forward.tests
+    (one,) = test.channels
+    assert not found.late(0)
+    late = wr.MeasuredTest(name="late", motion=SHOCK, channels=[channel(one.time + 0.06, one.values)])
+    off = wr.calibrate(sdof(LAW, mass=20.0, gravity=9.80665), [late], vary=["mount/*/stiffness = Uniform(0.9, 1.1)"])
+    said = calibration_content(off, title="", sources=()).blocks("headline")
+    assert any("two clocks" in item for one in said if isinstance(one, Statement) for item in one.items)
 
 
 def test_deflections_and_forces_count_from_the_start_as_in_comparisons():

@@ -37,7 +37,7 @@ def calibrate(
     """Bring a model to measured tests: the values that they tell and how well, what they do not tell, a page, a new model.
 
     wirerope calibrate cabinet --test drop1.csv --test drop2.csv --map "A0=base z g" "A1=body/rack z g"
-    --vary "mount/*/stiffness = Uniform(0.7, 1.4)" --vary "channel/*/gain = Normal(1, 0.02)" --out calibrated
+    --vary "mount/*/stiffness = Uniform(0.7, 1.4)" --vary "body/rack/mass = Normal(1, 0.03, relative)" --out calibrated
 
     What varies is named as in a study, with what is known before as its distribution; faults of the measuring chain are
     channel/NAME/gain, channel/NAME/delay [s] and channel/NAME/offset [SI]. The folder holds the page, the draws, and the model

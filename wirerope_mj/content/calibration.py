@@ -115,10 +115,13 @@ def _findings(result: Calibration) -> Statement:
     worst = int(np.argmax(result.discrepancies))
     if (error := float(result.discrepancies[worst])) > DISCREPANT:
         name = result.problem.series[worst].name
-        texts.append(
-            f"the model does not follow {name}: what is left there is {100.0 * error:.2g} % of the response and no noise; the "
-            "intervals count it, but say nothing of what the model lacks: try another law, or what else may differ"
+        remedy = (
+            "the model moves before it does: they may be on two clocks; say when its first sample was taken, start (--start)"
+            if result.late(worst)
+            else "the intervals count it, but say nothing of what the model lacks: try another law, or what else may differ"
         )
+        error_text = f"what is left there is {100.0 * error:.2g} % of the response and no noise"
+        texts.append(f"the model does not follow {name}: {error_text}; {remedy}")
     return Statement(id="findings", items=tuple(texts))
 
 
@@ -162,8 +165,8 @@ def _charts(result: Calibration) -> Iterator[Chart]:
             x, y, ylabel, log = np.exp(x), [np.exp(values) for values in y], "transmissibility", "xy"
         panel = Panel(
             curves=(
-                Curve(x=x, y=y[0], name="measured", kind=OTHERS, marks=one.across != "time"),
-                Curve(x=x, y=y[1], name="calculated", kind=0),
+                Curve(x=x, y=y[1], name="calculated", kind=0, dash="dashed"),
+                Curve(x=x, y=y[0], name="measured", kind=OTHERS, marks=one.across != "time", weight=2.0),
                 Curve(x=x, y=y[2], name="90 % band", kind=0, dash="dotted"),
                 Curve(x=x, y=y[3], name="", kind=0, dash="dotted"),
             ),

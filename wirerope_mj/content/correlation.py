@@ -109,7 +109,10 @@ def channel_panel(one: ChannelCorrelation, model: str = "model") -> Panel:
 
 def _curve(x: Array, y: Array, name: str) -> Curve:
     row = int(np.abs(y).argmax())
-    return Curve(x=x, y=y, name=name, kind=MODEL if name == "model" else MEASURED, peak=(float(x[row]), float(y[row])))
+    return Curve(
+        x=x, y=y, name=name, kind=MODEL if name == "model" else MEASURED, peak=(float(x[row]), float(y[row])),
+        dash="dashed" if name == "model" else "",
+    )  # fmt: skip
 
 
 def _histories(test: Correlation) -> Iterator[Block]:
@@ -135,9 +138,9 @@ def _spectra(test: Correlation) -> Iterator[Block]:
     if rows:
         yield Chart(
             id=f"spectra-{test.name}", rows=rows, height=_HEIGHT,
-            caption="Left: shock response spectra (maximax, Q = 10) of accelerations that die away, and roots of "
-            "power spectral densities in sixths of an octave, where there is more than noise. Right: "
-            "model over measurement; the dashed lines are 3 dB.",
+            caption="Left: shock response spectra (maximax, Q = 10) of accelerations that die away or last few cycles, and "
+            "roots of power spectral densities in sixths of an octave, where there is more than noise. Right: model over "
+            "measurement; the dashed lines are 3 dB.",
             alt=f"Spectra measured in {test.name} and of the model, and their ratios.",
         )  # fmt: skip
 

@@ -10,12 +10,6 @@ from wirerope_mj.content.numbers import with_unit
 from wirerope_mj.content.selection import NAMED
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Row, Table
-from wirerope_mj.mounts.isolator import AXES
-
-_COLUMNS = (
-    Column(align="left"), *(Column(axis, "mm", "z.1f") for axis in reversed(AXES)),
-    *(Column(axis, "kN", "z.2f") for axis in reversed(AXES)), Column("used", "%", "z.0f"),
-)  # fmt: skip
 
 
 def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
@@ -50,4 +44,6 @@ def at_cursor(run: RunResult, row: int, stop: int) -> Iterator[Block]:
             cells += [float(found[axis]) for axis in (2, 1, 0)]
         cells.append(float(courses[name][rows].max()) if name in courses else None)
         table.append(cells)
-    yield Table(title="", columns=_COLUMNS, rows=table)
+    heads = ("axial, tension +" if one else "axial", "shear", "roll")
+    columns = [Column(head, unit, form) for unit, form in (("mm", "z.1f"), ("kN", "z.2f")) for head in heads]
+    yield Table(title="", columns=(Column(align="left"), *columns, Column("used", "%", "z.0f")), rows=table)

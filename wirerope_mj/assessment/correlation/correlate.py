@@ -103,7 +103,7 @@ class ChannelCorrelation:
 
     @cached_property
     def shock(self) -> SpectrumRatio | None:
-        """Shock response spectra; None of what is no acceleration or does not die away."""
+        """Shock response spectra; None of what is no acceleration or no transient."""
         return shock_ratio(self.pair)
 
     @cached_property

@@ -79,13 +79,15 @@ class SpectrumRatio:
 
 
 def is_transient(values: Array) -> bool:
-    """Return whether a history (n,) has died away in its last quarter."""
-    rms = float(np.sqrt(np.mean((values - values.mean()) ** 2)))
-    return float(values[-(values.size // 4) :].std()) < _DECAYED * rms
+    """Tell whether a history (n,) has died away in its last quarter, or has too few cycles for averages."""
+    moved = values - values.mean()
+    cycles = int(np.abs(np.fft.rfft(moved)).argmax())
+    died = float(moved[-(moved.size // 4) :].std()) < _DECAYED * float(moved.std())
+    return died or cycles < _PERIODS * _SEGMENTS
 
 
 def shock_ratio(pair: Pair) -> SpectrumRatio | None:
-    """Return the shock response spectra (maximax, Q = 10) of two accelerations that die away; None for others."""
+    """Return the shock response spectra (maximax, Q = 10) of two accelerations that are transients; None for others."""
     if pair.channel.quantity != "acceleration" or not is_transient(pair.measured):
         return None
     lowest, highest = _range(pair)
@@ -160,7 +162,7 @@ class Transmissibility:
 
 
 def transmissibility(base: Pair, pair: Pair) -> Transmissibility | None:
-    """Return the transfer function S_xy / S_xx from the base to a channel (H1), of one segment where they die away.
+    """Return the transfer function S_xy / S_xx from the base to a channel (H1), of one segment for transients.
 
     None where the two do not share their instants, or fewer than eight lines are left.
     """

@@ -30,6 +30,9 @@ OPEN = 0.2
 DISCREPANT = 0.1
 """Discrepancy over the response from which on the model does not follow a channel."""
 
+MOVING = 0.1
+"""Part of the largest value by which a model has moved where a measured history begins to, if their clocks differ."""
+
 LOGARITHMS = "logarithm of frequency"
 """What series of logarithms are across: their differences are errors as they stand."""
 
@@ -184,6 +187,14 @@ class Calibrated(Summarised):
             noisy = noise.white / (1.0 if one.across == LOGARITHMS else one.largest)
             squares += ((_peaks(one, own) - _peaks(one, one.values)) ** 2 - noisy**2).tolist()
         return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
+
+    def late(self, number: int) -> bool:
+        """Tell whether the model moves by more than `MOVING` of the largest when a measured history is still at rest.
+
+        Series of histories begin where they first move, and every model begins to move with its base.
+        """
+        one, own = self.problem.series[number], self.problem.split(self.fit.model)[number]
+        return one.across == "time" and one.at[0] > 0.0 and abs(own[0] - one.values[0]) > MOVING * one.largest
 
     @property
     def message(self) -> str:
