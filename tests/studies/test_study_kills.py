@@ -223,7 +223,7 @@ def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_compute
         with monkeypatch.context() as patch:
             if chunk.number == 3:
                 patch.setattr("wirerope_mj.studies.engines.compute.together", fails)
-                patch.setattr("wirerope_mj.studies.engines.compute.simulate_batch", fails)
+                patch.setattr("wirerope_mj.studies.engines.together.simulate_batch", fails)
             return compute(work, chunk)
 
     with monkeypatch.context() as patch:

@@ -2,6 +2,7 @@
 
 import sys
 from collections.abc import Mapping
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Literal
 
@@ -70,10 +71,12 @@ def select(
         force: replace a model's folder that is there.
     """
     from wirerope_mj.content.catalogue_selection import catalogue_selection_content
+    from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.units import STANDARD_GRAVITY
     from wirerope_mj.motions.restore import motion_of_levels
     from wirerope_mj.motions.spoken import motion_from_words
+    from wirerope_mj.runs.new_model import KIND, marks
     from wirerope_mj.runs.selection import equipment, read_prices, write_selected
     from wirerope_mj.studies.catalogue import catalogue, select_parts
     from wirerope_mj.views.terminal import show_answer
@@ -99,9 +102,16 @@ def select(
         fragility=None if fragility is None else fragility * STANDARD_GRAVITY,
         travel=None if travel is None else 1e-3 * travel,
     )  # fmt: skip
+    tried = catalogue(parts)
+    if take is not None and take not in (names := [part.name for part in tried]):
+        near = get_close_matches(take, names, n=3)
+        meant = f" Near it: {', '.join(near)}." if near else ""
+        raise ValueError(f"`--take` must be a part that is tried, got {take!r}.{meant}")
+    if out is not None:
+        check_folder(out, force=force, kind=KIND, marks=marks(out.resolve().name))
     tty = sys.stderr.isatty()
     selection = select_parts(
-        systems, catalogue(parts), cases, by=by, stated=stated, initial=initial,
+        systems, tried, cases, by=by, stated=stated, initial=initial,
         progress=lambda done: print(f"\rsimulating .. {100 * done:.0f} %", end="", file=sys.stderr) if tty else None,
     )  # fmt: skip
     if tty:
@@ -109,11 +119,9 @@ def select(
     content = catalogue_selection_content(selection, every=all)
     show_answer(content, "parts")
     if out is not None or take is not None:
-        chosen = [one for one in selection.tried if take in (None, one.name)]
-        if not chosen:
-            raise ValueError(f"`--take` must be a part that was tried, got {take!r}.")
-        path = write_selected(chosen[0], out or Path(chosen[0].name.lower()), box=box, force=force)
-        print(plain(f"  written: {path}, on {chosen[0].mounts} {chosen[0].name}"))
+        chosen = next(one for one in selection.tried if take in (None, one.name))
+        path = write_selected(chosen, out or Path(chosen.name.lower()), box=box, force=force)
+        print(plain(f"  written: {path}, on {chosen.mounts} {chosen.name}"))
     return 0 if selection.meeting else NOTHING_FOUND
 
 

@@ -1,10 +1,12 @@
 """Vibration with regard to people: what they feel at points of a run, and whether a ship's limits are kept there."""
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
 from wirerope_mj.assessment.comfort import Exposure, exposure, iso_6954_1984, iso_6954_2000_of_history, velocity_lines
+from wirerope_mj.assessment.comfort.people import WEIGHTINGS
 from wirerope_mj.assessment.comfort.ship import RMS_2000
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
@@ -62,8 +64,10 @@ def _exposure_table(felt: Mapping[str, Exposure]) -> Table:
         for axis, weighting in enumerate(("Wd", "Wd", "Wk")):
             crest = float(one.crest[axis])
             rows.append((
-                subject, "xyz"[axis], weighting, float(one.rms[axis]), float(one.running[axis]), float(one.peak[axis]),
-                Mark(crest, "near" if crest > _CREST else ""), float(one.dose[axis]), one.sickness if axis == 2 else None,
+                subject, "xyz"[axis], weighting, float(one.rms[axis]),
+                None if math.isnan(one.running[axis]) else float(one.running[axis]), float(one.peak[axis]),
+                Mark(crest, "near" if crest > _CREST else ""), float(one.dose[axis]),
+                one.sickness if axis == 2 and one.duration >= 1.0 / WEIGHTINGS["Wf"].low else None,
             ))  # fmt: skip
     columns = (
         Column("of", align="left"), Column("along", align="left"), Column("weighting", align="left"),
@@ -103,7 +107,9 @@ def _ship(time: Array, histories: Mapping[str, Array], spaces: Sequence[str], di
                 ]
                 rows.append(_row(f"2000 {space}", subject, overall))
     except ValueError as error:
-        yield Statement(id="ship-habitability", text=f"ISO 6954 is not judged: {error}", tone="unjudged")
+        why = str(error).replace("`time`", "the run")
+        text = f"ISO 6954 is not judged: {why} Simulate for longer, or discard less."
+        yield Statement(id="ship-habitability", text=text, tone="unjudged")
         return
     columns = (
         Column("ISO 6954", align="left"), Column("of", align="left"), Column("along", align="left"),

@@ -117,7 +117,9 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
     target = Path(path)
     kind = kind or ENDINGS.get(target.suffix.lower(), "")
     if not kind:
-        raise ValueError(f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}.")
+        raise ValueError(
+            f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}; of a run also .xlsx, and .png for a picture."
+        )
     check_writable(target)
     if target.exists() and not force:
         raise RecordError(f"{target}: the file exists. Replace it with --force (`force=True`), or choose another name.")

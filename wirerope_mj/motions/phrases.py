@@ -172,4 +172,6 @@ def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, 
 def site_first(text: str, _: Path) -> tuple[str, str]:
     """Return the site that a phrase begins with, and what follows."""
     site, _space, rest = text.strip().partition(" ")
+    if _NUMBER.match(site):
+        raise ValueError(f"the name of a site for forces must stand first, got {short(site)!r}.")
     return site, rest

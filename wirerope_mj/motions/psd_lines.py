@@ -151,7 +151,12 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
             )
         low, high, amplitude = (positive("bands", value) for value in band)
         if high < low:
-            raise ValueError(f"a band of `bands` must end above its start, got {low:g} to {high:g} Hz.")
+            raise ValueError(f"a band must end above its start, got {low:g} to {high:g} Hz.")
+        if lines and low <= lines[-1][0]:
+            raise ValueError(
+                f"the band from {low:g} to {high:g} Hz begins within the one before, whose last line is at {lines[-1][0]:g} Hz: "
+                f"begin it at {lines[-1][0] + step:g} Hz."
+            )
         # One part in 1e9: the last frequency must not be lost by rounding.
         steps = math.floor((high - low) / step * (1 + 1e-9))
         lines += [(low + number * step, amplitude) for number in range(steps + 1)]
@@ -196,6 +201,6 @@ def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) 
             f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: {header.listed()}."
         )
     try:
-        return checked_points(path.name, _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
+        return checked_points("rows", _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None

@@ -9,7 +9,7 @@ from typing import Any
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
-from wirerope_mj.engine.simulation.simulate import duration_of
+from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
@@ -191,6 +191,8 @@ def _scenario(where: str, table: Mapping[str, Any], folder: Path, system: System
             duration=table.get("duration"), folder=folder,
         )  # fmt: skip
         duration = duration_of(motion, table.get("duration"), system)
+        check_direction(system, motion)
+        check_arguments(**{name: table.get(name) for name in ("accuracy", "timestep", "sample_rate")})
     except (WireRopeError, ValueError) as error:
         kind = type(error) if isinstance(error, WireRopeError) else ModelError
         raise kind(f"{where}: {error}") from None

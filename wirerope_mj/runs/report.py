@@ -1,5 +1,6 @@
 """A run or a job handed on, from its folder alone: its report, and a folder that any web server shows."""
 
+import math
 import shutil
 from collections.abc import Sequence
 from dataclasses import replace
@@ -98,7 +99,10 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
     run = judged_folder(_run_folder(folder))
     last, instant = float(run.response.time[-1]), None
     if at is not None:
-        (instant,) = parse_phrase(at, words={}).quantities.get("time", (-1.0,))[:1]
+        try:
+            (instant,) = parse_phrase(at, words={}).quantities["time"]
+        except (KeyError, ValueError):
+            instant = math.nan
         if not 0.0 <= instant <= last:
             raise ValueError(f'`at` must be a time within the run, 0 to {last:g} s, such as "120 ms"; got {at!r}.')
     view = worst_instant(run) if instant is None else scene_at(run.response, instant)

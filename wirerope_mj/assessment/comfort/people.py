@@ -62,6 +62,7 @@ class Exposure:
     """Weighted vibration of a person at a point, along x, y and z of the world, z upwards."""
 
     rms: Array  # weighted rms acceleration [m/s^2], (3,): Wd horizontally, Wk vertically
+    # NaN of less than that second
     running: Array  # largest running rms over 1 s, the maximum transient vibration value [m/s^2], (3,)
     peak: Array  # largest weighted acceleration [m/s^2], (3,)
     dose: Array  # fourth power vibration dose value [m/s^1.75], (3,)
@@ -76,7 +77,7 @@ class Exposure:
     @property
     def crest(self) -> Array:
         """Peak over rms, (3,); NaN where nothing moves. Above 9 the rms says too little, and running rms and dose are asked."""
-        return np.divide(self.peak, self.rms, out=np.full(3, math.nan), where=self.rms > 0.0)
+        return np.divide(self.peak, self.rms, out=np.full(3, math.nan), where=self.rms > 1e-9 * self.total)
 
 
 def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float = 0.0) -> Exposure:
@@ -102,8 +103,9 @@ def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float
     felt = np.concatenate([horizontal, vertical], axis=1)[-kept:]
     sick = weighted(values[:, 2:], rate, "Wf")[-kept:]
     summed = np.cumsum(np.vstack([np.zeros(3), felt**2]), axis=0)
-    window = min(round(_RUNNING * rate), kept)
-    running = np.sqrt(np.max(summed[window:] - summed[:-window], axis=0) / window)
+    window = round(_RUNNING * rate)
+    long = window <= kept
+    running = np.sqrt(np.max(summed[window:] - summed[:-window], axis=0) / window) if long else np.full(3, math.nan)
     return Exposure(
         rms=np.sqrt(summed[-1] / kept), running=running, peak=np.abs(felt).max(axis=0),
         dose=(np.sum(felt**4, axis=0) / rate) ** 0.25, sickness=math.sqrt(float(np.sum(sick**2)) / rate),

@@ -108,6 +108,7 @@ class Point:
 
     name: str
     position: Array
+    location: str = ""  # file and line, as messages begin
 
 
 @dataclass(frozen=True, eq=False)
@@ -171,7 +172,7 @@ def check_places(layout: Layout, masses: Path) -> None:
             'and "izz" of at least one of them.'
         )
     radius = float(np.sqrt(0.5 * payload.inertia.trace() / payload.mass))
-    for placed in (*layout.mounts, *layout.stops):
+    for placed in (*layout.mounts, *layout.stops, *layout.points, *layout.forces):
         distance = float(np.linalg.norm(placed.position - payload.centre))
         if distance > _FAR * radius:
             raise RecordError(

@@ -217,7 +217,7 @@ def _read_points(tables: Mapping[str, Path], kind: str) -> tuple[Point, ...]:
     if kind not in tables:
         return ()
     rows = read_sheet(tables[kind], kind=f"table of {kind}", needed=_POSITION, further={})
-    return tuple(Point(_site_name(row), _position(row)) for row in rows)
+    return tuple(Point(_site_name(row), _position(row), row.location) for row in rows)
 
 
 def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:

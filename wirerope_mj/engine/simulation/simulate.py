@@ -213,7 +213,7 @@ def check_direction(system: System, motion: BaseMotion) -> None:
         if site not in sites:
             raise ModelError(
                 f"a force acts at {site!r}, and the model has no site 'force/{site}' on what the mounts carry. Its sites for "
-                f"forces: {', '.join(sites) or 'none'}."
+                f"forces: {', '.join(sites) or 'none'}; `wirerope new --forces TABLE` makes them."
             )
     drive = system.assembly.tables.drive
     if len(drive) == 3:
