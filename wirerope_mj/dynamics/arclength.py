@@ -63,10 +63,10 @@ def least_solution(matrix: Array, right: Array, neutral: float = NEUTRAL) -> Arr
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
 
 
-def felt(matrix: Array, gap: Array) -> Array:
+def felt(matrix: Array, gap: Array, neutral: float = NEUTRAL) -> Array:
     """Take out of a gap, (n,), what lies along directions in which nothing changes."""
     u, values, _ = np.linalg.svd(matrix, full_matrices=False)
-    kept = u[:, values > NEUTRAL]
+    kept = u[:, values > neutral]
     return np.asarray(kept @ (kept.T @ gap))
 
 
@@ -89,6 +89,7 @@ def corrected(
     """Correct a move until its gap vanishes under row . move = wanted; None where that does not come about.
 
     The matrix is brought up to date by Broyden's formula, and computed anew once where a correction leaves most of the gap.
+    Where a gap grows, a difference quotient's error was taken for a slow direction: these are left alone from there on.
 
     Args:
         at: where a move, (n + 1,), leads.
@@ -102,17 +103,17 @@ def corrected(
     Returns:
         Where it leads, the move and the number of corrections.
     """
-    n, fresh = matrix.shape[0], False
+    n, fresh, neutral = matrix.shape[0], False, NEUTRAL
     system, now = np.vstack([matrix, row]), at(move)
     size = float(np.abs(now.gap).max())
     for correction in range(CORRECTIONS):
         if size <= tolerance or (
-            size <= ALONG_NEUTRAL * tolerance and np.abs(felt(system[:n], now.gap)).max() <= tolerance
+            size <= ALONG_NEUTRAL * tolerance and np.abs(felt(system[:n], now.gap, neutral)).max() <= tolerance
         ):
             return now, move, correction
         if not np.isfinite(size):
             return None
-        change = least_solution(system, np.append(-now.gap, wanted - row @ move))
+        change = least_solution(system, np.append(-now.gap, wanted - row @ move), neutral)
         move = move + change
         if not abs(move[-1]) < FARTHEST:
             return None
@@ -120,6 +121,9 @@ def corrected(
         size = float(np.abs(now.gap).max())
         if not np.isfinite(size):
             return None
+        if size > last and neutral < SLOWEST:
+            now, move, size, neutral = before, move - change, last, SLOWEST
+            continue
         system[:n] += np.outer(now.gap - before.gap - system[:n] @ change, change) / (change @ change)
         if size > SLOW * last and not fresh:
             system[:n], fresh = matrix_at(now, move), True
