@@ -355,6 +355,17 @@ def test_axes_that_hardly_move_do_not_stop_a_branch():
     assert branch.gaps == ()
 
 
+@pytest.mark.slow
+def test_a_branch_goes_on_where_slow_directions_hold_what_the_tolerance_leaves():
+    """A gap of 3e-6 was corrected along a direction that takes 100 000 periods: the branch ended at 56.8 Hz."""
+    system = wr.load_system("cabinet")
+    asked = {"acceleration": 0.5, "direction": "x", "payload": system.payloads[0]}
+    branch = wr.follow_branch(system, start=56.0, stop=58.3, **asked)
+    assert branch.complete
+    assert branch.gaps == ()
+    assert branch.stable.all()
+
+
 def test_a_correction_that_leads_beyond_all_parameters_is_given_up():
     """Of a floor along x one led to a frequency of 4e12 Hz, and an error message about it."""
     asked = []
