@@ -44,7 +44,7 @@ def two_scales():
 def motion_of(search, frequency, level_g, steps):
     """Return what is left after 150 periods, which forgets all but 1e-3 of a start at rest."""
     drive = Drive(frequency=frequency, acceleration=level_g * STANDARD_GRAVITY, periods=1, steps=steps)
-    return shot(search.flow, search._settled(search.coordinates.rest(), drive, 150), drive)
+    return shot(search.flow, search.settled(search.coordinates.rest(), drive, 150), drive)
 
 
 def search_of(law):
@@ -87,7 +87,7 @@ def multipliers():
         with search.flow.ready():
             coarse = motion_of(search, 20.0, level, 1000)
             drive = replace(coarse.track.drive, steps=64_000)
-            fine = shot(search.flow, search._settled(coarse.x, drive, 30), drive)
+            fine = shot(search.flow, search.settled(coarse.x, drive, 30), drive)
             few, many = (moduli(variational_of(search.flow).matrix(motion)) for motion in (coarse, fine))
         worst = max(worst, float(np.abs(few - many).max()))
         print(f"{law.__name__} n {n:g} {level:g} g: {many[0]:.4f}, off by {np.abs(few - many).max():.1e}", flush=True)

@@ -52,7 +52,7 @@ def test_the_kernel_steps_a_model_as_mujoco_does(by_both, model):
         flow = search.flow
         with flow.ready():
             drive = search.drive(8.0, 1.0)
-            x = search._settled(search.coordinates.rest(), drive, 2)
+            x = search.settled(search.coordinates.rest(), drive, 2)
             at_start = shot(flow, x, drive)
             matrices = monodromy(flow, at_start), variational_of(flow).matrix(at_start)
             kind = type(flow), flow.taken
@@ -154,7 +154,7 @@ def test_a_found_motion_is_one_of_mujoco():
     search = search_of(sdof(HARDENING, mass=1.0))
     with search.flow.ready():
         drive = search.drive(0.2, 0.3)
-        x = search._settled(search.coordinates.rest(), drive, 20)
+        x = search.settled(search.coordinates.rest(), drive, 20)
         found = close(search.flow, shot(search.flow, x, drive), tolerance=1e-11, iterations=10)
     with (flow := MujocoFlow(search.coordinates, search.system)).ready():
         assert shot(flow, found.x, drive).residual < 1e-10  # rounding over 128 steps

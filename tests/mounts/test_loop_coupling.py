@@ -396,7 +396,7 @@ def test_the_variational_equation_knows_that_roll_and_axial_are_coupled():
     search = OrbitSearch(system, direction="z", history="relaxed", accuracy=1.5625e-6)  # 1024 steps per period
     with search.flow.ready():
         drive = search.drive(8.0, 5.0)
-        x = search._settled(search.coordinates.rest(), drive, 20)
+        x = search.settled(search.coordinates.rest(), drive, 20)
         found = close(search.flow, shot(search.flow, x, drive), tolerance=1e-6, iterations=10)
         columns, quick = monodromy(search.flow, found), variational_of(search.flow).matrix(found)
     error = np.abs(columns - quick).max() / np.abs(columns).max()

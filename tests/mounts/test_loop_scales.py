@@ -167,7 +167,7 @@ def test_the_variational_equation_has_the_states_of_both_scales():
     )
     with search.flow.ready():
         drive = search.drive(8.0, 3.0)
-        x = search._settled(search.coordinates.rest(), drive, 20)
+        x = search.settled(search.coordinates.rest(), drive, 20)
         found = close(search.flow, shot(search.flow, x, drive), tolerance=1e-6, iterations=10)
         columns, quick = monodromy(search.flow, found), variational_of(search.flow).matrix(found)
     # 5e-5; as for one scale both miss where a reversal stands within a step.

@@ -103,8 +103,8 @@ def select(
         travel=None if travel is None else 1e-3 * travel,
     )  # fmt: skip
     tried = catalogue(parts)
-    if take is not None and take not in (names := [part.name for part in tried]):
-        near = get_close_matches(take, names, n=3)
+    if take is not None and take not in tried:
+        near = get_close_matches(take, tried, n=3)
         meant = f" Near it: {', '.join(near)}." if near else ""
         raise ValueError(f"`--take` must be a part that is tried, got {take!r}.{meant}")
     if out is not None:

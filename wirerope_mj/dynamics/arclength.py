@@ -60,10 +60,10 @@ def least_solution(matrix: Array, right: Array, neutral: float = NEUTRAL) -> Arr
     return np.asarray(v[kept].T @ ((u[:, kept].T @ right) / values[kept]))
 
 
-def felt(matrix: Array, gap: Array) -> Array:
+def felt(matrix: Array, gap: Array, neutral: float = NEUTRAL) -> Array:
     """Take out of a gap, (n,), what lies along directions in which nothing changes."""
     u, values, _ = np.linalg.svd(matrix, full_matrices=False)
-    kept = u[:, values > NEUTRAL]
+    kept = u[:, values > neutral]
     return np.asarray(kept @ (kept.T @ gap))
 
 
@@ -83,18 +83,20 @@ def corrected(
     The matrix, (n, n + 1), given at the last point, is brought up to date by Broyden's formula, and computed anew by
     `matrix_at` once where a correction leaves most of the gap. `at` says where a move leads; `tolerance` is the largest
     residual. Returns where it leads, the move and the number of corrections.
+
+    Where a gap grows, a difference quotient's error was taken for a slow direction: these are left alone from there on.
     """
-    n, fresh = matrix.shape[0], False
+    n, fresh, neutral = matrix.shape[0], False, NEUTRAL
     system, now = np.vstack([matrix, row]), at(move)
     size = float(np.abs(now.gap).max())
     for correction in range(CORRECTIONS):
         if size <= tolerance or (
-            size <= ALONG_NEUTRAL * tolerance and np.abs(felt(system[:n], now.gap)).max() <= tolerance
+            size <= ALONG_NEUTRAL * tolerance and np.abs(felt(system[:n], now.gap, neutral)).max() <= tolerance
         ):
             return now, move, correction
         if not np.isfinite(size):
             return None
-        change = least_solution(system, np.append(-now.gap, wanted - row @ move))
+        change = least_solution(system, np.append(-now.gap, wanted - row @ move), neutral)
         move = move + change
         if not abs(move[-1]) < FARTHEST:
             return None
@@ -102,6 +104,9 @@ def corrected(
         size = float(np.abs(now.gap).max())
         if not np.isfinite(size):
             return None
+        if size > last and neutral < SLOWEST:
+            now, move, size, neutral = before, move - change, last, SLOWEST
+            continue
         system[:n] += np.outer(now.gap - before.gap - system[:n] @ change, change) / (change @ change)
         if size > SLOW * last and not fresh:
             system[:n], fresh = matrix_at(now, move), True

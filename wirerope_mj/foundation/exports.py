@@ -118,7 +118,7 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
     kind = kind or ENDINGS.get(target.suffix.lower(), "")
     if not kind:
         raise ValueError(
-            f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}; of a run also .xlsx, and .png for a picture."
+            f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}, of a run .xlsx and .png, too."
         )
     check_writable(target)
     if target.exists() and not force:

@@ -154,7 +154,7 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
             raise ValueError(f"a band must end above its start, got {low:g} to {high:g} Hz.")
         if lines and low <= lines[-1][0]:
             raise ValueError(
-                f"the band from {low:g} to {high:g} Hz begins within the one before, whose last line is at {lines[-1][0]:g} Hz: "
+                f"the band from {low:g} to {high:g} Hz begins within the one before, which ends at {lines[-1][0]:g} Hz: "
                 f"begin it at {lines[-1][0] + step:g} Hz."
             )
         # One part in 1e9: the last frequency must not be lost by rounding.

@@ -131,7 +131,7 @@ class OrbitSearch:
         settled, best = 0, math.inf
         for more in (0, *SETTLING) if guess is not None else SETTLING:
             if more:
-                x, settled = self._settled(x, drive, more), settled + more
+                x, settled = self.settled(x, drive, more), settled + more
             motion = self._closed(x, drive, tolerance)
             best = min(best, motion.residual)
             if motion.closes(max(tolerance, ACCEPTED)):
@@ -159,7 +159,7 @@ class OrbitSearch:
         """Return the motion that Newton's method closes from `start`, or the best that was found."""
         return close(self.flow, start, tolerance=tolerance, iterations=ITERATIONS, derivative=self.derivative)
 
-    def _settled(self, x: Array, drive: Drive, number: int) -> Array:
+    def settled(self, x: Array, drive: Drive, number: int) -> Array:
         """Return the unknowns after a number of the base's periods."""
         long = replace(drive, periods=number, steps=number * (drive.steps // drive.periods))
         end = self.flow.ends(x[np.newaxis], long)[0]

@@ -11,7 +11,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.periodic.branch import Bifurcation, Branch, SideBranch
 from wirerope_mj.dynamics.periodic.continuation import Continuation, Point, turns
-from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.find import SETTLING, OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import travel_exceeded
 from wirerope_mj.dynamics.periodic.shooting import shot
 from wirerope_mj.dynamics.periodic.side_branches import back_on_itself, pass_by, unstable_stretches
@@ -31,7 +31,7 @@ from wirerope_mj.foundation.state import State
 FIRST = 0.2  # first step in units of the largest
 AIM = 4  # corrector iterations that the step length is steered to
 # Steps, in units of the largest, by which a branch that cannot be followed is taken up again.
-LEAPS = (0.25, 0.5, 1.0, 2.0, 4.0)
+LEAPS = (0.02, 0.25, 0.5, 1.0, 2.0, 4.0)
 RIPPLE = 5.0  # distance of two folds in units of the accuracy within which they may be the steps': three were seen
 # Angle between the tangents of two points [rad] that it is steered to: so that a curve through the points shows every bend.
 BEND = 0.1
@@ -70,16 +70,22 @@ class GrowingBranch:
         return self._branch()
 
     def _leap(self, last: Point) -> Point | None:
-        """Return a motion a little further on, found anew from the last one, None if there is none."""
-        options = self.options
+        """Return a motion a little further on, found anew from the last one, None if there is none.
+
+        A stable one is left to itself first: along slow directions a branch collects what the tolerance leaves of every point.
+        """
+        options, x = self.options, last.shot.x
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
+        if not last.unstable:
+            x = self.search.settled(x, last.shot.track.drive, SETTLING[0])
         for leap in LEAPS:
             value = last.parameter * math.exp(towards * leap * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
                 return None
-            motion = self.path.closed(last.shot.x, value)
+            motion = self.path.closed(x, value)
             if motion is not None:
-                self.gaps.append((last.parameter, value))
+                if leap > LEAPS[0]:
+                    self.gaps.append((last.parameter, value))
                 return self.path.point(motion, value, before=None, sign=towards)
         return None
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from wirerope_mj.dynamics.arclength import ALONG_NEUTRAL, felt, least_solution
+from wirerope_mj.dynamics.arclength import ALONG_NEUTRAL, NEUTRAL, SLOWEST, felt, least_solution
 from wirerope_mj.dynamics.periodic.flow import Flow
 from wirerope_mj.dynamics.periodic.motion import Drive, Track, ranges, scales
 from wirerope_mj.foundation.arrays import Array, ComplexArray, Integers
@@ -83,8 +83,11 @@ def close(
     flow: Flow, first: Shot, *, tolerance: float, iterations: int,
     derivative: Callable[[Flow, Shot], Array] = monodromy,
 ) -> Shot:  # fmt: skip
-    """Return the periodic motion near `first`, or the best that was found."""
-    now = first
+    """Return the periodic motion near `first`, or the best that was found.
+
+    Where no step brings it nearer, slow directions are left alone, as `corrected` does.
+    """
+    now, neutral = first, NEUTRAL
     for iteration in range(iterations):
         if now.residual <= tolerance or not np.isfinite(now.residual):
             break
@@ -92,13 +95,16 @@ def close(
         if not np.isfinite(phi).all():
             break
         slope = np.eye(now.gap.size) - phi
-        if now.residual <= ALONG_NEUTRAL * tolerance and np.abs(felt(slope, now.gap)).max() <= tolerance:
+        if now.residual <= ALONG_NEUTRAL * tolerance and np.abs(felt(slope, now.gap, neutral)).max() <= tolerance:
             return replace(now, drifts=True)
-        step = least_solution(slope, now.gap)
+        step = least_solution(slope, now.gap, neutral)
         step *= min(1.0, LONGEST / max(float(np.abs(step).max()), 1e-300))
         better = _trial(flow, now, step)
-        if better is None:
+        if better is None and neutral == SLOWEST:
             break
+        if better is None:
+            neutral = SLOWEST
+            continue
         now = replace(better, iterations=iteration + 1)
     return now
 

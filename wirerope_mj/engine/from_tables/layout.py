@@ -172,7 +172,8 @@ def check_places(layout: Layout, masses: Path) -> None:
             'and "izz" of at least one of them.'
         )
     radius = float(np.sqrt(0.5 * payload.inertia.trace() / payload.mass))
-    for placed in (*layout.mounts, *layout.stops, *layout.points, *layout.forces):
+    everything: tuple[Placed | Point, ...] = (*layout.mounts, *layout.stops, *layout.points, *layout.forces)
+    for placed in everything:
         distance = float(np.linalg.norm(placed.position - payload.centre))
         if distance > _FAR * radius:
             raise RecordError(
