@@ -9,7 +9,7 @@ import numpy as np
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
-from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, short
+from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.foundation.units import in_unit, shown_in
 from wirerope_mj.studies.calibration.predict import Prediction
@@ -166,7 +166,7 @@ def _charts(result: Calibration) -> Iterator[Chart]:
         panel = Panel(
             curves=(
                 Curve(x=x, y=y[1], name="calculated", kind=0, dash="dashed"),
-                Curve(x=x, y=y[0], name="measured", kind=OTHERS, marks=one.across != "time", weight=2.0),
+                Curve(x=x, y=y[0], name="measured", kind=1, marks=one.across != "time", weight=2.0),
                 Curve(x=x, y=y[2], name="90 % band", kind=0, dash="dotted"),
                 Curve(x=x, y=y[3], name="", kind=0, dash="dotted"),
             ),
