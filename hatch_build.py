@@ -47,6 +47,4 @@ class CompiledKernels(BuildHookInterface):
             for level in LEVELS
         ]
         if any([process.wait() for process in processes]):
-            raise RuntimeError(
-                "the kernels could not be compiled; set HATCH_BUILD_NO_HOOKS=true for a wheel without them"
-            )
+            raise RuntimeError("the kernels could not be compiled; set HATCH_BUILD_NO_HOOKS=true for a wheel without them")

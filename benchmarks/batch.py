@@ -82,9 +82,7 @@ def rates(n_mounts: int, count: int, rounds: int) -> None:
         two_processes()
         medians = interleaved(contenders, rounds=rounds)
     slowest = medians["loop of wr.simulate"]
-    print(
-        f"{count} floors on {n_mounts} mounts, {STEPS['duration']:g} s in steps of {STEPS['timestep']:g} s; {rounds} rounds"
-    )
+    print(f"{count} floors on {n_mounts} mounts, {STEPS['duration']:g} s in steps of {STEPS['timestep']:g} s; {rounds} rounds")
     print(f"{'':34} {'variants/s':>10} {'ms each':>8} {'relative':>9}")
     for name, seconds in medians.items():
         print(f"{name:34} {count / seconds:10.1f} {1e3 * seconds / count:8.1f} {slowest / seconds:9.2f}")

@@ -78,9 +78,7 @@ def main() -> None:
     print(f"RK4 steps of {TIMESTEP:g} s; time per step [us], medians of {rounds} interleaved rounds of {steps} steps")
     print("mounts  native  Python  springs    bare | native/bare  native/Python  springs/native")
     for n in MOUNTS:
-        native, python, springs, bare = (
-            1e6 * medians[f"{n} {name}"] / steps for name in (NATIVE, PYTHON, SPRINGS, BARE)
-        )
+        native, python, springs, bare = (1e6 * medians[f"{n} {name}"] / steps for name in (NATIVE, PYTHON, SPRINGS, BARE))
         times = f"{native:7.2f} {python:7.2f} {springs:8.2f} {bare:7.2f}"
         print(f"{n:6d} {times} | {native / bare:11.2f} {native / python:14.2f} {springs / native:15.2f}")
 

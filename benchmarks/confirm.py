@@ -77,9 +77,7 @@ def mounts() -> Iterator[Measured]:
         ("the native callback over the one in Python", callback_cost.PYTHON, 0.30),
         ("hysteretic mounts over MuJoCo's own springs", callback_cost.SPRINGS, 11.3 / 24.2),
     ):
-        yield Measured(
-            claim=claim, where="benchmarks/README.md", claimed=claimed, measured=native / t[other], better="smaller"
-        )
+        yield Measured(claim=claim, where="benchmarks/README.md", claimed=claimed, measured=native / t[other], better="smaller")
 
 
 def engine() -> Iterator[Measured]:

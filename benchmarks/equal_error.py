@@ -212,9 +212,7 @@ def contenders(problem: Problem) -> list[Contender]:
 
         i, error = coarsest(tuple(range(tolerances.size)), lambda i: error_against(reference, problem.observed(run(i))))
         found.append(
-            Contender(
-                name=f"SciPy {method}, NumPy", setting=f"rtol {tolerances[i]:.1e}", error=error, work=partial(run, i)
-            )
+            Contender(name=f"SciPy {method}, NumPy", setting=f"rtol {tolerances[i]:.1e}", error=error, work=partial(run, i))
         )
     return found
 

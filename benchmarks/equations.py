@@ -49,9 +49,7 @@ def floor_rates(t: float, y: Array) -> Array:
     out[:3] = y[3:6]
     out[3:6] = force.sum(axis=0) / MASS - shock
     a, b, c = omega
-    out[6:10] = 0.5 * np.array(
-        [-x * a - v * b - u * c, w * a + v * c - u * b, w * b - x * c + u * a, w * c + x * b - v * a]
-    )
+    out[6:10] = 0.5 * np.array([-x * a - v * b - u * c, w * a + v * c - u * b, w * b - x * c + u * a, w * c + x * b - v * a])
     out[10:13] = (torque - np.cross(omega, J * omega)) / J
     out[13:] = (ALPHA * rate - (BETA * np.abs(rate) * z + GAMMA * rate * np.abs(z))).ravel()
     return out

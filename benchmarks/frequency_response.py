@@ -58,9 +58,7 @@ def measure(name: str, case: Case) -> None:
     curve, own = (PchipInterpolator(np.log(b.frequency), b.amplitude) for b in (fine, branch))
     apart = np.abs(own(np.log(fine.frequency)) / fine.amplitude - 1.0)
     points = branch.frequency.size
-    print(
-        f"\n{name}: {case.model}, {case.start:g} to {case.stop:g} Hz, {case.acceleration:g} m/s^2 along {case.direction}"
-    )
+    print(f"\n{name}: {case.model}, {case.start:g} to {case.stop:g} Hz, {case.acceleration:g} m/s^2 along {case.direction}")
     print(f"{'':>24}{'model steps':>14}{'seconds':>10}{'worst':>10}{'99 %':>10}{'steps / branch':>16}")
     between = f"{apart.max():10.2%}{np.quantile(apart, 0.99):10.2%}"
     print(f"{f'branch, {points} points':>24}{branch.model_steps:14d}{seconds:10.1f}{between}", flush=True)
@@ -69,9 +67,7 @@ def measure(name: str, case: Case) -> None:
         steps, seconds, differences = swept(system, case, branch, curve, rate)
         worst, most = differences.max(), np.quantile(differences, 0.99)
         ratio = steps / branch.model_steps
-        print(
-            f"{f'{rate:g} octaves/min':>24}{steps:14d}{seconds:10.1f}{worst:10.2%}{most:10.2%}{ratio:16.1f}", flush=True
-        )
+        print(f"{f'{rate:g} octaves/min':>24}{steps:14d}{seconds:10.1f}{worst:10.2%}{most:10.2%}{ratio:16.1f}", flush=True)
         if worst <= AGREEMENT:
             break
         rate /= 2.0

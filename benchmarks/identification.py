@@ -67,9 +67,7 @@ def synthetic(arguments: argparse.Namespace) -> None:
             print(specimen_row(name, rows) + f"{time.perf_counter() - begin:8.0f}", flush=True)
             for row in rows:
                 if not all(row.together):
-                    print(
-                        f"    truth {row.truth}: {row.together.count(False)} of {len(row.together)} missed", flush=True
-                    )
+                    print(f"    truth {row.truth}: {row.together.count(False)} of {len(row.together)} missed", flush=True)
 
 
 def specimen_row(name: str, rows: list[SyntheticSpecimen]) -> str:
@@ -252,9 +250,7 @@ def main() -> None:
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--seed", type=int, default=0, help="of the truth of `methods`")
     arguments = parser.parse_args()
-    {"synthetic": synthetic, "errors": errors, "choice": choice, "methods": methods, "cost": cost}[arguments.part](
-        arguments
-    )
+    {"synthetic": synthetic, "errors": errors, "choice": choice, "methods": methods, "cost": cost}[arguments.part](arguments)
 
 
 if __name__ == "__main__":

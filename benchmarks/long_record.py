@@ -41,9 +41,7 @@ def main() -> None:
             path = Path(folder) / "long.csv"
             write_record(path, 60.0 * minutes)
             case = {"path": str(path), "sample_rate": arguments.sample_rate, "whole": arguments.whole}
-            done = subprocess.run(
-                [sys.executable, __file__, "--case", json.dumps(case)], check=True, stdout=subprocess.PIPE
-            )
+            done = subprocess.run([sys.executable, __file__, "--case", json.dumps(case)], check=True, stdout=subprocess.PIPE)
             r = json.loads(done.stdout.splitlines()[-1])
         print(f"{minutes:8.3g} {r['samples']:9d} {r['read_s']:9.1f} {r['run_s']:8.1f} {r['steps'] / r['run_s']:9.0f} "
               f"{r['imports']:8.0f} {r['read']:7.0f} {r['run']:7.0f}", flush=True)  # fmt: skip

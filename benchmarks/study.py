@@ -113,9 +113,7 @@ def independent(number: int, variants: int) -> Rate:
     """Run as many processes at once, each with a study of its own on one thread, that know nothing of each other."""
     command = [sys.executable, __file__, "alone", "--number", str(variants)]
     began = time.perf_counter()
-    processes = [
-        subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(number)
-    ]
+    processes = [subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True) for _ in range(number)]
     for process in processes:
         assert process.stdout is not None
         assert process.stdout.readline() == READY
@@ -190,13 +188,9 @@ def sizes(numbers: list[int]) -> None:
     """Print what a variant costs in a study of more of them, and the memory of a process that computes all by itself."""
     print("variants   processor time [s]    [ms] per variant   peak [MiB]   of it before the study")
     for number in numbers:
-        done = subprocess.run(
-            [sys.executable, __file__, "case", "--number", str(number)], check=True, stdout=subprocess.PIPE
-        )
+        done = subprocess.run([sys.executable, __file__, "case", "--number", str(number)], check=True, stdout=subprocess.PIPE)
         r = json.loads(done.stdout.splitlines()[-1])
-        print(
-            f"{number:8d} {r['s']:6.1f} {1e3 * r['s'] / number:12.2f} {r['peak']:15.0f} {r['before']:15.0f}", flush=True
-        )
+        print(f"{number:8d} {r['s']:6.1f} {1e3 * r['s'] / number:12.2f} {r['peak']:15.0f} {r['before']:15.0f}", flush=True)
 
 
 def case(variants: int) -> None:
@@ -214,9 +208,7 @@ def dask(variants: int, rounds: int) -> None:
          for engine in ("local", "dask")}, rounds=rounds,
     )  # fmt: skip
     for engine, seconds in medians.items():
-        print(
-            f"{engine:6s} {seconds:7.1f} s for {number} variants on {PROCESSORS} workers, which start within that time"
-        )
+        print(f"{engine:6s} {seconds:7.1f} s for {number} variants on {PROCESSORS} workers, which start within that time")
 
 
 def peak_memory() -> float:

@@ -91,8 +91,7 @@ def start_of(truth: Law, rng: np.random.Generator) -> Law:
     """Return a law of which every parameter that is searched for is log-uniform within the factor of the truth's."""
     family = family_of(type(truth))
     away = {
-        name: value * float(np.exp(rng.uniform(-np.log(FACTOR), np.log(FACTOR))))
-        for name, value in family.read(truth).items()
+        name: value * float(np.exp(rng.uniform(-np.log(FACTOR), np.log(FACTOR)))) for name, value in family.read(truth).items()
     }
     return family.make(away)
 

@@ -112,9 +112,7 @@ def solved(law: Law, ends: Array, method: str, tolerance: float) -> Found:
     states, grid = [y[None, :]], np.arange(1, PER_SEGMENT + 1) / PER_SEGMENT
     for begin, end in zip(ends, ends[1:], strict=False):
         right_hand_side = equations(law, begin, end)
-        run = solve_ivp(
-            right_hand_side, (0.0, 1.0), y, method=method, t_eval=grid, rtol=tolerance, atol=tolerance * sizes(n)
-        )
+        run = solve_ivp(right_hand_side, (0.0, 1.0), y, method=method, t_eval=grid, rtol=tolerance, atol=tolerance * sizes(n))
         states.append(run.y.T)
         y = held(law, run.y[:, -1])
     return found(law, ends, np.concatenate(states))
@@ -238,9 +236,7 @@ def main() -> None:
     parser.add_argument("--full", nargs="*", default=[], help="laws whose solve_ivp also runs over the million")
     arguments = parser.parse_args()
     rounds = arguments.rounds
-    print(
-        f"{POINTS} points; medians of {rounds} interleaved rounds; solve_ivp over 1/{STRETCH} of them, times {STRETCH}"
-    )
+    print(f"{POINTS} points; medians of {rounds} interleaved rounds; solve_ivp over 1/{STRETCH} of them, times {STRETCH}")
     print("law                    trace [s]  solve_ivp [s]   ratio  error of trace  of solve_ivp  method")
     for name in arguments.laws:
         print(report(name, rounds=rounds, full=name in arguments.full), flush=True)

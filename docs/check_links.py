@@ -46,9 +46,7 @@ def main(root: Path) -> int:
                 outside.add(link)
                 continue
             target = (path.parent / unquote(parts.path)).resolve() if parts.path else path.resolve()
-            known = (
-                pages.get(root / target.relative_to(root.resolve())) if target.is_relative_to(root.resolve()) else None
-            )
+            known = pages.get(root / target.relative_to(root.resolve())) if target.is_relative_to(root.resolve()) else None
             named = not parts.fragment or known is None or unquote(parts.fragment) in known.names
             if target.parent.name == "viewer":  # behind the # stands an instant [s]
                 named = re.fullmatch(r"[\d.e-]*", parts.fragment) is not None

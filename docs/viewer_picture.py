@@ -63,9 +63,7 @@ def _several(options: argparse.Namespace, path: Path) -> Path:
 def save_picture(recording: Path, picture: Path, *, instant: float) -> None:
     """Write what the viewer shows at `instant` [s], 1920 x 1080 points."""
     binary = str(viewer_binary())
-    with ViewerClient.spawn(
-        headless=True, port=free_port(9876), hide_welcome_screen=True, executable_path=binary
-    ) as viewer:
+    with ViewerClient.spawn(headless=True, port=free_port(9876), hide_welcome_screen=True, executable_path=binary) as viewer:
         viewer.open(str(recording))
         while viewer.get_state().loading:
             time.sleep(0.1)

@@ -35,9 +35,7 @@ def hand(beta):
 
 for beta, loop in loops.items():
     z0, energy = hand(beta)
-    print(
-        f"beta {beta}: force {loop.force.max():.8f} N, energy {loop.dissipated_energy:.8f} J (by hand {energy:.8f} J)"
-    )
+    print(f"beta {beta}: force {loop.force.max():.8f} N, energy {loop.dissipated_energy:.8f} J (by hand {energy:.8f} J)")
     assert np.isclose(loop.force.max(), z0, rtol=1e-8)
     assert np.isclose(loop.dissipated_energy, energy, rtol=1e-8)
 

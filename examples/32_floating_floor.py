@@ -31,9 +31,7 @@ masses = {name: system.model.body(name).mass[0] for name in response.bodies if n
 inertia = sum(mass * response.bodies[name].acceleration for name, mass in masses.items())
 weight = np.array([0.0, 0.0, sum(masses.values()) * g])
 error = np.abs(force + inertia + weight).max() / np.abs(force).max()
-print(
-    f"{sum(masses.values()):.0f} kg; largest force {1e-3 * np.linalg.norm(force, axis=1).max():.1f} kN, error {error:.1e}"
-)
+print(f"{sum(masses.values()):.0f} kg; largest force {1e-3 * np.linalg.norm(force, axis=1).max():.1f} kN, error {error:.1e}")
 assert np.isclose(sum(masses.values()), 3300.0, rtol=0.02)
 assert error < 1e-6
 

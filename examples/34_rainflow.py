@@ -34,9 +34,7 @@ found = next(one for one in wr.mount_cycles(response) if one.mount == "m1" and o
 
 omega = 2.0 * np.pi * f
 amplitude = 2.0 / np.abs(k / mass - omega**2 + 1j * omega * c / mass)
-print(
-    f"{found.total:.1f} cycles, median range {1e3 * np.median(found.ranges):.4f} mm ({2e3 * amplitude:.4f} mm by hand)"
-)
+print(f"{found.total:.1f} cycles, median range {1e3 * np.median(found.ranges):.4f} mm ({2e3 * amplitude:.4f} mm by hand)")
 assert np.isclose(np.median(found.ranges), 2.0 * amplitude, rtol=2e-3)
 large = found.ranges > amplitude
 assert np.isclose(found.counts[large].sum(), 100.0, atol=1.5)

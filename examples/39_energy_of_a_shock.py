@@ -31,8 +31,7 @@ time, deflection, force = response.time[after], mount.deflection[after, 2], moun
 velocity = (response.bodies["block"].velocity - response.base.velocity)[after, 2]
 kinetic, weight = mass * velocity**2 / 2.0, mass * g * (deflection - deflection[0])
 elastic = sum(
-    np.exp(one.c * np.log(one.b) * deflection) * (one.k1 * deflection + one.k3 * deflection**3)
-    for one in law.components
+    np.exp(one.c * np.log(one.b) * deflection) * (one.k1 * deflection + one.k3 * deflection**3) for one in law.components
 )
 stored = cumulative_trapezoid(elastic, deflection, initial=0.0)
 friction = cumulative_trapezoid(force - elastic, deflection, initial=0.0)
@@ -44,9 +43,7 @@ total = kinetic + weight + stored + friction
 print(f"sum of energies {total.min():.3f} to {total.max():.3f} J, by hand {mass * 1.5**2 / 2:.3f} J")
 assert np.allclose(total, mass * 1.5**2 / 2.0, rtol=1e-3)
 turn = np.argmax(deflection)
-print(
-    f"first turn: {stored[turn]:.1f} J in the spring, {weight[turn]:.1f} J in the weight, {friction[turn]:.1f} J lost"
-)
+print(f"first turn: {stored[turn]:.1f} J in the spring, {weight[turn]:.1f} J in the weight, {friction[turn]:.1f} J lost")
 
 # %%
 labels = ["kinetic", "weight", "elastic", "friction"]

@@ -79,23 +79,17 @@ def free_block():
 def floor_on_stops():
     """Return a 400 kg plate that its four soft mounts let down onto four bump stops."""
     corners = [(0.8, 0.5), (0.8, -0.5), (-0.6, 0.5), (-0.6, -0.5)]
-    pads = "".join(
-        f'<geom name="pad{i}" type="box" size=".1 .1 .01" pos="{x} {y} -.01"/>' for i, (x, y) in enumerate(corners)
-    )
+    pads = "".join(f'<geom name="pad{i}" type="box" size=".1 .1 .01" pos="{x} {y} -.01"/>' for i, (x, y) in enumerate(corners))
     stops = "".join(
-        f'<geom name="stop{i}" type="sphere" size=".04" mass="0" pos="{x} {y} -.05"/>'
-        for i, (x, y) in enumerate(corners)
+        f'<geom name="stop{i}" type="sphere" size=".04" mass="0" pos="{x} {y} -.05"/>' for i, (x, y) in enumerate(corners)
     )
     sites = {f"d{i}": f'pos="{x} {y} .05"' for i, (x, y) in enumerate(corners)}
     own = "".join(f'<site name="p{i}" pos="{x} {y} -.05"/>' for i, (x, y) in enumerate(corners))
     plate = '<inertial pos="0 0 0" mass="400" diaginertia="40 80 110"/>'
     world = deck(sites, inside=pads) + f'<body name="plate" pos="0 0 .1"><freejoint/>{plate}{stops}{own}</body>'
     pairs = "".join(
-        f'<pair geom1="stop{i}" geom2="pad{i}" condim="1" solref="-9000 -40" solimp=".001 .001 .001"/>'
-        for i in range(4)
+        f'<pair geom1="stop{i}" geom2="pad{i}" condim="1" solref="-9000 -40" solimp=".001 .001 .001"/>' for i in range(4)
     )
-    text = mjcf(
-        world, [(f"m{i}", f"p{i}", f"d{i}", "a") for i in range(4)], gravity=G, other=f"<contact>{pairs}</contact>"
-    )
+    text = mjcf(world, [(f"m{i}", f"p{i}", f"d{i}", "a") for i in range(4)], gravity=G, other=f"<contact>{pairs}</contact>")
     law = wr.BoucWen(**hysteresis(alpha=4e4, z_max=200.0), k=2e4)
     return wr.load_system(text, isolators={"a": wr.Isolator(name="a", roll=law, shear=law, axial=law)})

@@ -61,9 +61,7 @@ def one_draw(seed):
         loops.append(wr.Loop.from_samples(loop.deflection, loop.force + noise))
     system = sdof(wr.AsymmetricBoucWen(**NOMINAL), mass=MASS, gravity=GRAVITY)
     vary = [f"mount/m1/axial/{name} = Uniform(0.6, 1.5, relative)" for name in SOUGHT]
-    return wr.calibrate(
-        system, [*tests, wr.LoopTest(name="rig", mount="m1", axis="axial", loops=loops)], vary=vary
-    ), factors
+    return wr.calibrate(system, [*tests, wr.LoopTest(name="rig", mount="m1", axis="axial", loops=loops)], vary=vary), factors
 
 
 def main():

@@ -55,9 +55,7 @@ class Compared:
     def held(self) -> bool:
         """True if the peak is that of the settled sines within 1 %, in frequency and height, and nothing is said in vain."""
         near = abs(self.same) < ALIKE and abs(self.settled / self.peak - 1.0) < ALIKE
-        return (
-            near and abs(self.settled_at / self.at - 1.0) < ALIKE and self.confirmed == self.called and not self.ended
-        )
+        return near and abs(self.settled_at / self.at - 1.0) < ALIKE and self.confirmed == self.called and not self.ended
 
     @property
     def text(self) -> str:
@@ -82,9 +80,7 @@ def compared(system, axis, level, keep):
     ways = [wr.stepped_sine(system, frequencies=f, **shake) for f in (about, about[::-1])]
     settled, settled_at = max(vertex(way.frequency, way.amplitude) for way in ways)
     there = np.array([way.amplitude[way.frequency.size // 2] for way in ways])
-    wide = wr.stepped_sine(
-        system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, largest_cycles=SETTLED, **shake
-    )
+    wide = wr.stepped_sine(system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, largest_cycles=SETTLED, **shake)
     curve = curve_of(branch)
     nearest = np.nanmin(
         [
@@ -163,19 +159,13 @@ def main():
     parser.add_argument("--axes", nargs="+", default=list("xyz"))
     parser.add_argument("--floors", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1, help="of the first random floor")
-    parser.add_argument(
-        "--keep", type=Path, help="folder that keeps the points of the branches: what was interrupted goes on"
-    )
+    parser.add_argument("--keep", type=Path, help="folder that keeps the points of the branches: what was interrupted goes on")
     asked, found = parser.parse_args(), []
     warnings.simplefilter("ignore")
-    print(
-        "model, axis, level | frf Hz, m/s2 | settled Hz, m/s2 | at the peak, over the range | folds called/confirmed/other"
-    )
+    print("model, axis, level | frf Hz, m/s2 | settled Hz, m/s2 | at the peak, over the range | folds called/confirmed/other")
     for name in asked.models:
         seeds = range(asked.seed, asked.seed + asked.floors)
-        for title, system in (
-            [random_floor(seed) for seed in seeds] if name == "random" else [(name, wr.load_system(name))]
-        ):
+        for title, system in [random_floor(seed) for seed in seeds] if name == "random" else [(name, wr.load_system(name))]:
             for axis in asked.axes:
                 for level in asked.levels:
                     try:

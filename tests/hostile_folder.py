@@ -169,9 +169,7 @@ class Hostile:
     def _links(self) -> None:
         """Turn a file of the data into a link, a pipe or a device now and then."""
         files = sorted(
-            path
-            for path in self.folder.rglob("*")
-            if path.suffix in (".toml", ".parquet", ".json", ".html", ".rrd", ".xml")
+            path for path in self.folder.rglob("*") if path.suffix in (".toml", ".parquet", ".json", ".html", ".rrd", ".xml")
         )
         if files and self.rng.random() < 0.4:
             path = files[int(self.rng.integers(len(files)))]
@@ -187,11 +185,7 @@ class Hostile:
 
     def _put(self, path: Path, content: str | bytes) -> None:
         """Write a file where there is none."""
-        if (
-            path.exists()
-            or path.is_symlink()
-            or any(parent.exists() and not parent.is_dir() for parent in path.parents)
-        ):
+        if path.exists() or path.is_symlink() or any(parent.exists() and not parent.is_dir() for parent in path.parents):
             return
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_bytes(content if isinstance(content, bytes) else content.encode("latin-1"))
@@ -212,9 +206,7 @@ def shared_library(mark: Path) -> bytes | None:
             "MARK", str(mark)
         )
         if compiler:
-            subprocess.run(
-                [compiler, "-shared", "-fPIC", "-x", "c", "-", "-o", made], input=source, text=True, check=True
-            )
+            subprocess.run([compiler, "-shared", "-fPIC", "-x", "c", "-", "-o", made], input=source, text=True, check=True)
         _COMPILED[mark] = made.read_bytes() if compiler else None
     return _COMPILED[mark]
 

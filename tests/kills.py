@@ -47,9 +47,7 @@ class Command:
 
 
 COMMANDS = {
-    "run": Command(
-        "run shock_table --duration 0.1 --out NAME", ("NAME/response.parquet", "NAME/loops.png"), "NAME", "--force"
-    ),
+    "run": Command("run shock_table --duration 0.1 --out NAME", ("NAME/response.parquet", "NAME/loops.png"), "NAME", "--force"),
     "study": Command(
         "study floor_levels --levels 24 --duration 0.12 --workers 2 --out NAME",
         ("NAME/study.toml", "NAME/variants.parquet", "NAME/summary.json"),

@@ -202,9 +202,7 @@ MIRRORED = {
 
 def passive(law):
     """Return whether no path from the unloaded state should gain work: only Vaiana and Rosati's law claims less."""
-    return all(
-        one.name != "vaiana-rosati" or (one.f0, one.alpha) == (one.f0_minus, one.alpha_minus) for one in law.components
-    )
+    return all(one.name != "vaiana-rosati" or (one.f0, one.alpha) == (one.f0_minus, one.alpha_minus) for one in law.components)
 
 
 turning_points = st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=10)
@@ -213,9 +211,7 @@ turning_points = st.lists(st.floats(-3.0, 3.0), min_size=2, max_size=10)
 def path_through(points, *, per_segment):
     """Return samples of a path from 0 through the turning points, `per_segment` to each stretch."""
     ends = [0.0, *points]
-    return np.concatenate(
-        [[0.0], *(np.linspace(a, b, per_segment + 1)[1:] for a, b in zip(ends, points, strict=False))]
-    )
+    return np.concatenate([[0.0], *(np.linspace(a, b, per_segment + 1)[1:] for a, b in zip(ends, points, strict=False))])
 
 
 def smooth_path(points, *, per_segment, duration=1.0):

@@ -80,9 +80,7 @@ def peak(time, values) -> Peak:
 
 
 def box(name, size, rgba=(0.5, 0.5, 0.6, 1.0), shape="box") -> Geom:
-    return Geom(
-        name=name, shape=shape, size=np.array(size), position=np.zeros(3), orientation=UPRIGHT, rgba=np.array(rgba)
-    )
+    return Geom(name=name, shape=shape, size=np.array(size), position=np.zeros(3), orientation=UPRIGHT, rgba=np.array(rgba))
 
 
 def floor_scene(position, arms, places, spots, travel, base) -> Scene:

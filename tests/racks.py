@@ -30,9 +30,7 @@ class Rack:
             body: "".join(f'<joint name="{body}_{n}" type="slide" axis="{a}"/>' for n, a in slides.items())
             for body in ("deck", "rack")
         }
-        sites = {
-            body: "".join(f'<site name="{body}/{n}" {a}/>' for n, a in mounts.items()) for body in ("deck", "rack")
-        }
+        sites = {body: "".join(f'<site name="{body}/{n}" {a}/>' for n, a in mounts.items()) for body in ("deck", "rack")}
         tuples = "".join(
             f'<tuple name="mount/{name}"><element objtype="site" objname="rack/{name}"/><element objtype="site" '
             f'objname="deck/{name}"/><element objtype="text" objname="isolator/a"/></tuple>'

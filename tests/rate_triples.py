@@ -83,9 +83,7 @@ def compare(seed, found):
             continue
         found.rows += 1
         if row.verdict != true.verdict or abs(row.utilisation - true.utilisation) > 0.01 * max(true.utilisation, 1.0):
-            found.wrong.append(
-                f"{where}: {row.criterion} of {row.subject} {row.utilisation:.4g}, {true.utilisation:.4g}"
-            )
+            found.wrong.append(f"{where}: {row.criterion} of {row.subject} {row.utilisation:.4g}, {true.utilisation:.4g}")
     cycles = [{(one.mount, one.axis): one for one in mount_cycles(each)} for each in (run, fine)]
     most = max((one.cycles.damage(EXPONENT) for one in cycles[1].values()), default=0.0)
     for key, one in cycles[0].items():
@@ -108,9 +106,7 @@ def compare(seed, found):
 
 def _lines(time, acceleration, fine_time, fine_acceleration, where, found):
     """Compare the lines of a spectrum that the samples hold."""
-    even = (
-        int(np.flatnonzero(np.abs(np.diff(time) - (time[1] - time[0])) < 1e-6 * time[1])[-1]) + 2
-    )  # to the last whole step
+    even = int(np.flatnonzero(np.abs(np.diff(time) - (time[1] - time[0])) < 1e-6 * time[1])[-1]) + 2  # to the last whole step
     rate = 1.0 / (time[1] - time[0])
     if even < 7 or rate < 12.0:
         return
@@ -118,9 +114,7 @@ def _lines(time, acceleration, fine_time, fine_acceleration, where, found):
     own = wr.shock_response_spectrum(time[:even], acceleration[:even], lines)
     until = int(np.searchsorted(fine_time, time[even - 1] + 1e-9))
     true = wr.shock_response_spectrum(fine_time[:until], fine_acceleration[:until], lines).maximax
-    stated = (lines <= held(time[:even], acceleration[:even], own))[:, np.newaxis] & (
-        true > 1e-6 * true.max(initial=1e-12)
-    )
+    stated = (lines <= held(time[:even], acceleration[:even], own))[:, np.newaxis] & (true > 1e-6 * true.max(initial=1e-12))
     errors = np.abs(own.maximax[stated] / true[stated] - 1.0)
     found.lines += errors.size
     found.worst = max(found.worst, float(errors.max(initial=0.0)))

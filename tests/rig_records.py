@@ -40,9 +40,7 @@ def rig_record(
     return time, path + slack * max(amplitudes) * rng.standard_normal(time.size), force
 
 
-def write_record(
-    path, time, deflection, force, *, header="time [s],deflection [mm],force [kN]", metre=1e3, newton=1e-3
-):
+def write_record(path, time, deflection, force, *, header="time [s],deflection [mm],force [kN]", metre=1e3, newton=1e-3):
     """Write a record with as many digits as a rig gives."""
     rows = [f"{t:.5f},{metre * x:.7g},{newton * f:.7g}" for t, x, f in zip(time, deflection, force, strict=True)]
     path.write_text("\n".join([header, *rows]) + "\n", encoding="utf-8")

@@ -14,8 +14,7 @@ PLACES = {"m1": -0.4, "m2": -0.2, "m3": 0.0, "m4": 0.2, "m5": 0.4}
 def beam_text(places=PLACES):
     """Return a beam that heaves and pitches on vertical mounts at `places` {name: x}."""
     sites = {
-        body: "".join(f'<site name="{body}/{m}" pos="{x!r} 0 0"/>' for m, x in places.items())
-        for body in ("deck", "beam")
+        body: "".join(f'<site name="{body}/{m}" pos="{x!r} 0 0"/>' for m, x in places.items()) for body in ("deck", "beam")
     }
     world = (
         f'<body name="deck"><joint name="deck_z" type="slide" axis="0 0 1"/><geom size=".1" mass="1000"/>{sites["deck"]}</body>'

@@ -122,9 +122,7 @@ def one_test(number, seed, case, other_law):
     for level in levels:
         motion = wr.HalfSine(peak=level, duration=0.011, direction=axis, start=0.02)
         response = wr.simulate(truth, motion, duration=0.6, sample_rate=RATE, accuracy=1e-3)
-        tests.append(
-            MeasuredTest(name=f"{level:g}", motion=motion, channels=[measured(response, f"body/{body}", axis, rng)])
-        )
+        tests.append(MeasuredTest(name=f"{level:g}", motion=motion, channels=[measured(response, f"body/{body}", axis, rng)]))
     begin = time.perf_counter(), time.process_time()
     found = calibrate(system, tests, vary=[*vary, *CHAIN])
     took = time.perf_counter() - begin[0], time.process_time() - begin[1]
@@ -195,9 +193,7 @@ def main():
         law = "another law" if other else "same law"
         print(f"test {number}, {law}: {wall:.0f} s ({cpu:.0f} s of a processor), {found.message}", flush=True)
         for name, inside, error, half in (*rows, *predictions):
-            print(
-                f"  {name:28s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half width {100 * half:.2f} %"
-            )
+            print(f"  {name:28s} {'inside' if inside else 'OUTSIDE'}  {100 * error:+.2f} %, half width {100 * half:.2f} %")
         parameters += [inside for _, inside, *_ in rows]
         predicted += [inside for _, inside, *_ in predictions]
         sure += [
@@ -207,9 +203,7 @@ def main():
         ]
     for name, inside in (("parameters", parameters), ("predictions", predicted)):
         print(f"{name} within their 90 % intervals: {sum(inside)} of {len(inside)}, {100 * np.mean(inside):.0f} %")
-    print(
-        f"false confidence, off by more than twice a half width without a word on the model's error: {sure or 'none'}"
-    )
+    print(f"false confidence, off by more than twice a half width without a word on the model's error: {sure or 'none'}")
 
 
 if __name__ == "__main__":

@@ -16,9 +16,7 @@ def main() -> int:
     parser.add_argument("cases", nargs="*", metavar="case", help="names of cases; all without any")
     parser.add_argument("--page", type=Path, help="write the results as a page, for instance docs/verification.md")
     parser.add_argument("--list", action="store_true", help="list the cases and run none")
-    parser.add_argument(
-        "--data", type=Path, help="folder of measured tests; without it the cases that need them are not run"
-    )
+    parser.add_argument("--data", type=Path, help="folder of measured tests; without it the cases that need them are not run")
     options = parser.parse_args()
     if options.data and not options.data.is_dir():
         parser.error(f"--data must be a folder of measured tests, got {options.data}: there is no such folder")

@@ -76,9 +76,7 @@ def read_motion(path: Path) -> Motion:
     if missing := [name for name in wanted if name not in table.column_names]:
         raise NotRunError(f"{path}: columns {', '.join(missing)} are missing; it has {', '.join(table.column_names)}")
     columns = {name: table[name].to_numpy().astype(np.float64) for name in wanted}
-    acceleration, displacement = (
-        np.column_stack([columns[f"{letter}{i}"] for i in range(1, LEVELS + 1)]) for letter in "ad"
-    )
+    acceleration, displacement = (np.column_stack([columns[f"{letter}{i}"] for i in range(1, LEVELS + 1)]) for letter in "ad")
     upwards = np.argsort(np.abs(displacement).max(axis=0))
     source = json.loads((table.schema.metadata or {}).get(b"source", b"{}"))
     return Motion(

@@ -30,9 +30,7 @@ def building(law: Law, storeys: Storeys) -> wr.System:
     world = deck({"below": 'pos="0 0 .2"'}, slides="x")
     inner = ""
     for i in reversed(range(LEVELS)):
-        spring = (
-            f'stiffness="{float(storeys.stiffness[i - 1])!r}" damping="{float(storeys.damping[i - 1])!r}"' if i else ""
-        )
+        spring = f'stiffness="{float(storeys.stiffness[i - 1])!r}" damping="{float(storeys.damping[i - 1])!r}"' if i else ""
         site = "" if i else '<site name="above" pos="0 0 -.1"/>'
         inner = (
             f'<body name="level{i}" pos="0 0 {0.3 if i == 0 else 0.2!r}"><joint type="slide" axis="1 0 0" {spring}/>'

@@ -132,13 +132,9 @@ def _vaiana_rosati() -> Comparison:
     return series(force, law.trace(path).force, "N")
 
 
-def _case(
-    name: str, title: str, compares: str, source: str, bound: float, reason: str, run: Callable[[], Comparison]
-) -> Case:
+def _case(name: str, title: str, compares: str, source: str, bound: float, reason: str, run: Callable[[], Comparison]) -> Case:
     """Return a case of this file, whose reference is computed in it."""
-    return Case(
-        name=name, title=title, compares=compares, source=source, date="each run", bound=bound, reason=reason, run=run
-    )
+    return Case(name=name, title=title, compares=compares, source=source, date="each run", bound=bound, reason=reason, run=run)
 
 
 TABLE = "own table of steady Bouc-Wen loops, computed without this library by event-split DOP853 integration and by quadrature"

@@ -41,8 +41,7 @@ def _rates(_: float, y: np.ndarray) -> list[float]:
     inertia = (
         SHAFT_INERTIA
         + SLIDER_INERTIA
-        + 2.0
-        * (ROD * (ARM + 0.5 * sin) ** 2 + ROD_INERTIA[0] * sin**2 + ROD_INERTIA[2] * cos**2 + BALL * (ARM + sin) ** 2)
+        + 2.0 * (ROD * (ARM + 0.5 * sin) ** 2 + ROD_INERTIA[0] * sin**2 + ROD_INERTIA[2] * cos**2 + BALL * (ARM + sin) ** 2)
     )
     slope = 4.0 * cos * (0.5 * ROD * (ARM + 0.5 * sin) + (ROD_INERTIA[0] - ROD_INERTIA[2]) * sin + BALL * (ARM + sin))
     swing = 2.0 * (0.25 * ROD + ROD_INERTIA[0] + BALL)

@@ -62,9 +62,7 @@ def _records(folder: Path, kind: str, columns: tuple[str, str, str], units: tupl
         table = pq.read_table(path)
         x, v, force = (table[name].to_numpy().astype(np.float64) for name in columns)
         time = table["time_s"].to_numpy().astype(np.float64)
-        found[path.stem] = Record(
-            name=path.stem, time=time, deflection=units[0] * x, rate=units[0] * v, force=units[1] * force
-        )
+        found[path.stem] = Record(name=path.stem, time=time, deflection=units[0] * x, rate=units[0] * v, force=units[1] * force)
     return found
 
 
@@ -75,9 +73,7 @@ def _law(logs: Array, force: float) -> Law:
     """
     z_max, x_y, friction, smoothing, damping, spring = np.exp(logs).tolist()
     hysteretic = wr.BoucWen.from_normalised(z_max=0.5 * force * z_max, x_y=1e-3 * x_y, sigma=0.5, n=1.0, k=0.0)
-    with_rate = wr.TinkerCutchins(
-        k1=force * spring, f0=0.5 * force * friction, smoothing=0.01 * smoothing, c=force * damping
-    )
+    with_rate = wr.TinkerCutchins(k1=force * spring, f0=0.5 * force * friction, smoothing=0.01 * smoothing, c=force * damping)
     return wr.Parallel(laws=(hysteretic, with_rate))
 
 
@@ -87,9 +83,7 @@ def _fit(records: list[Record]) -> Law:
 
     def residual(logs: Array) -> Array:
         law = _law(logs, force)
-        return np.concatenate(
-            [(one.traced(law) - one.force) / (np.ptp(one.force) * one.time.size**0.5) for one in thin]
-        )
+        return np.concatenate([(one.traced(law) - one.force) / (np.ptp(one.force) * one.time.size**0.5) for one in thin])
 
     found = least_squares(residual, np.zeros(6), bounds=(-7.0, 7.0), x_scale=0.3, diff_step=1e-3)
     return _law(found.x, force)
@@ -141,9 +135,7 @@ def backlash(folder: Path) -> Comparison:
         paths = {name: record.written(Path(place)) for name, record in sines.items()}
         tests = read_tests(list(paths.values()))
         result = wr.identify([loop for each in tests.values() for loop in each], law=wr.BoucWen, profiles=False)
-        lines.append(
-            f"bouc-wen, fitted to {len(paths)} records: error {100.0 * result.residual:.1f} % of half the force range"
-        )
+        lines.append(f"bouc-wen, fitted to {len(paths)} records: error {100.0 * result.residual:.1f} % of half the force range")
         for name, path in paths.items():
             named = [text for text in loop_warnings({path: tests[path]}, result) if "play (backlash)" in text]
             lines += [text.replace(str(path), name) for text in named]

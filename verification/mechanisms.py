@@ -85,8 +85,7 @@ LEANS = ("0 0 0", "25 0 10", "0 -35 40", "15 15 -60")
 def _text(name: str, world: str, *, custom: str, joints: str, actuators: str = "", other: str = "") -> str:
     """Return the model: its deck with base sites, the bodies, and what stands for the mounts."""
     sites = "".join(
-        f'<site name="b{i}" pos="{" ".join(map(str, at))}" euler="{LEANS[int(i) - 1]}"/>'
-        for i, at in POINTS[name].items()
+        f'<site name="b{i}" pos="{" ".join(map(str, at))}" euler="{LEANS[int(i) - 1]}"/>' for i, at in POINTS[name].items()
     )
     return (
         '<mujoco><compiler angle="degree"/><option integrator="RK4" gravity="0 0 -9.81" tolerance="1e-14"/>'
@@ -113,8 +112,7 @@ def _own_elements(name: str, laws: dict[str, tuple[float, float]]) -> str:
 def _tendons(name: str, k: float) -> str:
     """Return a spring without length in the place of each mount, the same in all directions."""
     springs = "".join(
-        f'<spatial springlength="0" stiffness="{k!r}"><site site="p{i}"/><site site="b{i}"/></spatial>'
-        for i in POINTS[name]
+        f'<spatial springlength="0" stiffness="{k!r}"><site site="p{i}"/><site site="b{i}"/></spatial>' for i in POINTS[name]
     )
     return f"<tendon>{springs}</tendon>"
 
@@ -149,9 +147,7 @@ def _compare(
     every = 10
     quiet = wr.HalfSine(peak=1.0, duration=0.011, start=1e3, direction="z")
     with warnings.catch_warnings():
-        warnings.simplefilter(
-            "ignore", wr.AccuracyWarning
-        )  # of contacts, whose stiffness is the same on both sides here
+        warnings.simplefilter("ignore", wr.AccuracyWarning)  # of contacts, whose stiffness is the same on both sides here
         response = wr.simulate(
             system, quiet, duration=stop, initial="unloaded", timestep=step, sample_rate=1.0 / (every * step)
         )

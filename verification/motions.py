@@ -53,9 +53,7 @@ def _ends() -> Comparison:
     return single_values(pairs, "see below")
 
 
-PRACTICE = (
-    "naval practice for a three-branch design spectrum (BV 0430, STANAG), kinematics worked by hand to the digits shown"
-)
+PRACTICE = "naval practice for a three-branch design spectrum (BV 0430, STANAG), kinematics worked by hand to the digits shown"
 
 CASES = (
     Case(name="double-half-sine", title="Double half-sine from a design spectrum of 100 g, 3 m/s, 50 mm",

@@ -22,9 +22,7 @@ import wirerope_mj as wr
 from verification.case import Case, Comparison, NotRunError, series
 from verification.models import chain, path_through
 
-SOURCE = (
-    "F. McKenna et al., OpenSees, uniaxialMaterial BoucWen (T. Haukaas, A. Der Kiureghian 2003), run through openseespy"
-)
+SOURCE = "F. McKenna et al., OpenSees, uniaxialMaterial BoucWen (T. Haukaas, A. Der Kiureghian 2003), run through openseespy"
 NEEDS = ("openseespy",)
 
 STIFFNESS, RATIO = 2.0e5, 0.15
@@ -112,9 +110,7 @@ Parameters = tuple[float, float, float, float]
 """beta, gamma, n and K of one spring."""
 
 
-def _newmark(
-    ops: Any, springs: Sequence[Parameters], masses: Sequence[float], parts: int, record: np.ndarray
-) -> np.ndarray:
+def _newmark(ops: Any, springs: Sequence[Parameters], masses: Sequence[float], parts: int, record: np.ndarray) -> np.ndarray:
     """Return the deflections of the springs at the record's instants [m], by Newmark's method with `parts` steps in each."""
     ops.wipe()
     ops.model("basic", "-ndm", 1, "-ndf", 1)

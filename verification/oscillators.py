@@ -110,9 +110,7 @@ def _miles() -> Comparison:
     """Return the comparison of an rms acceleration under flat random vibration with Miles' formula."""
     mass, natural, q, level = 25.0, 30.0, 5.0, 4.0
     law = wr.KelvinVoigt(k=mass * (TURN * natural) ** 2, c=mass * TURN * natural / q)
-    motion = wr.RandomVibration(
-        psd=[(1.0, level), (250.0, level)], duration=40.0, seed=9, direction="z", rise=2.0, fall=2.0
-    )
+    motion = wr.RandomVibration(psd=[(1.0, level), (250.0, level)], duration=40.0, seed=9, direction="z", rise=2.0, fall=2.0)
     response = wr.simulate(
         oscillator({"one": law}, mass=mass), motion, duration=40.0, timestep=5e-4, initial="unloaded", sample_rate=1000.0
     )  # fmt: skip
@@ -138,12 +136,9 @@ def _psd_rms() -> Comparison:
     )
 
 
-ORBITS = (
-    "own table of steady motions, computed without this library by event-split DOP853 integration and Newton's method"
-)
+ORBITS = "own table of steady motions, computed without this library by event-split DOP853 integration and Newton's method"
 DIFFERENCES = (
-    "the variational equation has reversals between steps by a parabola, a thousand times less exact than the motion's "
-    "1e-6"
+    "the variational equation has reversals between steps by a parabola, a thousand times less exact than the motion's 1e-6"
 )
 
 CASES = (

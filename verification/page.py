@@ -46,9 +46,7 @@ def print_table(results: Sequence[Result]) -> None:
     for result in results:
         found = result.comparison
         values = (
-            (number(found.reference), number(found.ours), found.unit, error_text(found.error))
-            if found
-            else ("", "", "", "")
+            (number(found.reference), number(found.ours), found.unit, error_text(found.error)) if found else ("", "", "", "")
         )
         table.add_row(result.case.name, *values, f"{result.case.bound:.1e}", result.status)
     console = Console(width=max(Console().width, 110))
@@ -81,9 +79,7 @@ def _status(result: Result) -> str:
 
 def _counts(results: Sequence[Result]) -> str:
     """Return how many cases ended in which way."""
-    numbers = {
-        status: sum(result.status == status for result in results) for status in (WITHIN, OUTSIDE, FAILED, NOT_RUN)
-    }
+    numbers = {status: sum(result.status == status for result in results) for status in (WITHIN, OUTSIDE, FAILED, NOT_RUN)}
     ends = ", ".join(f"{count} {status}" for status, count in numbers.items() if count)
     return f"{len(results)} cases: {ends}. Errors below 1e-12 are rounding and are not resolved further."
 

@@ -44,9 +44,7 @@ def _frame(lean: float, turn: float) -> Array:
     """Return roll, shear and axial direction as columns: leaning about y, then turned about z [rad]."""
     a, b = np.cos(lean), np.sin(lean)
     c, s = np.cos(turn), np.sin(turn)
-    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ np.array(
-        [[a, 0.0, b], [0.0, 1.0, 0.0], [-b, 0.0, a]]
-    )
+    return np.array([[c, -s, 0.0], [s, c, 0.0], [0.0, 0.0, 1.0]]) @ np.array([[a, 0.0, b], [0.0, 1.0, 0.0], [-b, 0.0, a]])
 
 
 POINTS = np.array(LOWER + UPPER)
@@ -77,9 +75,7 @@ def _deck_motion(t: float) -> tuple[Array, Array]:
 
 
 @njit(cache=True)
-def _push(
-    i: int, states: Array, turns: Array, spins: Array, deck: tuple[Array, Array], z: float
-) -> tuple[Array, Array, float]:
+def _push(i: int, states: Array, turns: Array, spins: Array, deck: tuple[Array, Array], z: float) -> tuple[Array, Array, float]:
     """Return force of mount i on its payload, the point where it acts, and the rate of its z."""
     upper = PAYLOAD[i]
     arm = turns[upper] @ (POINTS[i] - CENTRES[upper])
@@ -91,9 +87,7 @@ def _push(
         foot, foot_speed = states[0, :3] + base_arm, states[0, 7:10] + np.cross(spin, base_arm)
     d = axes.T @ (top - foot)
     v = axes.T @ (top_speed - foot_speed - np.cross(spin, top - foot))
-    f = np.array(
-        [LATERAL[0, 0] * d[0] + LATERAL[0, 1] * v[0], LATERAL[1, 0] * d[1] + LATERAL[1, 1] * v[1], SPRING * d[2] + z]
-    )
+    f = np.array([LATERAL[0, 0] * d[0] + LATERAL[0, 1] * v[0], LATERAL[1, 0] * d[1] + LATERAL[1, 1] * v[1], SPRING * d[2] + z])
     return -axes @ f, top, v[2] * (ALPHA - (GAMMA + BETA * np.sign(v[2] * z)) * abs(z))
 
 
@@ -159,10 +153,7 @@ def _system() -> wr.System:
         frame = f'xyaxes="{numbers([*FRAMES[i][:, 0], *FRAMES[i][:, 1]])}"'
         return f'<site name="{name}{i}" pos="{numbers(POINTS[i] - origin)}" {frame}/>'
 
-    sites = {
-        f"d{i}": f'pos="{numbers(POINTS[i])}" xyaxes="{numbers([*FRAMES[i][:, 0], *FRAMES[i][:, 1]])}"'
-        for i in range(4)
-    }
+    sites = {f"d{i}": f'pos="{numbers(POINTS[i])}" xyaxes="{numbers([*FRAMES[i][:, 0], *FRAMES[i][:, 1]])}"' for i in range(4)}
     world = deck(sites)
     for index, centre in enumerate(CENTRES):
         own = "".join(site("p", i, centre) for i, payload in enumerate(PAYLOAD) if payload == index)

@@ -101,9 +101,7 @@ def _amplification() -> Comparison:
     return single_values({label: (value, _largest(at, pulse, q)) for label, value, at, pulse, q in rows}, "-")
 
 
-HALF_SINE = (
-    "closed form: residual of an undamped oscillator after a half-sine, 2 (pi/D)/w / ((pi/(D w))^2 - 1) cos(w D/2)"
-)
+HALF_SINE = "closed form: residual of an undamped oscillator after a half-sine, 2 (pi/D)/w / ((pi/(D w))^2 - 1) cos(w D/2)"
 
 CASES = (
     Case(name="srs-pyyeti-half-sine", title="Shock response spectrum of a half-sine, Q = 10, against pyyeti",

@@ -20,9 +20,7 @@ def _box(centre: np.ndarray, stiffness: tuple[float, float, float], gravity: flo
     """Return a free box of 120 kg, 0.7 x 0.9 x 0.5 m, on springs at PLACES; `centre` of its mass from their middle [m]."""
     cx, cy, cz = centre.tolist()
     sites = {f"b{i}": f'pos="{x} {y} 1" {turn}' for i, (x, y) in enumerate(PLACES.tolist())}
-    points = "".join(
-        f'<site name="p{i}" pos="{x - cx!r} {y - cy!r} {-cz!r}"/>' for i, (x, y) in enumerate(PLACES.tolist())
-    )
+    points = "".join(f'<site name="p{i}" pos="{x - cx!r} {y - cy!r} {-cz!r}"/>' for i, (x, y) in enumerate(PLACES.tolist()))
     world = deck(sites) + (
         f'<body name="box" pos="{cx!r} {cy!r} {1.0 + cz!r}"><freejoint/>'
         f'<geom type="box" size=".35 .45 .25" mass="120"/>{points}</body>'

@@ -91,9 +91,7 @@ def _found(axis: str, origin: wr.Isolator, laws: list) -> SpecimenFits:
         seeds = 1000 * list(SHARED).index(axis) + 10 * number
         tests.append(
             [
-                measured(
-                    [loop], points_per_cycle=200, force_noise=NOISE * np.ptp(loop.force) / 2.0, seed=seeds + place
-                )[0]
+                measured([loop], points_per_cycle=200, force_noise=NOISE * np.ptp(loop.force) / 2.0, seed=seeds + place)[0]
                 for place, loop in enumerate(loops)
             ]
         )

@@ -31,9 +31,7 @@ FRAMES = 40
 def fits() -> dict[str, wr.Identification]:
     """Return the fit of every law to the record."""
     more = {"masing": {"elements": 4}}
-    return {
-        name: wr.identify(record(spring()), law=law, profiles=False, **more.get(name, {})) for name, law in LAWS.items()
-    }
+    return {name: wr.identify(record(spring()), law=law, profiles=False, **more.get(name, {})) for name, law in LAWS.items()}
 
 
 def tinker_cutchins() -> tuple[Array, float]:

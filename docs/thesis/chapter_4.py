@@ -35,9 +35,7 @@ def numbers() -> dict[str, float]:
             f"{name}_damping": 100.0 * loops[3].damping_ratio, f"{name}_overlap": hardening_overlap(loops),
             f"{name}_turn": MM * turn.amplitude, f"{name}_least": turn.stiffness / 1e3,
         }  # fmt: skip
-    found["largest_spread"] = 100.0 * (
-        max(found[f"{n}_large"] for n in NAMES) / min(found[f"{n}_large"] for n in NAMES) - 1
-    )
+    found["largest_spread"] = 100.0 * (max(found[f"{n}_large"] for n in NAMES) / min(found[f"{n}_large"] for n in NAMES) - 1)
     for name, point in POINTS.items():
         loop = wr.cyclic_test(spring(), [SHOWN], operating_point=point)[0]
         found |= {f"{name}_k": loop.secant_stiffness / 1e3, f"{name}_zeta": 100.0 * loop.damping_ratio}
@@ -64,9 +62,7 @@ def _draw() -> Picture:
             MM * np.array(FINE), [one.secant_stiffness / 1e3 for one in secants(name)], color=colour, lw=1.3, label=name
         )
     secant.set_xscale("log")
-    inscribe(
-        loops, f"one spring, ±{MM * AMPLITUDES[2]:g} to {MM * AMPLITUDES[-1]:g} mm", "deflection [mm]", "force [kN]"
-    )
+    inscribe(loops, f"one spring, ±{MM * AMPLITUDES[2]:g} to {MM * AMPLITUDES[-1]:g} mm", "deflection [mm]", "force [kN]")
     inscribe(points, f"±{MM * SHOWN:g} mm, three operating points", "deflection [mm]", "force [kN]")
     inscribe(secant, "five springs", "amplitude [mm]", "secant stiffness [kN/m]")
     explain(points)

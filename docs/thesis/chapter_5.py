@@ -14,9 +14,7 @@ import wirerope_mj as wr
 from docs.thesis.rope import MM, record, spring
 
 Array = npt.NDArray[np.float64]
-START = wr.AsymmetricBoucWen.from_normalised(
-    z_max=300.0, x_y=2e-3, sigma=0.5, n=1.0, k1=5e4, k2=0.0, k3=0.0, b=np.e, c=5.0
-)
+START = wr.AsymmetricBoucWen.from_normalised(z_max=300.0, x_y=2e-3, sigma=0.5, n=1.0, k1=5e4, k2=0.0, k3=0.0, b=np.e, c=5.0)
 """Where every search begins: round figures off by factors of two to five."""
 SIZES = np.array([300.0, 1e-3, 0.5, 1.0, 5e4, 1e8, 10.0])
 """Units of z_max, x_y, sigma, n, k1, k3 and c: one number each, so that steps in all of them are alike."""
@@ -27,9 +25,7 @@ SEED = 1
 def law_of(numbers: Array) -> wr.AsymmetricBoucWen:
     """Return the law of seven numbers in units of SIZES."""
     z_max, x_y, sigma, n, k1, k3, c = numbers * SIZES
-    return wr.AsymmetricBoucWen.from_normalised(
-        z_max=z_max, x_y=x_y, sigma=sigma, n=n, k1=k1, k2=0.0, k3=k3, b=np.e, c=c
-    )
+    return wr.AsymmetricBoucWen.from_normalised(z_max=z_max, x_y=x_y, sigma=sigma, n=n, k1=k1, k2=0.0, k3=k3, b=np.e, c=c)
 
 
 @dataclass
@@ -90,9 +86,7 @@ OPTIMISERS: dict[str, Callable[[Problem], Array]] = {
     "marquardt": lambda problem: marquardt(problem, _start()),
     "region": lambda problem: least_squares(problem.residual, _start(), bounds=(LOW, HIGH), diff_step=1e-6).x,
     "simplex": lambda problem: (
-        minimize(
-            problem.error, _start(), method="Nelder-Mead", options={"maxfev": 1500, "xatol": 1e-5, "fatol": 1e-7}
-        ).x
+        minimize(problem.error, _start(), method="Nelder-Mead", options={"maxfev": 1500, "xatol": 1e-5, "fatol": 1e-7}).x
     ),
     "evolution": lambda problem: (
         differential_evolution(

@@ -85,9 +85,7 @@ def by_differences(p: Array, omega: float, y: Array, ranges: Array, tolerance: f
         return np.array([state[1], acceleration, rate])
 
     def after(start: Array) -> Array:
-        end = solve_ivp(
-            rates, (0.0, 2.0 * np.pi / omega), start, "RK45", rtol=tolerance, atol=1e-3 * tolerance * ranges
-        )
+        end = solve_ivp(rates, (0.0, 2.0 * np.pi / omega), start, "RK45", rtol=tolerance, atol=1e-3 * tolerance * ranges)
         return np.asarray(end.y[:, -1])
 
     there = after(y)
@@ -114,9 +112,7 @@ def tried(n: float) -> tuple[Array, Array, Array]:
     for index in np.linspace(0, found.frequency.size - 1, TRIED).astype(int):
         run = found.orbit(int(index)).response
         mount, mass = run.mounts["m1"], run.bodies["mass"]
-        path = np.stack(
-            [mount.deflection[:, 2], mass.velocity[:, 2] - run.base.velocity[:, 2], mount.hysteretic_state[:, 2]]
-        )
+        path = np.stack([mount.deflection[:, 2], mass.velocity[:, 2] - run.base.velocity[:, 2], mount.hysteretic_state[:, 2]])
         omega, y = 2.0 * np.pi * found.frequency[index], path[:, 0].copy()
         frequencies.append(found.frequency[index])
         multipliers.append([by_differences(p, omega, y, np.ptp(path, axis=1), tolerance) for tolerance in TOLERANCES])
@@ -145,9 +141,7 @@ def draw() -> Picture:
         line.remove()
     frequencies, multipliers, _ = tried(0.3)
     for column, (tolerance, colour) in enumerate(zip(TOLERANCES, COLOURS[1:], strict=False)):
-        panel.plot(
-            frequencies, multipliers[:, column], "o", ms=4, color=colour, label=f"differences, tolerance {tolerance:g}"
-        )
+        panel.plot(frequencies, multipliers[:, column], "o", ms=4, color=colour, label=f"differences, tolerance {tolerance:g}")
     largest = np.abs(ours(0.3).floquet_multipliers).max(axis=1)
     panel.plot(ours(0.3).frequency, largest, color=COLOURS[0], lw=2.0, label="ours")
     panel.axhline(1.0, color=GUIDE, lw=1.0, ls="--")

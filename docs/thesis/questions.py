@@ -41,9 +41,7 @@ def modified(beta: float, gamma: float) -> wr.AsymmetricBoucWen:
     )
 
 
-def linear_peak(
-    law: wr.BoucWen | wr.AsymmetricBoucWen, mass: float, level: float, gravity: float
-) -> tuple[float, float]:
+def linear_peak(law: wr.BoucWen | wr.AsymmetricBoucWen, mass: float, level: float, gravity: float) -> tuple[float, float]:
     """Return frequency and acceleration of the resonance by the stiffness and the area of the law's cycles alone."""
     low, high = (4.5, 5.5) if gravity == 0.0 else (30.0, 40.0)
     for _ in range(3):
@@ -111,9 +109,7 @@ def small() -> dict[str, float]:
 # ------------------------------------------------------------------------------------------------------ (e) parameters
 
 
-TRUTH = wr.AsymmetricBoucWen.from_normalised(
-    z_max=500.0, x_y=2e-3, sigma=0.7, n=1.2, k1=5e4, k2=0.0, k3=1e8, b=math.e, c=25.0
-)
+TRUTH = wr.AsymmetricBoucWen.from_normalised(z_max=500.0, x_y=2e-3, sigma=0.7, n=1.2, k1=5e4, k2=0.0, k3=1e8, b=math.e, c=25.0)
 TOLD = ("z_max", "x_y", "sigma", "n", "k1", "k3", "c_ln_b")
 HELD = (0.4, 0.7, 1.0)
 """Values of sigma at which the tips are fitted."""
@@ -162,9 +158,7 @@ def _draw_pair() -> Picture:
         found = branch(oscillator(modified(beta, gamma), mass=3.5, gravity=G), 30.0, 40.0, SHAKEN[1] * G)
         peaks.plot(found.frequency, found.amplitude, color=colour, lw=1.6, label="shooting")
         f = np.linspace(30.0, 40.0, 101)
-        near = wr.equivalent_linear(
-            modified(beta, gamma), mass=3.5, frequencies=f, acceleration=SHAKEN[1] * G, gravity=G
-        )
+        near = wr.equivalent_linear(modified(beta, gamma), mass=3.5, frequencies=f, acceleration=SHAKEN[1] * G, gravity=G)
         heights = np.nanmax(near.amplitude.reshape(f.size, -1), axis=1)
         peaks.plot(f, heights, ":", color=colour, lw=1.4, label="stiffness and area")
     for line in peaks.lines[:2]:

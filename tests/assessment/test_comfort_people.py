@@ -29,9 +29,7 @@ TABLES = {
 }
 
 
-@pytest.mark.parametrize(
-    ("name", "frequency", "factor"), [(n, f, w) for n, row in TABLES.items() for f, w in row.items()]
-)
+@pytest.mark.parametrize(("name", "frequency", "factor"), [(n, f, w) for n, row in TABLES.items() for f, w in row.items()])
 def test_weightings_are_those_of_the_tables(name, frequency, factor):
     assert abs(WEIGHTINGS[name].gain(frequency)) == pytest.approx(factor, abs=8e-4)  # three digits
 

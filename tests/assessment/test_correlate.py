@@ -82,9 +82,7 @@ def test_the_rate_of_the_clock_is_found_by_the_base(tmp_path, rate):
     rng, stamps = np.random.default_rng(2), np.arange(20_000) / 1000.0
     columns = {"B": run.base.acceleration[:, 2], "T": run.bodies["mass"].acceleration[:, 2]}
     of_run = stamps * (1.0 + rate) - 0.02  # its clock is 0.02 s ahead, and a second of it lasts 1 + rate
-    told = [
-        CubicSpline(run.time, y)(of_run) * (of_run > 0.0) + 0.05 * rng.standard_normal(20_000) for y in columns.values()
-    ]
+    told = [CubicSpline(run.time, y)(of_run) * (of_run > 0.0) + 0.05 * rng.standard_normal(20_000) for y in columns.values()]
     path = tmp_path / "long.csv"
     np.savetxt(path, np.column_stack([stamps, *told]), delimiter=",", header="time [s],B,T", comments="", fmt="%.8g")
     phrases = {"B": "base z m/s^2", "T": "body/mass z m/s^2"}
@@ -152,18 +150,14 @@ def test_deflections_and_forces_count_from_the_start(tmp_path, floor):
     found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda n, y: y + resting.get(n, 0.0)))
     assert {one.rating.grade for one in found.channels} == {"excellent"}
     absolute = {**CHANNELS, "F": "mount/m01 axial absolute N"}
-    found = wr.correlate(
-        floor, measured_of(tmp_path, floor, change=lambda n, y: y + resting.get(n, 0.0), channels=absolute)
-    )
+    found = wr.correlate(floor, measured_of(tmp_path, floor, change=lambda n, y: y + resting.get(n, 0.0), channels=absolute))
     force = next(one for one in found.channels if one.channel.column == "F")
     assert force.pair.measured[0] == pytest.approx(-800.0, abs=1.0)  # the run's force begins at zero
 
 
 def test_what_this_run_does_not_have_is_another_models(tmp_path, floor):
     other = measured_of(tmp_path, floor, channels={"T": "point/mast z g"})
-    with pytest.raises(
-        wr.RecordError, match=r"mapped to the point 'mast', which this run does not have; its points: rack_top"
-    ):
+    with pytest.raises(wr.RecordError, match=r"mapped to the point 'mast', which this run does not have; its points: rack_top"):
         wr.correlate(floor, other)
 
 

@@ -117,9 +117,7 @@ def test_a_factor_is_the_ratio_of_spectra_at_every_frequency():
         np.testing.assert_allclose(found.ratio, 0.75, rtol=1e-9)
         (band,) = found.bands
         assert band.deviation == pytest.approx(-0.25, rel=1e-9)
-        assert (band.first, band.last) == pytest.approx(
-            (found.frequency[0], found.frequency[-1]), rel=0.06
-        )  # half a band
+        assert (band.first, band.last) == pytest.approx((found.frequency[0], found.frequency[-1]), rel=0.06)  # half a band
         assert found.within_3db == 1.0
     assert shock_ratio(pair(decaying, 0.7 * decaying)).within_3db == 0.0  # 3 dB are 0.7079
 

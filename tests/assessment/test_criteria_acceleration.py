@@ -71,9 +71,7 @@ def test_the_limits_of_the_model_are_taken_by_themselves(floor):
 
 
 def test_a_limit_of_nothing_is_an_error(floor):
-    with pytest.raises(
-        ValueError, match="'deck', which has no acceleration here. There are: floor, rack_0, rack_1, rack_top"
-    ):
+    with pytest.raises(ValueError, match="'deck', which has no acceleration here. There are: floor, rack_0, rack_1, rack_top"):
         acceleration_verdicts(floor, [limit("deck", 10.0)])
 
 

@@ -59,9 +59,7 @@ def test_the_largest_value_is_compared_with_what_a_gaussian_reaches():
     c = math.sqrt(2.0 * math.log(2.0 * F * 298.0))
     assert expected == pytest.approx(c + 0.5772 / c, rel=0.03)  # the mean frequency of the response is above 20 Hz
     assert sigmas == pytest.approx(expected, abs=3.0 * math.pi / math.sqrt(6.0) / c)
-    assert y[round(largest.time * RATE)] == pytest.approx(
-        math.copysign(largest.value, y[round(largest.time * RATE)]), rel=0.02
-    )
+    assert y[round(largest.time * RATE)] == pytest.approx(math.copysign(largest.value, y[round(largest.time * RATE)]), rel=0.02)
     assert largest.verdict == "not judged"
 
 
@@ -79,9 +77,7 @@ def test_a_run_is_judged_along_the_axes_in_which_it_moves():
     response = wr.simulate(
         system, wr.Sine(frequency=4.0, acceleration=5.0, direction="z"), duration=3.0, timestep=1e-3, sample_rate=500.0
     )
-    found = judge_random(
-        response, discard=1.0, limits=[PayloadLimit(kind="acceleration", name="mass", values=(0, 0, 90.0))]
-    )
+    found = judge_random(response, discard=1.0, limits=[PayloadLimit(kind="acceleration", name="mass", values=(0, 0, 90.0))])
     assert [(v.subject, v.criterion) for v in found] == [
         ("mass", f"{what} acceleration along z") for what in ("rms", "3-sigma", "largest")
     ]
@@ -126,9 +122,7 @@ def test_where_more_than_random_vibration_moves_the_base_the_beginning_is_asked_
     system = sdof(wr.KelvinVoigt(k=4000.0, c=20.0), mass=3.5)
     sine = wr.Sine(frequency=4.0, acceleration=5.0, direction="z")
     response = wr.simulate(system, sine, duration=0.5, timestep=1e-3, sample_rate=500.0)
-    with pytest.raises(
-        ValueError, match="`discard` must be given: the base of this run does not vibrate at random alone"
-    ):
+    with pytest.raises(ValueError, match="`discard` must be given: the base of this run does not vibrate at random alone"):
         judge_random(response)
 
 

@@ -124,9 +124,7 @@ def test_a_mesh_has_the_box_of_its_vertices(floor):
 
 @pytest.mark.quick
 def test_a_clearance_of_nothing_is_an_error(floor):
-    with pytest.raises(
-        ValueError, match="'rack_9', which has no clearance here. There are: rack_top, floor, rack_0, rack_1"
-    ):
+    with pytest.raises(ValueError, match="'rack_9', which has no clearance here. There are: rack_top, floor, rack_0, rack_1"):
         rattle_verdicts(floor, [clearance("rack_9", 0.1, 0.1, 0.1)])
 
 

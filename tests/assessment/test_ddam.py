@@ -53,9 +53,7 @@ def test_what_bends_takes_half_the_velocity():
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(
-    "wrong", [{"location": "mast"}, {"direction": "up"}, {"ship": "boat"}, {"deformation": "soft"}]
-)
+@pytest.mark.parametrize("wrong", [{"location": "mast"}, {"direction": "up"}, {"ship": "boat"}, {"deformation": "soft"}])
 def test_what_there_is_not_is_refused(wrong):
     with pytest.raises(ValueError, match="must be one of"):
         ddam_design_values(KIP, 10.0, **{"location": "hull", "direction": "vertical", **wrong})

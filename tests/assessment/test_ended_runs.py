@@ -68,9 +68,7 @@ def test_a_sine_without_end_is_judged_when_it_grows_no_more():
         row = next(row for row in verdicts if row.criterion == "acceleration" and row.subject == "mass")
         found.append(row.utilisation)
         if row.utilisation is None:
-            expected = (
-                "the run ends at 300 ms, before" if duration == 0.3 else "the motion still grows when the run ends"
-            )
+            expected = "the run ends at 300 ms, before" if duration == 0.3 else "the motion still grows when the run ends"
             assert expected in row.note
             assert ("still grow" in headline(verdicts)) == (duration != 0.3)
     assert found[:2] == [None, None]
@@ -116,9 +114,7 @@ def test_rms_values_of_too_few_samples_are_not_judged():
     found = {}
     for rate in (1000.0, 400.0, 50.0):
         response = wr.simulate(system, random, duration=8.0, sample_rate=rate, timestep=5e-4)
-        found[rate] = next(
-            row for row in judge_random(response, limits=limits, discard=1.0) if "rms" not in row.criterion
-        )
+        found[rate] = next(row for row in judge_random(response, limits=limits, discard=1.0) if "rms" not in row.criterion)
     assert found[400.0].value == pytest.approx(found[1000.0].value, rel=0.01)
     assert found[50.0].verdict == "not judged"
     assert found[50.0].note.startswith("sampled at 50 Hz, and the vibration reaches up to 100 Hz")
@@ -153,9 +149,7 @@ def test_samples_hold_a_spectrum_up_to_where_every_other_one_gives_the_same(tmp_
         own = spectra[rate]
         low = own.frequencies <= spectra[rate, "held"]
         expected = np.interp(own.frequencies[low], exact.frequencies, exact.maximax)
-        np.testing.assert_allclose(
-            own.maximax[low], expected, rtol=0.013
-        )  # 1 %, and what the grid's straight lines cost
+        np.testing.assert_allclose(own.maximax[low], expected, rtol=0.013)  # 1 %, and what the grid's straight lines cost
     system = sdof(wr.KelvinVoigt(k=4e4, c=120.0))
     wr.simulate(system, PULSE, duration=0.5).save(tmp_path / "run")
     assert main(["export", str(tmp_path / "run"), str(tmp_path / "s.csv"), "--spectrum", "mass"]) == 0
@@ -170,9 +164,7 @@ def test_a_run_that_hits_an_undamped_stop_has_an_estimate_that_holds_or_is_calle
         law = wr.Parallel(
             laws=(
                 wr.KelvinVoigt(k=3.5 * (2 * math.pi * frequency) ** 2, c=1.0),
-                wr.Stop(
-                    gap_below=rng.uniform(2e-3, 8e-3), gap_above=rng.uniform(2e-3, 8e-3), k=10 ** rng.uniform(5.0, 6.0)
-                ),
+                wr.Stop(gap_below=rng.uniform(2e-3, 8e-3), gap_above=rng.uniform(2e-3, 8e-3), k=10 ** rng.uniform(5.0, 6.0)),
             )
         )
         system, motion = sdof(law), wr.Sine(frequency=frequency, acceleration=15.0, direction="z")

@@ -218,9 +218,7 @@ def test_words_say_where_and_when_runs_differ(runs):
     bodies = np.linalg.norm(runs["A"].bodies["floor"].acceleration, axis=1)
     assert norm.max() > bodies.max()
     # All accelerations grow alike: 50 % of the first's peak at whichever part comes first, at the instant of its peak.
-    assert any(
-        "accelerations differ most from those of A" in line and f"{when:.1f} ms, 50 % of A's" in line for line in lines
-    )
+    assert any("accelerations differ most from those of A" in line and f"{when:.1f} ms, 50 % of A's" in line for line in lines)
     assert not any("exceeds 100 %" in line for line in lines)  # every mount of both exceeds its tension
 
 
@@ -239,9 +237,7 @@ def test_the_better_run_exceeds_less_and_is_named_with_its_grounds(runs):
     assert "most critical travel combined of" in said.text
     unrated = {name: floor_response(mounts=1, travel={}) for name in ("A", "B")}
     unrated["B"] = louder(unrated["B"], 1.5)
-    assert better_run(compare_runs(unrated)).text.startswith(
-        "Limits are not stated in every run; A has the smallest peak"
-    )
+    assert better_run(compare_runs(unrated)).text.startswith("Limits are not stated in every run; A has the smallest peak")
 
 
 def test_the_same_run_twice_is_said_to_be_identical(floor):
@@ -311,9 +307,7 @@ def test_inputs_that_are_alike_are_not_shown(floor):
 def test_long_inputs_stand_below_the_table_which_breaks_no_line(floor):
     overlay = compare_runs({"A": floor, "B": floor}, "start")
     motions = {"A": {"motion": "half-sine 15 g 11 ms along z", "n": "1"}, "B": {"motion": "half-sine 20 g", "n": "2"}}
-    (differences,) = [
-        section for section in comparison_content(overlay, motions).sections if section.id == "differences"
-    ]
+    (differences,) = [section for section in comparison_content(overlay, motions).sections if section.id == "differences"]
     text = markdown_blocks(differences.blocks)
     assert "| n | 1 | 2 |" in text
     assert "- motion: A: half-sine 15 g 11 ms along z; B: half-sine 20 g" in text

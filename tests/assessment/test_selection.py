@@ -126,9 +126,7 @@ def test_units_of_the_tables():
 
 def test_fewer_loops_carry_less_in_proportion_and_travel_as_far():
     whole, reduced = PARTS["WR12-200"], PARTS["WR12-200"].with_loops(6)
-    assert reduced.modes["compression"].vibration / 1e3 == pytest.approx(
-        275.0, abs=0.6
-    )  # 6 of 8 loops by the catalogue
+    assert reduced.modes["compression"].vibration / 1e3 == pytest.approx(275.0, abs=0.6)  # 6 of 8 loops by the catalogue
     assert reduced.modes["compression"].static_load == 0.75 * whole.modes["compression"].static_load
     assert reduced.modes["45"].shock == 0.75 * whole.modes["45"].shock
     assert reduced.modes["shear"].travel == whole.modes["shear"].travel
@@ -216,9 +214,7 @@ def test_a_mode_without_figures_is_rejected_with_that_reason():
 def test_weight_and_shock_may_act_in_different_modes():
     part = PARTS["WR16-400"]
     found = on(part, mass=800.0, mounts=4, velocity=1.0, direction="roll")
-    assert found.frequency == pytest.approx(
-        math.sqrt(613e3 / 200.0) / (2 * math.pi), rel=1e-12
-    )  # stands in compression
+    assert found.frequency == pytest.approx(math.sqrt(613e3 / 200.0) / (2 * math.pi), rel=1e-12)  # stands in compression
     assert found.travel == pytest.approx(math.sqrt(200.0 / 173e3), rel=1e-12)  # is struck in roll
     assert found.utilisation("static load") == pytest.approx(200.0 * G / 2869.0, rel=1e-12)
     hung = on(part, mass=400.0, mounts=4, velocity=0.5, loading="shear")

@@ -78,9 +78,7 @@ def test_a_payload_on_its_stops_leaves_the_rest_to_contacts():
         f'<site name="p" pos="0 0 -.1"/>{stop}</body>'
     )
     pair = '<contact><pair geom1="s" geom2="t" condim="1" solref="-20000 -35" solimp="0.001 0.001 0.001"/></contact>'
-    text = mjcf(
-        deck({"b": 'pos="0 0 .2"'}, slides="z", inside=pad) + mass, [("m1", "p", "b", "a")], gravity=G, other=pair
-    )
+    text = mjcf(deck({"b": 'pos="0 0 .2"'}, slides="z", inside=pad) + mass, [("m1", "p", "b", "a")], gravity=G, other=pair)
     law = wr.KelvinVoigt(k=2e4, c=0.0)
     sag = static_table(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=law)})).virgin
     assert sag.on_mounts == pytest.approx(2e4 * -sag.mounts["m1"].deflection[2], rel=1e-9)
@@ -94,9 +92,7 @@ def test_springs_of_joints_are_what_carries_the_rest():
         '<site name="p" pos="0 0 -.1"/></body>'
     )
     text = mjcf(deck({"b": 'pos="0 0 .2"'}, slides="z") + mass, [("m1", "p", "b", "a")], gravity=G)
-    sag = static_table(
-        wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0))})
-    ).virgin
+    sag = static_table(wr.load_system(text, isolators={"a": wr.Isolator(name="a", axial=wr.KelvinVoigt(k=1e4, c=0.0))})).virgin
     assert sag.elsewhere == pytest.approx(0.75 * 30.0 * G, rel=1e-9)
 
 
@@ -197,9 +193,7 @@ def test_mounts_that_hang_or_carry_across_are_judged_as_a_run_judges_them():
     found = {v.subject: v for v in static_load_verdicts(table) if "virgin" in v.criterion}
     motion = wr.HalfSine(peak=1.0, duration=0.01, direction="z", start=0.005)
     of_run = {v.subject: v for v in starting_load_verdicts(wr.simulate(system, motion, duration=0.01, timestep=1e-3))}
-    assert {name: (v.verdict, v.note) for name, v in found.items()} == {
-        name: (v.verdict, v.note) for name, v in of_run.items()
-    }
+    assert {name: (v.verdict, v.note) for name, v in found.items()} == {name: (v.verdict, v.note) for name, v in of_run.items()}
     assert found["s1"].note.startswith("the load is across the axis")
     assert table.virgin.mounts["s1"].utilisation is None
     assert table.virgin.mounts["m01"].utilisation == found["m01"].utilisation > 0.3
@@ -236,10 +230,7 @@ def test_the_command_shows_no_share_for_what_is_not_judged(capsys):
     shown = capsys.readouterr().out
     row = next(line for line in shown.splitlines() if line.startswith("s1"))
     assert row.rstrip().endswith("-  not judged")
-    assert (
-        "Not judged, because the load is across the axis, and the rating holds for compression: s1, s2, s3, s4."
-        in shown
-    )
+    assert "Not judged, because the load is across the axis, and the rating holds for compression: s1, s2, s3, s4." in shown
 
 
 def test_a_place_that_cannot_be_written_is_said_before_anything_is_printed(capsys, tmp_path, monkeypatch):

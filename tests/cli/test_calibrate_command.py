@@ -53,9 +53,7 @@ def test_a_file_becomes_a_calibrated_model(drop, capsys):
     assert isolator.spread is not None
     assert "calibrated from drop" in isolator.provenance.source
     before = wr.load_system("shock_table").mounts["m1"].isolator
-    assert isolator.axial.parameter("laws[0].k1") == pytest.approx(
-        row[1] * before.axial.parameter("laws[0].k1"), rel=1e-3
-    )
+    assert isolator.axial.parameter("laws[0].k1") == pytest.approx(row[1] * before.axial.parameter("laws[0].k1"), rel=1e-3)
     page = (drop / "out" / "report.html").read_text(encoding="utf-8")
     assert "Measured and calculated" in page
     assert main([*arguments]) == 2  # the folder is there

@@ -47,9 +47,7 @@ def drop(tmp_path_factory):
 
 
 def write(path, columns):
-    np.savetxt(
-        path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.10g"
-    )
+    np.savetxt(path, np.column_stack(list(columns.values())), delimiter=",", header=",".join(columns), comments="", fmt="%.10g")
 
 
 @pytest.fixture(scope="module")
@@ -78,9 +76,7 @@ def compared(run, drop, tmp_path, capfd):
 @pytest.mark.slow
 def test_files_become_agreement_page_and_recording(compared):
     folder, printed = compared
-    assert re.search(
-        r"drop: Model \d+ % high between .* Hz \(mount m1, axial deflection\); lowest ISO/TS 18571", printed
-    )
+    assert re.search(r"drop: Model \d+ % high between .* Hz \(mount m1, axial deflection\); lowest ISO/TS 18571", printed)
     for column in ("base, z", "point mass_top, z", "mount m1, axial deflection", "mount m1, axial force"):
         assert column in printed
     assert 'column "T" was saturated' in printed

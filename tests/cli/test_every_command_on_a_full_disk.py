@@ -18,9 +18,7 @@ resource = pytest.importorskip("resource", reason="Windows has no limits of file
 
 PULSE = ["--half-sine", "5 g 11 ms z", "--duration", "0.1"]
 MAP = ["--map", "A0=base z g", "A1=body/block z g"]
-EXPORTS = {
-    f"export {ending}": ["export", "run", f"o.{ending}", "--force"] for ending in ("csv", "h5", "mat", "xlsx", "png")
-}
+EXPORTS = {f"export {ending}": ["export", "run", f"o.{ending}", "--force"] for ending in ("csv", "h5", "mat", "xlsx", "png")}
 WRITING = {
     "shock": ["shock", "shock_table", *PULSE, "--out", "run", "--force"],
     "run": ["run", "shock_table", "--duration", "0.1", "--out", "other", "--force"],
@@ -119,9 +117,7 @@ def test_a_full_disk_is_one_message_and_leaves_whole_files(name, place, tmp_path
     for size in (0, sizes[-1] // 2):
         before = files(folder)
         assert limited(words, size) == 2
-        told = [
-            line for line in capsys.readouterr().err.splitlines() if "the peaks and verdicts above hold" not in line
-        ]
+        told = [line for line in capsys.readouterr().err.splitlines() if "the peaks and verdicts above hold" not in line]
         assert told
         assert "there is no space left" in told[-1]
         assert "Errno" not in told[-1]

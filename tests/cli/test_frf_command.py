@@ -186,9 +186,7 @@ def test_a_branch_that_leaves_the_rated_travel_ends_there_and_exits_1(short_of_t
     arguments = ("--acceleration", "5", "--start", "30", "--stop", "36", "--largest-step", "0.03", "--out", "r")
     assert main(["frf", "sdof_shaker.xml", *arguments]) == 1
     out = re.sub(r"[ \n]+", " ", capsys.readouterr().out)
-    (reached,) = re.findall(
-        r"RATED TRAVEL at 5 m/s² from 3[\d.]+ Hz on: mount 'm1' reaches ([\d.]+) mm in compression", out
-    )
+    (reached,) = re.findall(r"RATED TRAVEL at 5 m/s² from 3[\d.]+ Hz on: mount 'm1' reaches ([\d.]+) mm in compression", out)
     assert (
         0.7 < float(reached) < 0.7 * 1.01
     )  # a step of 0.1 % of the frequency where the travel grows by less than ten times it

@@ -16,9 +16,7 @@ from wirerope_mj.mounts.identification.result import fitted_loops, neighbours_co
 from wirerope_mj.mounts.isolator import Limits, Travel
 from wirerope_mj.mounts.test_rig import cyclic_test, load_cycles
 
-TRUTH = wr.AsymmetricBoucWen.from_normalised(
-    z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
-)
+TRUTH = wr.AsymmetricBoucWen.from_normalised(z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0)
 SIMPLE = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.0, k=5e4)
 
 
@@ -57,15 +55,9 @@ def test_records_of_several_files_become_an_isolator_that_repeats_loops_nobody_m
         folder / "small.csv", *rig_record(TRUTH, [0.5e-3, 1.5e-3, 4e-3], seed=1, drift=100.0, slack=1e-4, points=100.0)
     )
     large = rig_record(TRUTH, [7e-3, 10e-3], seed=2, drift=-50.0, zero=30.0, points=101.7)
-    write_record(
-        folder / "large.csv", *large, header="time [s];deflection [m];force [N]".replace(";", ","), metre=1, newton=1
-    )
-    write_record(
-        folder / "preloaded.csv", *rig_record(TRUTH, [2e-3, 5e-3], seed=3, operating_point=-4e-3, points=100.0)
-    )
-    out = run(
-        capsys, "small.csv", "large.csv", "preloaded.csv", "--law", "asymmetric-bouc-wen", "--out", "my_isolator.toml"
-    )
+    write_record(folder / "large.csv", *large, header="time [s];deflection [m];force [N]".replace(";", ","), metre=1, newton=1)
+    write_record(folder / "preloaded.csv", *rig_record(TRUTH, [2e-3, 5e-3], seed=3, operating_point=-4e-3, points=100.0))
+    out = run(capsys, "small.csv", "large.csv", "preloaded.csv", "--law", "asymmetric-bouc-wen", "--out", "my_isolator.toml")
     assert "my_isolator, axial: 7 loops of 3 files" in out
     assert "the data identify every free parameter" in out
     assert "no noise" not in out
@@ -106,9 +98,7 @@ def test_what_is_given_is_not_searched_for_and_says_so(folder, simple, capsys):
     )  # fmt: skip
     assert "Spring 7, shear: 3 loops of 1 file" in out
     assert "n 1 - - - given" in out
-    assert re.search(
-        r"bouc-wen: alpha = \d+ N/m, beta = [\d.]+ N\^\(1-n\)/m, gamma = .*, n = 1, k = 50000 N/m ", out
-    ), out
+    assert re.search(r"bouc-wen: alpha = \d+ N/m, beta = [\d.]+ N\^\(1-n\)/m, gamma = .*, n = 1, k = 50000 N/m ", out), out
     isolator = wr.load_isolator(folder / "a.toml")
     assert isolator.name == "Spring 7"
     assert isolator.axial is None
@@ -134,9 +124,7 @@ def test_a_law_that_cannot_follow_is_told_from_noise(folder, capsys):
     assert re.search(r"what is left is no white noise \(neighbouring residuals correlate by 0\.[89]\d\)", out)
     # A verdict on green ground would say that all is well.
     page = (folder / "a-report" / "report.html").read_text(encoding="utf-8")
-    assert (
-        '<p id="headline" class="verdict unjudged">Converged, but the law does not follow the loops everywhere' in page
-    )
+    assert '<p id="headline" class="verdict unjudged">Converged, but the law does not follow the loops everywhere' in page
     assert " Converged, but the law does not follow the loops everywhere." in out
 
 
@@ -160,9 +148,7 @@ def test_a_record_that_does_not_begin_unloaded_is_named(folder, simple, capsys):
     later = time >= 5.0
     write_record(folder / "t.csv", time[later], deflection[later], force[later])
     out = run(capsys, simple, "t.csv", "--law", "bouc-wen", "--out", "a.toml")
-    assert re.search(r"t\.csv: the last cycle of ±0\.2 mm about 0 mm ends [\d.]+ % .* was the device unloaded", out), (
-        out
-    )
+    assert re.search(r"t\.csv: the last cycle of ±0\.2 mm about 0 mm ends [\d.]+ % .* was the device unloaded", out), out
     assert out.count("was the device unloaded") == 1
 
 
@@ -172,9 +158,7 @@ def test_kilonewtons_taken_for_newtons_are_asked_about(folder, capsys):
         header="time [s],deflection [mm],force [N]",  # of numbers in kN
     )  # fmt: skip
     out = run(capsys, "t.csv", "--law", "enhanced-dry-friction", "--out", "a.toml")
-    assert re.search(
-        r"t\.csv: its secant stiffness of at most \d+ N/m .* are the forces in kN where N is said\?", out
-    ), out
+    assert re.search(r"t\.csv: its secant stiffness of at most \d+ N/m .* are the forces in kN where N is said\?", out), out
 
 
 def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, monkeypatch):
@@ -190,9 +174,7 @@ def test_what_the_data_leave_open_stands_in_the_file(folder, simple, capsys, mon
 def test_a_parameter_that_is_not_significant_stands_in_the_headline_and_beside_its_value(folder, capsys):
     write_record(folder / "t.csv", *rig_record(SIMPLE, [0.5e-3, 2e-3, 5e-3, 8e-3], seed=4, points=100.0))
     out = run(capsys, "t.csv", "--law", "symmetric-bouc-wen", "--out", "a.toml")
-    (names,) = re.findall(
-        r"Converged, but (k2, k3|k2|k3) (?:is|are) not significant; consider dropping (?:it|them)\.", out
-    )
+    (names,) = re.findall(r"Converged, but (k2, k3|k2|k3) (?:is|are) not significant; consider dropping (?:it|them)\.", out)
     for name in names.split(", "):
         assert re.search(rf" {name} \S+ N/m\^[23] \S+ [\d.e+]+ not significant ", out), out
     page = (folder / "a-report" / "report.html").read_text(encoding="utf-8")
@@ -376,9 +358,7 @@ def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
 
 def test_a_tangent_that_turns_negative_within_the_rated_travel_alone_is_said_at_the_fit(folder, capsys):
     """Tested to 4 mm, negative from 15 mm on: beyond twice the tests, but within a rating of 20 mm."""
-    law = wr.SymmetricBoucWen.from_normalised(
-        z_max=300.0, x_y=1e-3, sigma=0.9, n=1.0, k1=5e4, k2=0.0, k3=-5e4 / (3 * 0.015**2)
-    )
+    law = wr.SymmetricBoucWen.from_normalised(z_max=300.0, x_y=1e-3, sigma=0.9, n=1.0, k1=5e4, k2=0.0, k3=-5e4 / (3 * 0.015**2))
     write_record(folder / "shear.csv", *rig_record(law, [1e-3, 2e-3, 4e-3], noise=1e-4, points=200.0))
     for rated in (0.02, 0.01):
         limits = Limits(travel=Travel(compression=0.02, shear=rated))
@@ -387,9 +367,7 @@ def test_a_tangent_that_turns_negative_within_the_rated_travel_alone_is_said_at_
             capsys, "shear.csv", "--law", "symmetric-bouc-wen", "--axis", "shear", "--fix", "k2=0", "--join", "rated.toml",
             "--out", f"{rated}.toml",
         )  # fmt: skip
-        found = re.search(
-            r"the tangent stiffness is negative below -([\d.]+) mm and above ([\d.]+) mm, within the rated", out
-        )
+        found = re.search(r"the tangent stiffness is negative below -([\d.]+) mm and above ([\d.]+) mm, within the rated", out)
         assert bool(found) == (rated == 0.02)
         said = " ".join(wr.load_isolator(folder / f"{rated}.toml").provenance.assumed)
         assert ("negative" in said) == (rated == 0.02)

@@ -25,9 +25,7 @@ def test_the_law_of_the_device_is_named(record, capsys):
     assert "wirerope identify test.csv --law" in out
 
 
-def test_a_law_that_fits_far_better_is_recommended_where_too_few_amplitudes_leave_none_out(
-    tmp_path, monkeypatch, capsys
-):
+def test_a_law_that_fits_far_better_is_recommended_where_too_few_amplitudes_leave_none_out(tmp_path, monkeypatch, capsys):
     """Three amplitudes: eight parameters cannot be fitted to two of them, and Bouc-Wen's five, which can, miss by half."""
     monkeypatch.chdir(tmp_path)
     device = wr.AsymmetricBoucWen(alpha=4e5, beta=200.0, gamma=-60.0, n=1.0, k1=4e4, k2=4e6, k3=4e8, b=2.7, c=60.0)

@@ -124,9 +124,7 @@ def test_the_film_shows_the_shapes_and_ropes_end_on_the_rack(cabinet):
         expected = 2.0 * film.amplitude * found.payloads["rack"].translation[mode]
         # Turning by up to 0.1 rad bends the way by its square.
         np.testing.assert_allclose(swing, expected, atol=0.02 * film.amplitude)
-        moved = np.array(
-            [m.deflection[first] - rest.mounts[name].deflection for name, m in film.response.mounts.items()]
-        )
+        moved = np.array([m.deflection[first] - rest.mounts[name].deflection for name, m in film.response.mounts.items()])
         assert np.linalg.norm(moved, axis=1).max() == pytest.approx(film.amplitude, rel=1e-9)
 
 

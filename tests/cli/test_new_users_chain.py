@@ -22,9 +22,7 @@ def user(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     table, rng = wr.load_system("shock_table"), np.random.default_rng(7)
     truth = wr.varied(table, isolators={"m1": table.mounts["m1"].written.scaled(1.2)})
-    pulses = [
-        wr.HalfSine(peak=p * G, duration=0.011, direction=d, start=0.03) for p, d in ((8, "z"), (4, "x"), (3, "y"))
-    ]
+    pulses = [wr.HalfSine(peak=p * G, duration=0.011, direction=d, start=0.03) for p, d in ((8, "z"), (4, "x"), (3, "y"))]
     r = wr.simulate(truth, pulses[0] + pulses[1] + pulses[2], duration=0.4, sample_rate=10_000.0)
     late = [np.interp(r.time - 3e-4, r.time, history) for history in r.bodies["block"].acceleration.T]
     samples = np.column_stack([r.base.acceleration, *late]) / G

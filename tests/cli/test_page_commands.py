@@ -22,9 +22,7 @@ PAGES = sorted([*(ROOT / "docs").glob("*.md"), ROOT / "models" / "README.md"])
 BLOCK = re.compile(r"(<!-- not run: ([^>]+) -->\s*)?```(\w+)\n(.*?)```", flags=re.DOTALL)
 LISTS = (["study", "floating_floor_shock"], ["study", "runs/shock"])  # nothing varies yet: an error that lists what can
 WRITTEN = {"commands.md", "changelog.md"}  # by the program, and a history
-LAW = wr.AsymmetricBoucWen.from_normalised(
-    z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
-)
+LAW = wr.AsymmetricBoucWen.from_normalised(z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0)
 SHEAR = wr.SymmetricBoucWen.from_normalised(z_max=500.0, x_y=1.5e-3, sigma=0.9, n=1.0, k1=4e4, k2=0.0, k3=4e8)
 SCALES = ((360.0, 6e-3, 3e4), (45.0, 0.4e-3, 0.0))  # z_max, x_y, k of a rope that yields on two scales
 STOP = Stop(gap_below=0.01, k=1e6, rounding=1e-3)
@@ -51,9 +49,7 @@ def identification():
     records("bottoming.csv", law=Parallel(laws=(LAW, STOP)), amplitudes=(5e-3, 0.012, 0.015, 0.018))
     two = [wr.BoucWen.from_normalised(z_max=z, x_y=x, sigma=0.6, n=1.6, k=k) for z, x, k in SCALES]
     records("rope.csv", law=Parallel(laws=two), amplitudes=(0.5e-3, 1e-3, 3e-3, 8e-3, 15e-3))
-    wr.Isolator(name="known", axial=LAW, provenance=wr.Provenance(kind="illustrative", source="a test")).save(
-        "isolator.toml"
-    )
+    wr.Isolator(name="known", axial=LAW, provenance=wr.Provenance(kind="illustrative", source="a test")).save("isolator.toml")
 
 
 def durability():
@@ -86,9 +82,7 @@ def drop_of_the_shock_table():
     r = wr.simulate(stiffer, motion, duration=0.5, sample_rate=2000.0)
     columns = [r.time, r.base.acceleration[:, 2] / 9.80665, r.bodies["block"].acceleration[:, 2] / 9.80665]
     columns[2] += 0.01 * np.random.default_rng(1).standard_normal(r.time.size)
-    np.savetxt(
-        "drop.csv", np.column_stack(columns), delimiter=",", header="time [s],A0 [g],A1 [g]", comments="", fmt="%.7g"
-    )
+    np.savetxt("drop.csv", np.column_stack(columns), delimiter=",", header="time [s],A0 [g],A1 [g]", comments="", fmt="%.7g")
 
 
 def deck_modes():

@@ -29,9 +29,7 @@ def table(tmp_path_factory):
 @pytest.fixture
 def quick(monkeypatch):
     """Pages without pictures, where only files and messages are looked at."""
-    monkeypatch.setattr(
-        "wirerope_mj.views.report.report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>"
-    )
+    monkeypatch.setattr("wirerope_mj.views.report.report_html", lambda _: "<!DOCTYPE html><title>quick</title><p>page</p>")
 
 
 def test_the_command_writes_page_and_says_where(table, tmp_path, capsys, quick):

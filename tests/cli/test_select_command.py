@@ -96,9 +96,7 @@ def test_shocks_are_read_as_people_write_them(text, kind):
 
 
 def test_the_sawtooth_of_the_rack_has_the_vendors_velocity_change():
-    assert shock_from_text("20 g 11 ms sawtooth").velocity_change == pytest.approx(
-        1.0791, abs=0.00005
-    )  # printed digits
+    assert shock_from_text("20 g 11 ms sawtooth").velocity_change == pytest.approx(1.0791, abs=0.00005)  # printed digits
 
 
 @pytest.mark.parametrize(

@@ -182,9 +182,7 @@ def test_a_run_is_replaced_only_by_force(record, capsys, tmp_path):
 
 
 def test_motions_of_several_options_are_added_and_named(asked):
-    made = asked(
-        "cabinet", "--half-sine", "15 g 11 ms z", "--half-sine", "8 g 11 ms x", "--velocity-step", "1 m/s y", *QUICK
-    )
+    made = asked("cabinet", "--half-sine", "15 g 11 ms z", "--half-sine", "8 g 11 ms x", "--velocity-step", "1 m/s y", *QUICK)
     assert made.name == "shock-cabinet-half-sine-velocity-step"
     assert made.options["half-sine"] == "15 g 11 ms z; 8 g 11 ms x"
     assert made.motion.acceleration([0.0055])[0] / G == pytest.approx([8.0, 0.0, 15.0])
@@ -207,14 +205,10 @@ def test_a_limit_of_the_command_is_judged_stored_and_replayed(tmp_path, monkeypa
     row = next(row for row in summary["judged"] if (row["criterion"], row["subject"]) == ("acceleration", "rack"))
     assert row["verdict"] == "exceeded"
     assert row["limit"] == pytest.approx(G)
-    assert tomllib.loads((tmp_path / "run" / "scenario.toml").read_text())["judge"]["limits"] == {
-        "acceleration/rack": [G]
-    }
+    assert tomllib.loads((tmp_path / "run" / "scenario.toml").read_text())["judge"]["limits"] == {"acceleration/rack": [G]}
     assert wr.replay(tmp_path / "run").identical
     capsys.readouterr()
-    assert (
-        main(["run", "cabinet_shock", "--duration", "0.1", "--limit", "acceleration/rack = 1 g", "--out", "other"]) == 0
-    )
+    assert main(["run", "cabinet_shock", "--duration", "0.1", "--limit", "acceleration/rack = 1 g", "--out", "other"]) == 0
     assert "acceleration of rack" in capsys.readouterr().out
 
 
@@ -260,9 +254,7 @@ def test_a_sweep_ends_the_run_and_a_pulse_is_followed_by_its_ring_down(asked):
 def test_a_run_on_a_deck_that_bends_says_so_replays_and_becomes_a_study(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     deck = ["--deck", "18 Hz 100 kg 4 %"]
-    assert (
-        main(["shock", "shock_table", "--half-sine", "15 g 11 ms z", *deck, "--duration", "0.2", "--out", "run"]) == 0
-    )
+    assert main(["shock", "shock_table", "--half-sine", "15 g 11 ms z", *deck, "--duration", "0.2", "--out", "run"]) == 0
     assert "deck_panel" in capsys.readouterr().out
     page = Path("run/report.html").read_text(encoding="utf-8")
     assert "18 Hz 100 kg 4 %" in page

@@ -93,9 +93,7 @@ def test_the_worst_variants_become_runs_with_the_peaks_of_the_table(done):
     for number, run in zip(numbers, runs, strict=True):
         peaks = wr.load_response(run).peaks
         row = row_of(result.table, number)
-        assert (
-            peaks.bodies["mass"].acceleration.value == row["acceleration/mass"]
-        )  # one motion, so the same steps: bit for bit
+        assert peaks.bodies["mass"].acceleration.value == row["acceleration/mass"]  # one motion, so the same steps: bit for bit
         assert peaks.mounts["m1"].force.value == row["force/m1"]
 
 
@@ -156,9 +154,7 @@ def test_every_shipped_study_is_short_asks_first_and_can_be_made(name):
 def test_directions_cover_the_sphere_and_failures_every_wire_rope_mount():
     table = load_study_file("floor_directions").make(step_deg=30.0).table()
     assert table.num_rows == 12 * 5 + 2  # each pole once, and no seam
-    vectors = {
-        tuple(np.round(direction(a, e), 9)) for a, e in zip(*(table[k].to_pylist() for k in ANGLES), strict=True)
-    }
+    vectors = {tuple(np.round(direction(a, e), 9)) for a, e in zip(*(table[k].to_pylist() for k in ANGLES), strict=True)}
     assert len(vectors) == 62
     for axis in np.vstack([np.eye(3), -np.eye(3)]):
         assert tuple(axis) in vectors

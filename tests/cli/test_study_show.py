@@ -31,7 +31,5 @@ def test_the_worst_variants_are_opened_once_they_are_there(folder, capsys):
     assert main([*command, "--resume", "--open-worst", "2"]) == 0
     assert find_recording(folder) == folder / "worst" / "worst.rrd"
     (folder / "worst" / "worst.rrd").unlink()
-    with pytest.raises(
-        wr.RecordError, match="several variants of this study were written one by one; open one: .*variant-"
-    ):
+    with pytest.raises(wr.RecordError, match="several variants of this study were written one by one; open one: .*variant-"):
         find_recording(folder)

@@ -29,9 +29,7 @@ def test_what_is_printed_is_what_the_history_holds(shaken, capsys):
     assert table.rows[2][3] == pytest.approx(1.036 * late.std(), rel=0.01)  # Wk at 8 Hz
     ship = content.table("ship-habitability")
     assert [row[0] for row in ship.rows] == ["1984", "2000 B"]
-    turns = np.exp(
-        -16j * np.pi * response.time[response.time > 6.0]
-    )  # rope adds harmonics, which are lines of their own
+    turns = np.exp(-16j * np.pi * response.time[response.time > 6.0])  # rope adds harmonics, which are lines of their own
     amplitude = 2.0 * abs(np.mean(late * turns)) / (16.0 * np.pi)
     assert ship.rows[0][3] == pytest.approx(amplitude, rel=2e-3)
     assert content.verdict.text in " ".join(printed.split())

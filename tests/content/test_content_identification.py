@@ -18,9 +18,7 @@ def ellipse(amplitude, point, size=1e5):
     """Return a loop about a point that its rig holds to a micrometre."""
     angle = np.linspace(0.0, 2.0 * np.pi, 101)
     force = size * amplitude * np.sin(angle + 0.2)
-    return FittedLoop(
-        deflection=point + 1e-6 + amplitude * np.sin(angle), measured=force, fitted=1.01 * force, zero=0.0
-    )
+    return FittedLoop(deflection=point + 1e-6 + amplitude * np.sin(angle), measured=force, fitted=1.01 * force, zero=0.0)
 
 
 FITS = [ellipse(amplitude, point) for amplitude in (1e-3, 4e-3, 12e-3) for point in POINTS]

@@ -40,9 +40,7 @@ def test_the_verdict_is_that_of_the_worst_test(tests):
     content = correlation_content("floor", tests)
     assert content.title == "floor against same and larger"
     assert content.verdict.id == "agreement-larger"
-    assert content.verdict.text.startswith(
-        "larger: Model 25 % low between 2.6 and 99 Hz (point rack_top, z); lowest ISO"
-    )
+    assert content.verdict.text.startswith("larger: Model 25 % low between 2.6 and 99 Hz (point rack_top, z); lowest ISO")
     assert content.verdict.values["deviation"] == pytest.approx(-0.25, abs=1e-6)
     first = next(section for section in content.sections if section.id == "tests")
     assert [block.id for block in first.blocks] == ["agreement-same", "agreement-larger"]

@@ -59,9 +59,7 @@ def test_cyclic_tests_are_drawn_as_they_were_run_in_units_of_their_size(tmp_path
 
 
 def test_legend_names_a_few_of_many_loops_with_the_smallest_and_the_largest():
-    tests = {
-        "axial": cyclic_test(BoucWen(alpha=1e6, beta=800.0, gamma=200.0, n=1), np.linspace(1e-3, 2.0, 20), cycles=1)
-    }
+    tests = {"axial": cyclic_test(BoucWen(alpha=1e6, beta=800.0, gamma=200.0, n=1), np.linspace(1e-3, 2.0, 20), cycles=1)}
     chart = loops_chart(tests)
     names = [curve.name for curve in chart.rows[0][0].curves if curve.name]
     assert len(names) == 8

@@ -14,9 +14,7 @@ pytestmark = pytest.mark.quick
 
 
 def verdict(**changes):
-    return Verdict(
-        **{"criterion": "travel in roll", "subject": "m1", "value": 0.02, "limit": 0.04, "unit": "m"} | changes
-    )
+    return Verdict(**{"criterion": "travel in roll", "subject": "m1", "value": 0.02, "limit": 0.04, "unit": "m"} | changes)
 
 
 def test_the_answer_counts_the_exceeded_and_names_the_worst():
@@ -28,10 +26,7 @@ def test_the_answer_counts_the_exceeded_and_names_the_worst():
     assert most_critical(rows).text == "Most critical: travel in roll of m2, 50 of 40 mm (125 %)."
     assert unjudged(rows) == ("acceleration of m1: nobody knows.",)
     found = headline(rows)
-    assert (
-        found.text
-        == "FAIL: 1 of 2 checks exceeded; worst m2, 125 % of the limit of travel in roll; 1 value has no limit."
-    )
+    assert found.text == "FAIL: 1 of 2 checks exceeded; worst m2, 125 % of the limit of travel in roll; 1 value has no limit."
     assert (found.tone, found.values["utilisation"]) == ("exceeded", 1.25)
 
 
@@ -63,9 +58,7 @@ def test_nothing_judged_is_never_passed():
     assert "within" not in headline(rows).text
     assert most_critical(rows) is None
     passed = headline([verdict()])
-    assert (
-        passed.text == "PASS: the only check is within limits; most critical m1, 50 % of the limit of travel in roll."
-    )
+    assert passed.text == "PASS: the only check is within limits; most critical m1, 50 % of the limit of travel in roll."
     assert passed.tone == "within"
 
 

@@ -23,9 +23,7 @@ ALONG = {"direction": "z", "payload": "mass"}
 @pytest.fixture(scope="module")
 def hardening():
     """The S of a hardening mount: two folds, 0.39 and 0.24 Hz."""
-    return wr.follow_branch(
-        sdof(HARDENING, mass=1.0), start=0.15, stop=0.5, acceleration=1.0, largest_step=0.05, **ALONG
-    )
+    return wr.follow_branch(sdof(HARDENING, mass=1.0), start=0.15, stop=0.5, acceleration=1.0, largest_step=0.05, **ALONG)
 
 
 def test_a_linear_mount_has_its_transmissibility_all_along():
@@ -158,8 +156,7 @@ def test_the_backbone_of_a_softening_mount_falls():
 def test_smoothing_is_a_small_step_away_and_stays_stable():
     law = wr.BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0, k=0.1)
     plain, smooth = (
-        wr.follow_branch(sdof(law, mass=1.0), start=0.1, stop=0.2, acceleration=0.3, smoothing=s, **ALONG)
-        for s in (None, 0.03)
+        wr.follow_branch(sdof(law, mass=1.0), start=0.1, stop=0.2, acceleration=0.3, smoothing=s, **ALONG) for s in (None, 0.03)
     )
     assert smooth.amplitude[smooth.peak] == pytest.approx(plain.amplitude[plain.peak], rel=1e-3)
     assert smooth.stable.all()

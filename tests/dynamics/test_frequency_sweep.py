@@ -85,9 +85,7 @@ def test_a_sweep_lags_as_the_first_order_says(swept, rate, course):
 def test_the_lag_halves_with_the_rate_and_changes_sides_with_the_course(swept):
     lag = {rate: (on_flanks(swept[rate, "up"]) - on_flanks(swept[rate, "down"])) / 2 for rate in (2.0, 4.0)}
     np.testing.assert_allclose(lag[4.0] / lag[2.0], 2.0, rtol=0.03)  # what remains is of second order
-    assert np.all(
-        np.sign(lag[2.0]) == np.sign(FLANKS - RESONANCE)
-    )  # lower on the rising flank, higher on the falling one
+    assert np.all(np.sign(lag[2.0]) == np.sign(FLANKS - RESONANCE))  # lower on the rising flank, higher on the falling one
     for rate in lag:
         # A cycle's largest value stands at its higher end in both courses: it is all that the two have in common.
         both = on_flanks(swept[rate, "up"]) + on_flanks(swept[rate, "down"])
@@ -101,9 +99,7 @@ def test_sweeps_of_constant_velocity_or_displacement_shake_the_base_as_they_say(
     # The frequency grows by K / f = 0.9 % in a cycle at 5 Hz, and the base's acceleration by its power of that, from the
     # cycle's middle to its end by half of it: 1 %.
     np.testing.assert_allclose(r.base_amplitude, amplitude * (2 * np.pi * r.frequency) ** power, rtol=1.1e-2)
-    np.testing.assert_allclose(
-        r.transmissibility, transmitted(r.frequency), rtol=3e-2
-    )  # the lag, four times that above
+    np.testing.assert_allclose(r.transmissibility, transmitted(r.frequency), rtol=3e-2)  # the lag, four times that above
     np.testing.assert_allclose(r.amplitude, r.transmissibility * r.base_amplitude, rtol=1e-14)
     assert r.sweep == up(4.0, 5.0, 18.0, **{quantity: amplitude})
 
@@ -162,9 +158,7 @@ def test_bodies_on_a_payload_have_envelopes_of_their_own():
     isolators = {"a": wr.Isolator(name="a", axial=linear())}
     system = wr.load_system(mjcf(world, [("m1", "p", "b", "a")]), isolators=isolators)
     frequencies = np.array([6.0, 9.0, 16.0, 19.0])
-    r = wr.stepped_sine(
-        system, frequencies=frequencies, acceleration=LEVEL, direction="z", payload="lamp", timestep=1e-3
-    )
+    r = wr.stepped_sine(system, frequencies=frequencies, acceleration=LEVEL, direction="z", payload="lamp", timestep=1e-3)
     assert list(r.envelopes) == ["mass", "lamp"]  # payloads first, the deck is none
     w = 2 * np.pi * frequencies
     mount, joint = linear().k + 1j * w * linear().c, stiffness + 1j * w * damping
@@ -202,9 +196,7 @@ def test_a_hardening_mount_jumps_at_its_folds_later_on_the_way_up_than_on_the_wa
     beyond = []
     for rate in (4.0, 1.0):
         rising = wr.frequency_sweep(system, up(rate, 10.0, 13.5, acceleration=forcing), **options)
-        falling = wr.frequency_sweep(
-            system, up(rate, 13.5, 10.0, acceleration=forcing), initial=rising.final_state, **options
-        )
+        falling = wr.frequency_sweep(system, up(rate, 13.5, 10.0, acceleration=forcing), initial=rising.final_state, **options)
         # Between the folds the two are on different responses, outside on the same but for their lag, 4 % at most.
         both = [np.interp([10.1, 12.0], *by_frequency(r)) for r in (rising, falling)]
         assert both[0][1] > 2.0 * both[1][1]
@@ -385,14 +377,10 @@ def test_a_base_that_cannot_follow_and_a_step_that_is_too_large_are_named(system
 
 def test_a_vector_along_an_axis_is_that_axis_and_progress_goes_to_standard_error(system, short, capsys):
     options = {"timestep": 1e-3, "settled": None, "payload": "mass"}
-    same(
-        wr.frequency_sweep(system, up(60.0, 6.0, 18.0), response_direction=(0, 0, -2), progress=True, **options), short
-    )
+    same(wr.frequency_sweep(system, up(60.0, 6.0, 18.0), response_direction=(0, 0, -2), progress=True, **options), short)
     captured = capsys.readouterr()
     assert captured.out == ""
-    wr.stepped_sine(
-        system, frequencies=[6.0], acceleration=1.0, direction="z", payload="mass", timestep=1e-3, progress=True
-    )
+    wr.stepped_sine(system, frequencies=[6.0], acceleration=1.0, direction="z", payload="mass", timestep=1e-3, progress=True)
 
 
 def test_the_floor_has_an_envelope_for_every_body_and_mount():

@@ -118,13 +118,9 @@ def test_a_spring_and_damper_answers_as_the_closed_form():
     mass, k, c, level = 2.0, 300.0, 4.0, 5.0
     for frequency in (0.5, 1.95, 6.0):
         omega = TURN * frequency
-        orbit = harmonic_balance(
-            KelvinVoigt(k=k, c=c), mass=mass, frequency=frequency, acceleration=level, gravity=9.81
-        )
+        orbit = harmonic_balance(KelvinVoigt(k=k, c=c), mass=mass, frequency=frequency, acceleration=level, gravity=9.81)
         stiffness = k + 1j * omega * c
-        deflection = (
-            1j * mass * level / (stiffness - mass * omega**2)
-        )  # a sin(w t) is Re[-i a exp(i w t)], d follows -m a
+        deflection = 1j * mass * level / (stiffness - mass * omega**2)  # a sin(w t) is Re[-i a exp(i w t)], d follows -m a
         # Rounding of 1024 samples and their transform.
         assert orbit.coefficients[1] == pytest.approx(deflection, rel=1e-12)
         assert orbit.coefficients[0] == pytest.approx(-mass * 9.81 / k, rel=1e-12)
@@ -155,9 +151,7 @@ def test_what_the_base_puts_in_the_law_takes_out_and_the_mass_hangs_on_it(law):
     # The mass' own coordinate acceleration does no work over a cycle against d', so that the base's share must be all:
     # -m a times the integral of sin(w t) d', which only the first harmonic enters.
     put_in = -np.pi * 0.4 * orbit.coefficients[1].real * -1.0
-    assert orbit.dissipated_energy == pytest.approx(
-        put_in, rel=1e-5
-    )  # kinks between the last harmonics and the samples
+    assert orbit.dissipated_energy == pytest.approx(put_in, rel=1e-5)  # kinks between the last harmonics and the samples
     assert np.mean(orbit.force[:-1]) == pytest.approx(-0.2, abs=1e-9)  # the residual's tolerance
     assert orbit.coefficients[0].real < -0.05  # compression
 
@@ -198,9 +192,7 @@ def test_a_search_that_fails_says_what_was_tried():
     with pytest.raises(
         ConvergenceError, match=r"no periodic motion with 15 harmonics .* from equivalent linearisation and from small"
     ):
-        pure(
-            0.5, 0.5, 0.8, harmonics=15, samples=128, tolerance=1e-30
-        )  # below rounding, so many sums are never all zero
+        pure(0.5, 0.5, 0.8, harmonics=15, samples=128, tolerance=1e-30)  # below rounding, so many sums are never all zero
 
 
 @pytest.mark.quick

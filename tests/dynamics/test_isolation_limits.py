@@ -42,9 +42,7 @@ def closed_form(zeta):
     return abs(x + 2.0 * zeta * speed) * largest
 
 
-@pytest.mark.parametrize(
-    ("zeta", "expected", "digits"), [(0.0, 1.0, 4), (0.05, 0.863, 3), (0.15, 0.680, 3), (0.2, 0.621, 3)]
-)
+@pytest.mark.parametrize(("zeta", "expected", "digits"), [(0.0, 1.0, 4), (0.05, 0.863, 3), (0.15, 0.680, 3), (0.2, 0.621, 3)])
 def test_a_linear_damper_gives_the_known_digits(zeta, expected, digits):
     found = damped(zeta)
     assert found == pytest.approx(expected, abs=0.5 * 10.0**-digits)  # half a unit of the last digit that is known
@@ -118,9 +116,7 @@ def test_the_catalogues_curves_are_those_of_work_and_energy(limits, axis):
         used, ratios = curves[isolator.name]
         for place in (0, used.size // 2, used.size - 1):
             weight = load if axis == "axial" else 0.0
-            travel, expected = first_swing(
-                isolator.axes[axis], load / wr.STANDARD_GRAVITY, limits.VELOCITIES[place], weight
-            )
+            travel, expected = first_swing(isolator.axes[axis], load / wr.STANDARD_GRAVITY, limits.VELOCITIES[place], weight)
             # 5000 steps in a period: at 1 m/s the smaller scale of friction yields within one of 600, an error of 4e-3.
             assert used[place] * reach == pytest.approx(travel, rel=1e-3)
             assert ratios[place] == pytest.approx(expected, rel=2e-3)

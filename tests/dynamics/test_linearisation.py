@@ -101,9 +101,7 @@ def test_where_the_curve_folds_three_amplitudes_are_found():
     curve = equivalent_linear(STIFF, mass=1.0, frequencies=frequency, acceleration=0.6)
     assert set(curve.solutions) == {1, 3}
     folded = frequency[curve.solutions == 3]
-    assert folded.min() == pytest.approx(
-        lower, rel=0.01
-    )  # a fortieth of the range is the grid, the rest the estimate's error
+    assert folded.min() == pytest.approx(lower, rel=0.01)  # a fortieth of the range is the grid, the rest the estimate's error
     assert folded.max() == pytest.approx(upper, rel=0.01)
     three = curve.deflection[curve.solutions == 3]
     assert (np.diff(three, axis=1) > 0.0).all()

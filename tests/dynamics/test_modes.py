@@ -258,18 +258,14 @@ def test_a_guided_panel_does_not_count_along_axes_in_which_it_cannot_move():
         '<body name="panel" pos="3 0 .3"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="800"/>'
         '<site name="pp" pos="0 0 -.1"/></body>'
     )
-    block = (
-        '<body name="block" pos="0 0 .3">{}<geom size=".1" mass="100"/><site name="pb" pos="0 0 -.1"/></body>'.format(
-            "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 0 1"))
-        )
+    block = '<body name="block" pos="0 0 .3">{}<geom size=".1" mass="100"/><site name="pb" pos="0 0 -.1"/></body>'.format(
+        "".join(f'<joint type="slide" axis="{axis}"/>' for axis in ("1 0 0", "0 0 1"))
     )
     world = deck({"bb": 'pos="0 0 .2"', "bp": 'pos="3 0 .2"'}, slides="xyz") + block + panel
     text = mjcf(world, [("m1", "pb", "bb", "a"), ("m2", "pp", "bp", "a")], gravity=G)
     found = modes(wr.load_system(text, isolators={"a": springs(3e5, 3e5, 9e5)["a"]}))
     np.testing.assert_allclose(found.moving_mass, [100.0, 0.0, 900.0], rtol=1e-9)
-    np.testing.assert_allclose(
-        found.participation.sum(axis=0), [1.0, 0.0, 1.0], rtol=1e-9
-    )  # of 100 kg along x, not of 900
+    np.testing.assert_allclose(found.participation.sum(axis=0), [1.0, 0.0, 1.0], rtol=1e-9)  # of 100 kg along x, not of 900
     np.testing.assert_allclose(sorted(found.participation[:, 2])[1:], [1 / 9, 8 / 9], rtol=1e-9)
 
 
@@ -293,9 +289,7 @@ def test_a_frame_below_the_mount_takes_part():
 
 
 def test_a_rack_on_mounts_on_a_floor_on_mounts_is_a_chain():
-    laws = {
-        name: wr.Isolator(name=name, axial=wr.KelvinVoigt(k=k, c=0.0)) for name, k in (("floor", 4e4), ("rack", 9e3))
-    }
+    laws = {name: wr.Isolator(name=name, axial=wr.KelvinVoigt(k=k, c=0.0)) for name, k in (("floor", 4e4), ("rack", 9e3))}
     found = modes(wr.load_system(rack_on_floor_text(gravity=G), isolators=laws))
     mass, stiffness = np.diag([8.0, 3.0]), np.array([[4.9e4, -9e3], [-9e3, 9e3]])
     np.testing.assert_allclose(found.frequencies, frequencies_of(stiffness, mass), rtol=1e-7)

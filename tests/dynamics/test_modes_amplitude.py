@@ -166,9 +166,7 @@ def test_a_mode_at_an_amplitude_is_the_loop_of_a_cyclic_test():
     stiffness = 2.0 * np.mean(loop.force[:-1] * x) / 2e-3**2  # first harmonic in phase, 400 even samples
     omega = 2.0 * np.pi * found.frequencies[0]
     assert omega**2 * 12.0 == pytest.approx(stiffness, rel=1e-4)
-    assert found.damping_ratio[0] == pytest.approx(
-        loop.dissipated_energy / (2.0 * np.pi * stiffness * 2e-3**2), rel=1e-4
-    )
+    assert found.damping_ratio[0] == pytest.approx(loop.dissipated_energy / (2.0 * np.pi * stiffness * 2e-3**2), rel=1e-4)
 
 
 @pytest.mark.slow

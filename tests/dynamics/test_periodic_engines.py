@@ -74,9 +74,7 @@ def test_the_kernel_steps_a_model_as_mujoco_does(by_both, model):
 
 def test_orbits_are_the_same_by_either(by_both):
     system = sdof(HARDENING, mass=1.0)
-    own, other = by_both(
-        lambda: wr.periodic_orbit(system, frequency=0.2, acceleration=0.3, direction="z", tolerance=1e-11)
-    )
+    own, other = by_both(lambda: wr.periodic_orbit(system, frequency=0.2, acceleration=0.3, direction="z", tolerance=1e-11))
     # Newton's method ends within the tolerance, over 1 - 0.9 of the least damped multiplier.
     np.testing.assert_allclose(own.state.values, other.state.values, rtol=1e-9, atol=1e-9)
     np.testing.assert_allclose(own.floquet_multipliers, other.floquet_multipliers, atol=1e-9)

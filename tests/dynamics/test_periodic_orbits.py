@@ -50,9 +50,7 @@ PURE = [
 
 
 @pytest.mark.parametrize(("beta", "gamma", "omega", "half", "z_max", "energy", "moduli"), PURE)
-def test_pure_bouc_wen_orbits_are_the_benchmarks_and_neutral_in_their_offset(
-    beta, gamma, omega, half, z_max, energy, moduli
-):
+def test_pure_bouc_wen_orbits_are_the_benchmarks_and_neutral_in_their_offset(beta, gamma, omega, half, z_max, energy, moduli):
     found = orbit(pure(beta, gamma), omega, 0.3)
     peak = found.response.peaks.mounts["m1"].deflection
     _, _, z, dissipated = loop(found)
@@ -77,12 +75,8 @@ MODIFIED = [
 ]
 
 
-@pytest.mark.parametrize(
-    ("k1", "k2", "k3", "lam", "omega", "acceleration", "lowest", "highest", "z_max", "energy"), MODIFIED
-)
-def test_orbits_of_the_modified_law_are_the_benchmarks(
-    k1, k2, k3, lam, omega, acceleration, lowest, highest, z_max, energy
-):
+@pytest.mark.parametrize(("k1", "k2", "k3", "lam", "omega", "acceleration", "lowest", "highest", "z_max", "energy"), MODIFIED)
+def test_orbits_of_the_modified_law_are_the_benchmarks(k1, k2, k3, lam, omega, acceleration, lowest, highest, z_max, energy):
     found = orbit(modified(k1, k2, k3, lam), omega, acceleration)
     peak = found.response.peaks.mounts["m1"].deflection
     _, _, z, dissipated = loop(found)

@@ -37,9 +37,7 @@ def test_a_branch_goes_on_past_a_side_branch_to_the_resonance(floor):
     top = np.abs(swept.bodies["floor"].acceleration[-300:, 2]).max()
     # Both integrations stay within 1e-4 of the motion; 100 samples a period miss 5e-4 of a crest.
     assert branch.amplitude[branch.peak] == pytest.approx(top, rel=2e-3)
-    assert frequency == pytest.approx(
-        9.17, rel=0.01
-    )  # steps of the branch; a sweep of an independent integration says 9.2
+    assert frequency == pytest.approx(9.17, rel=0.01)  # steps of the branch; a sweep of an independent integration says 9.2
 
 
 def test_what_lies_beside_it_is_said(floor):
@@ -74,9 +72,7 @@ HARDENING = {"alpha": 1.0, "beta": 0.5, "gamma": 0.5, "k1": 0.5, "k2": 0.0, "k3"
 @pytest.mark.parametrize("n", [0.3, 1.0, 2.0])
 def test_a_fold_is_kept_where_two_settled_motions_differ(n):
     system = sdof(wr.SymmetricBoucWen(**HARDENING, n=n), mass=1.0)
-    branch = wr.follow_branch(
-        system, start=0.15, stop=0.8, acceleration=1.0, direction="z", payload="mass", largest_step=0.05
-    )
+    branch = wr.follow_branch(system, start=0.15, stop=0.8, acceleration=1.0, direction="z", payload="mass", largest_step=0.05)
     assert branch.complete
     upper, lower = branch.folds
     assert [jump.rising for jump in branch.jumps] == [True, False]

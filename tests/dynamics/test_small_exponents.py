@@ -194,9 +194,7 @@ def test_the_next_start_stays_within_what_cycles_have_bracketed():
 def test_an_exponent_too_small_is_refused_with_the_bound_and_the_file(tmp_path):
     """Of 0.001 the table of the command once took more than 40 minutes."""
     file = tmp_path / "jump.toml"
-    wr.Isolator(name="jump", axial=softening(0.1), provenance=Provenance(kind="illustrative", source="made up")).save(
-        file
-    )
+    wr.Isolator(name="jump", axial=softening(0.1), provenance=Provenance(kind="illustrative", source="made up")).save(file)
     file.write_text(file.read_text().replace("n = 0.1\n", "n = 0.001\n"))
     with pytest.raises(ValueError, match=r"`n` must be >= 0.05, got 0.001: .*dry friction"):
         softening(0.001)

@@ -19,9 +19,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 def test_multipliers_do_not_depend_on_the_steps(n, level_g):
     search = search_of(bouc_wen(n))
     with search.flow.ready():
-        few, many = (
-            moduli(variational_of(search.flow).matrix(motion_of(search, 20.0, level_g, s))) for s in (1000, 16000)
-        )
+        few, many = (moduli(variational_of(search.flow).matrix(motion_of(search, 20.0, level_g, s))) for s in (1000, 16000))
     # Reversals are placed between the steps, and z = 0 is passed by a chord: of second order in 1/1000 of a period, but for the
     # cusp |z|^n, which a sample misses by (1/1000)^(1 + n). Sampled derivatives scattered by 0.2.
     assert few == pytest.approx(many, abs=2e-3)

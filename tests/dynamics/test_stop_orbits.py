@@ -30,9 +30,7 @@ def orbit_in_time(*, c, cycles=12):
         return [v, acceleration, zdot, (v - abs(v) * w) / STOP.reversal]
 
     last = (cycles - 1 + np.linspace(0.0, 1.0, 4001)) / FREQUENCY
-    run = solve_ivp(
-        rates, (0.0, last[-1]), np.zeros(4), t_eval=last, method="DOP853", rtol=1e-9, atol=1e-12, max_step=2e-3
-    )
+    run = solve_ivp(rates, (0.0, last[-1]), np.zeros(4), t_eval=last, method="DOP853", rtol=1e-9, atol=1e-12, max_step=2e-3)
     return run.y[0].min(), run.y[0].max()
 
 
@@ -48,17 +46,13 @@ def test_harmonic_balance_finds_the_orbit_that_strikes_the_stop(c):
 
 
 def test_a_stop_stiffens_the_linearised_isolator_once_it_is_struck():
-    free, struck = (
-        equivalent_linear(law, mass=MASS, frequencies=[FREQUENCY], acceleration=LEVEL) for law in (ROPE, BOTH)
-    )
+    free, struck = (equivalent_linear(law, mass=MASS, frequencies=[FREQUENCY], acceleration=LEVEL) for law in (ROPE, BOTH))
     assert struck.deflection[0, 0] > STOP.gap_below
     assert struck.stiffness[0, 0] > 1.01 * free.stiffness[0, 0]
 
 
 def test_cyclic_tests_of_laws_in_parallel_close_and_dissipate_what_both_do():
-    for loop, rope, stop in zip(
-        *(wr.cyclic_test(law, [2e-3, 8e-3], cycles=10) for law in (BOTH, ROPE, STOP)), strict=True
-    ):
+    for loop, rope, stop in zip(*(wr.cyclic_test(law, [2e-3, 8e-3], cycles=10) for law in (BOTH, ROPE, STOP)), strict=True):
         assert loop.closure < 1e-10
         # The same ten cycles: sums of the same numbers.
         assert loop.dissipated_energy == pytest.approx(rope.dissipated_energy + stop.dissipated_energy, rel=1e-12)

@@ -50,9 +50,7 @@ def test_the_system_settles_on_a_stable_subharmonic_of_order_one_fourth(subharmo
     content = harmonic_content(subharmonic, payload="mass", highest=4)
     assert subharmonic.stable
     assert "settling" not in subharmonic.message
-    assert content.of(Fraction(9, 4)) > 0.5 * content.of(
-        1
-    )  # the free motion, locked to nine fourths of the base's frequency
+    assert content.of(Fraction(9, 4)) > 0.5 * content.of(1)  # the free motion, locked to nine fourths of the base's frequency
     assert content.of(Fraction(1, 4)) > 3e-3 * content.of(1)
     assert {"subharmonic 1/4", "ultrasubharmonic 9/4"} < set(content.names)
     alone = harmonic_content(once, payload="mass", highest=4)

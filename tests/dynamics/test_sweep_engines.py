@@ -103,9 +103,7 @@ def test_what_is_handed_over_is_what_mujoco_itself_would_know():
     clock = [at.TIME_1, at.TIME_2, at.HISTORY, at.OBSERVING]
     np.testing.assert_allclose(taken.stepper.user[clock], known.stepper.user[clock], rtol=1e-14)
     assert known.stepper.user[at.HISTORY] == 2.0
-    rows, expected = (
-        system.assembly.tables.user.channel_rows(one.stepper.user)[:, : at.HIGH + 3] for one in (taken, known)
-    )
+    rows, expected = (system.assembly.tables.user.channel_rows(one.stepper.user)[:, : at.HIGH + 3] for one in (taken, known))
     recent = slice(at.BEFORE, at.LAST + 3)
     scale = np.abs(expected[:, recent]).max(axis=1, keepdims=True)
     assert np.all(np.abs(rows[:, recent] - expected[:, recent]) <= SAME * scale)

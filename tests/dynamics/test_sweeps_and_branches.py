@@ -28,17 +28,14 @@ def sweeps(branch):
     begin = int(np.argmin(np.abs(branch.frequency[: up.index] - 0.95 * up.frequency)))
     end = down.index + 1 + int(np.argmin(np.abs(branch.frequency[down.index + 1 :] - 1.05 * down.frequency)))
     return [
-        (swept(branch, begin, 1.05 * up.frequency, rate), swept(branch, end, 0.96 * down.frequency, rate))
-        for rate in RATES
+        (swept(branch, begin, 1.05 * up.frequency, rate), swept(branch, end, 0.96 * down.frequency, rate)) for rate in RATES
     ]
 
 
 def swept(branch, index, stop, rate):
     orbit = branch.orbit(index)
     sweep = wr.Sweep(start=orbit.frequency, stop=stop, rate=rate, acceleration=LEVEL, direction="z")
-    return wr.frequency_sweep(
-        branch.system, sweep, payload="mass", initial=orbit.state, settled=None, timestep=TIMESTEP
-    )
+    return wr.frequency_sweep(branch.system, sweep, payload="mass", initial=orbit.state, settled=None, timestep=TIMESTEP)
 
 
 @pytest.mark.slow
@@ -69,9 +66,7 @@ def test_slow_sweeps_lie_on_the_branch_away_from_the_jumps(branch, sweeps):
 
 
 def test_folds_of_shooting_and_of_harmonic_balance_are_the_same(branch):
-    balanced = wr.follow_harmonic_balance(
-        LAW, mass=1.0, acceleration=LEVEL, start=0.25, stop=0.32, harmonics=15, samples=512
-    )
+    balanced = wr.follow_harmonic_balance(LAW, mass=1.0, acceleration=LEVEL, start=0.25, stop=0.32, harmonics=15, samples=512)
     ours = sorted(fold.frequency for fold in branch.folds)
     theirs = sorted(fold.frequency for fold in balanced.folds)
     assert ours == pytest.approx(theirs, rel=2e-4)  # 128 steps per period; 15 harmonics

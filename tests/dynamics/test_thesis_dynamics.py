@@ -152,9 +152,7 @@ def test_20_subharmonics_of_large_n_are_the_undamped_free_motion(order, level):
             system, sine, duration=4 * order / frequency, timestep=1.0 / (128 * frequency), sample_rate=8 * frequency
         )
         guess = wr.State(values=rest.final_state.values, time=0.0)
-        return wr.periodic_orbit(
-            system, frequency=frequency, acceleration=level, direction="z", periods=order, guess=guess
-        )
+        return wr.periodic_orbit(system, frequency=frequency, acceleration=level, direction="z", periods=order, guess=guess)
 
     at = found(order)
     assert at.neutral == 3  # all directions: a continuum of motions
@@ -165,9 +163,7 @@ def test_20_subharmonics_of_large_n_are_the_undamped_free_motion(order, level):
         beside = found(share * order)
         assert "settling" not in beside.message
         assert harmonic_content(beside, payload="mass", highest=2).amplitude[1] < 1e-6 * level
-        assert np.abs(beside.floquet_multipliers) == pytest.approx(
-            [1.0, 1.0], abs=1e-6
-        )  # nor does the free motion decay
+        assert np.abs(beside.floquet_multipliers) == pytest.approx([1.0, 1.0], abs=1e-6)  # nor does the free motion decay
 
 
 def test_20_small_n_damps_small_motions_and_large_n_does_not():
@@ -195,9 +191,7 @@ def test_21_damping_leaves_no_subharmonics(order):
 def test_21_odd_superharmonics_of_a_symmetric_law():
     """The resonance at 0.80 rad/s answers to the third harmonic of 0.31 and the fifth of 0.20 rad/s."""
     shares = {
-        w: harmonics(found) / harmonics(found)[0]
-        for w in (0.2, 0.25, 0.31, 0.36)
-        for found in [orbit(bouc_wen(0.5, 0.5), w)]
+        w: harmonics(found) / harmonics(found)[0] for w in (0.2, 0.25, 0.31, 0.36) for found in [orbit(bouc_wen(0.5, 0.5), w)]
     }
     assert max(share[1::2].max() for share in shares.values()) < 1e-6  # even ones
     third, fifth = ({w: share[k] for w, share in shares.items()} for k in (2, 4))
@@ -288,9 +282,7 @@ def test_24_a_symmetric_law_has_odd_superharmonics_only_an_asymmetric_one_all():
         assert odd[2] > 1e-3 * odd[0]
     # at a third and at a half of the resonance, under the weight of 3.5 kg
     loaded = sdof(ASYMMETRIC, gravity=G)
-    third, half = (
-        harmonics(wr.periodic_orbit(loaded, frequency=f, acceleration=level, direction="z")) for f in (12.15, 18.23)
-    )
+    third, half = (harmonics(wr.periodic_orbit(loaded, frequency=f, acceleration=level, direction="z")) for f in (12.15, 18.23))
     assert third[2] / third[0] == pytest.approx(0.23, abs=0.03)
     assert half[1] / half[0] == pytest.approx(0.54, abs=0.03)
     assert min(half[:4]) > 5e-4 * half[0]
@@ -334,9 +326,7 @@ def largest_multiplier(parts, motion, *, share, tolerance, difference):
 
 
 def motions(law):
-    return [
-        harmonic_balance(law, mass=1.0, frequency=w / TURN, acceleration=0.3, harmonics=9, samples=128) for w in OMEGAS
-    ]
+    return [harmonic_balance(law, mass=1.0, frequency=w / TURN, acceleration=0.3, harmonics=9, samples=128) for w in OMEGAS]
 
 
 def library(law, **more):

@@ -75,9 +75,7 @@ def test_cabinets_that_touch_their_stops_are_what_they_are_alone():
     assert_each_as_alone(systems, motions, **steps)
     # the first of them must have been in contact for this to say anything
     peaks = wr.simulate(systems[0], motions[0], **steps).peaks
-    assert (
-        min(mount.deflection.minimum[2] for mount in peaks.mounts.values()) < -0.03556
-    )  # rated travel: there the stops are
+    assert min(mount.deflection.minimum[2] for mount in peaks.mounts.values()) < -0.03556  # rated travel: there the stops are
     assert peaks.struck
 
 
@@ -127,9 +125,7 @@ def test_a_failing_variant_says_what_it_says_alone_and_stops_no_other(monkeypatc
     system = wr.load_system(models_folder() / "sdof_shaker.xml")
     (name,) = system.payloads
     motions = [half_sine(level, "z") for level in (10.0, 1e7, 20.0)]
-    monkeypatch.delattr(
-        "wirerope_mj.engine.simulation.batch._alone"
-    )  # it is found from where all was well, not from the start
+    monkeypatch.delattr("wirerope_mj.engine.simulation.batch._alone")  # it is found from where all was well, not from the start
     results = wr.simulate_batch(system, motions, **STEPS)
     with pytest.raises(wr.SimulationError) as alone:
         wr.simulate(system, motions[1], corners=all_corners(motions), **STEPS)
@@ -179,8 +175,7 @@ def test_masses_changed_in_a_compiled_model_are_the_variant_s_own():
     double = wr.KelvinVoigt(k=2.0 * spring.k, c=2.0 * spring.c)
     systems = [house.sdof(spring), house.sdof(double, mass=7.0), house.sdof(spring, mass=7.0)]
     alike, heavy, soft = (
-        result.peaks.bodies["mass"].acceleration.value
-        for result in wr.simulate_batch(systems, half_sine(10.0), **STEPS)
+        result.peaks.bodies["mass"].acceleration.value for result in wr.simulate_batch(systems, half_sine(10.0), **STEPS)
     )
     assert heavy == pytest.approx(alike, rel=1e-12)  # rounding alone
     assert soft < 0.9 * alike
@@ -217,9 +212,7 @@ def test_base_motion_is_the_peak_of_what_is_fixed_to_the_base():
 
 def test_systems_of_another_layout_are_named():
     systems = [wr.load_system(models_folder() / f"{name}.xml") for name in ("shock_table", "cabinet")]
-    with pytest.raises(
-        wr.ModelError, match=r"`systems\[1\]` has another layout than `systems\[0\]` \(.*\bnv\b.*mounts differ"
-    ):
+    with pytest.raises(wr.ModelError, match=r"`systems\[1\]` has another layout than `systems\[0\]` \(.*\bnv\b.*mounts differ"):
         wr.simulate_batch(systems, half_sine(1.0), **STEPS)
 
 

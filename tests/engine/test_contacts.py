@@ -39,9 +39,7 @@ def struck(table):
 
 def box_on_deck(cone, dimension):
     """A box that falls onto the deck beside its mount: four contact points of one undeclared pair."""
-    world = deck(
-        {"d": 'pos="0 0 .1"'}, inside='<geom name="plate" type="box" size="1 1 .01" contype="1" conaffinity="1"/>'
-    )
+    world = deck({"d": 'pos="0 0 .1"'}, inside='<geom name="plate" type="box" size="1 1 .01" contype="1" conaffinity="1"/>')
     contact = f'condim="{dimension}" solref="-40000 -300" solimp=".001 .001 .001" friction=".4"'
     world += (
         '<body name="box" pos="0 0 .2"><freejoint/><geom name="crate" type="box" size=".1 .1 .1" mass="20" contype="1" '
@@ -96,9 +94,7 @@ def test_a_strike_takes_up_the_energy_that_the_motion_loses(callback):
     world = deck({"d": 'pos="0 0 .1"'}, inside='<geom name="plate" type="box" size="1 1 .05"/>')
     ball = '<geom name="bump" type="sphere" size=".05" mass="20"/><site name="p" pos="0 0 -.2"/>'
     world += f'<body name="ball" pos="0 0 .3"><freejoint/>{ball}</body>'
-    pair = (
-        '<contact><pair geom1="bump" geom2="plate" condim="1" solref="-40000 -150" solimp=".001 .001 .001"/></contact>'
-    )
+    pair = '<contact><pair geom1="bump" geom2="plate" condim="1" solref="-40000 -150" solimp=".001 .001 .001"/></contact>'
     law = wr.KelvinVoigt(k=1e-6, c=0.0)  # as good as no spring
     isolator = wr.Isolator(name="a", roll=law, shear=law, axial=law)
     system = wr.load_system(mjcf(world, [("m", "p", "d", "a")], gravity=G, other=pair), isolators={"a": isolator})
@@ -151,9 +147,7 @@ def test_stops_that_carry_from_the_start_are_not_struck():
     assert [(c.from_start, c.touches, c.first_touch, c.struck) for c in r.peaks.contacts.values()] == [
         (True, 1, 0.0, False)
     ] * 4
-    carried = sum(contact.force for contact in r.peaks.contacts.values()) - sum(
-        m.force[0, 2] for m in r.mounts.values()
-    )
+    carried = sum(contact.force for contact in r.peaks.contacts.values()) - sum(m.force[0, 2] for m in r.mounts.values())
     assert carried == pytest.approx(400.0 * G, rel=1e-5)  # to which the contact solver iterates
     assert {row.verdict for row in contact_verdicts(r)} == {TOUCHING}
 
@@ -200,9 +194,7 @@ def test_contacts_come_back_from_the_file_and_older_files_have_none(struck, tmp_
 
 @pytest.mark.slow
 def test_the_command_says_struck_stops_in_every_output(tmp_path):
-    scenario = (
-        (scenarios_folder() / "shock_table.py").read_text().replace("shock_table.xml", "shock_table_contacts.xml")
-    )
+    scenario = (scenarios_folder() / "shock_table.py").read_text().replace("shock_table.xml", "shock_table_contacts.xml")
     (tmp_path / "on_contacts.py").write_text(scenario)
     done = wirerope(
         "run",
@@ -261,9 +253,7 @@ def test_struck_geoms_that_finer_steps_do_not_agree_on_are_sensitive_with_their_
     peaks = [r.peaks.bodies["block"].acceleration.value]
     with pytest.warns(wr.AccuracyWarning, match="were struck"):
         peaks += [
-            wr.simulate(system, sine, duration=1.0, timestep=r.timestep / parts)
-            .peaks.bodies["block"]
-            .acceleration.value
+            wr.simulate(system, sine, duration=1.0, timestep=r.timestep / parts).peaks.bodies["block"].acceleration.value
             for parts in (2, 3)
         ]
     assert np.ptp(peaks) / peaks[-1] <= r.estimated_error

@@ -44,9 +44,7 @@ def test_the_base_does_the_work_that_is_stored_and_dissipated():
     spin = np.einsum("tji,tj->ti", turn, body.angular_velocity)
     kinetic = 0.5 * MASS * (body.velocity**2).sum(1) + 0.5 * (INERTIA * spin**2).sum(1)
     potential = MASS * G * body.position[:, 2]
-    alpha, beta, gamma, n, k = (
-        np.array([law[key] for law in LAWS.values()]) for key in ("alpha", "beta", "gamma", "n", "k")
-    )
+    alpha, beta, gamma, n, k = (np.array([law[key] for law in LAWS.values()]) for key in ("alpha", "beta", "gamma", "n", "k"))
     elastic, loss, supplied = np.zeros(r.time.size), np.zeros(r.time.size), np.zeros(r.time.size)
     for i, corner in enumerate(CORNERS):
         m = r.mounts[f"m{i}"]
@@ -168,9 +166,7 @@ def test_a_mount_on_a_hinge_of_the_base_turns_with_it():
         '<body name="arm"><joint name="arm_hinge" type="hinge" axis="0 1 0" stiffness="900" damping=".5"/>'
         '<geom size=".1" mass="4"/><geom pos=".4 0 0" size=".1" mass="4"/><site name="b" pos=".4 0 .2"/></body>'
     )
-    payload = (
-        '<body name="load" pos=".4 0 .3"><freejoint/><geom size=".1" mass="6"/><site name="p" pos="0 0 -.1"/></body>'
-    )
+    payload = '<body name="load" pos=".4 0 .3"><freejoint/><geom size=".1" mass="6"/><site name="p" pos="0 0 -.1"/></body>'
     text = mjcf(deck({}, inside=hinge) + payload, [("m", "p", "b", "i")])
     system = wr.load_system(text, isolators={"i": wr.Isolator(name="i", roll=law, shear=law, axial=law)})
     assert system.base == "deck"

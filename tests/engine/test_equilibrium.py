@@ -284,9 +284,7 @@ def test_a_mass_hanging_from_a_ceiling_stretches_its_mount():
         '<body name="mass" pos="0 0 1"><joint type="slide" axis="0 0 1"/><geom size=".1" mass="3.5"/>'
         '<site name="p" pos="0 0 .2"/></body>'
     )
-    system = wr.load_system(
-        mjcf(world, [("c", "p", "b", "a")], gravity=G), isolators={"a": wr.Isolator(name="a", axial=law)}
-    )
+    system = wr.load_system(mjcf(world, [("c", "p", "b", "a")], gravity=G), isolators={"a": wr.Isolator(name="a", axial=law)})
     e = wr.equilibrium(system)
     assert e.mounts["c"].deflection[2] > 0.0
     assert e.mounts["c"].force[2] == pytest.approx(3.5 * G, rel=1e-9)
@@ -310,9 +308,7 @@ def test_a_mass_on_a_wall_mount_hangs_in_roll_and_is_pushed_in_axial_direction()
     np.testing.assert_allclose(e.mounts["w"].force, [3.5 * G, 0.0, 0.0], atol=1e-8)
     np.testing.assert_allclose(e.mounts["w"].deflection, [3.5 * G / 2e4, 0.0, 0.0], atol=1e-12)
     # The wall strikes towards the mass (-x): compression, negative. Along +y the mass lags towards -y: positive shear.
-    shock = wr.HalfSine(peak=-5 * G, duration=0.01, direction="x") + wr.HalfSine(
-        peak=5 * G, duration=0.01, direction="y"
-    )
+    shock = wr.HalfSine(peak=-5 * G, duration=0.01, direction="x") + wr.HalfSine(peak=5 * G, duration=0.01, direction="y")
     r = wr.simulate(system, shock, duration=0.008, timestep=1e-4)
     assert r.mounts["w"].force[-1, 2] < -0.5 * 3.5 * G
     assert r.mounts["w"].force[-1, 1] > 0.5 * 3.5 * G

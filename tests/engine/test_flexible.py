@@ -87,8 +87,7 @@ def test_kernel_and_mujoco_agree_on_a_cabinet_that_bends_on_a_deck_that_bends(be
     assert unsupported_system(bending_cabinet) == ""
     motion = wr.HalfSine(peak=100.0, duration=0.011, direction=(1.0, 0.5, 1.0), start=0.02)
     one, other = (
-        wr.simulate(bending_cabinet, motion, duration=0.15, timestep=1e-4, engine=engine)
-        for engine in ("kernel", "mujoco")
+        wr.simulate(bending_cabinet, motion, duration=0.15, timestep=1e-4, engine=engine) for engine in ("kernel", "mujoco")
     )
     for name, point in other.points.items():
         for kind in ("acceleration", "velocity", "relative_displacement"):
@@ -121,9 +120,7 @@ def energy(system, state):
         mujoco.mj_forward(model, data)
     mass = np.zeros((model.nv, model.nv))
     mujoco.mj_fullM(model, data, mass)
-    springs = sum(
-        0.5 * model.jnt_stiffness[mode] * data.qpos[model.jnt_qposadr[mode]] ** 2 for mode in range(model.njnt)
-    )
+    springs = sum(0.5 * model.jnt_stiffness[mode] * data.qpos[model.jnt_qposadr[mode]] ** 2 for mode in range(model.njnt))
     user = system.assembly.tables.user.mount_rows(system.assembly.user(data.userdata))
     free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
     v = data.qvel[free]

@@ -10,9 +10,7 @@ from wirerope_mj.foundation.errors import RecordError
 
 pytestmark = pytest.mark.quick
 
-MODES = (
-    "mode,frequency_Hz,damping,participation_x,participation_y,participation_z\n1,10,0.02,0,0,20\n2,31.5,0.02,0,0,8\n"
-)
+MODES = "mode,frequency_Hz,damping,participation_x,participation_y,participation_z\n1,10,0.02,0,0,20\n2,31.5,0.02,0,0,8\n"
 SHAPES = "point,mode,x,y,z\nm1,1,0,0,0.05\nm1,2,0,0,0.02\nm2,1,0,0,0.04\nm2,2,0,0,-0.03\n"
 POINTS = "point,x_m,y_m,z_m\nm1,0.3,0,0\nm2,-0.3,0,0\n"
 

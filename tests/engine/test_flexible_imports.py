@@ -67,9 +67,7 @@ def with_files(folder, truth):
     rows = "".join(f"{name},{x * MM:.9g},{y * MM:.9g},{z * MM:.9g}," + "\n" for name, (x, y, z) in truth.points.items())
     (folder / "boundary.csv").write_text("point,x,y,z,held\nedge,0,0,0,yes\n" + rows)
     nodes = {name: 100 + n for n, name in enumerate(FEET)}
-    rows = "".join(
-        f"{name},{nodes[name]},{x * MM:.9g},{y * MM:.9g},{z * MM:.9g}\n" for name, (x, y, z) in truth.points.items()
-    )
+    rows = "".join(f"{name},{nodes[name]},{x * MM:.9g},{y * MM:.9g},{z * MM:.9g}\n" for name, (x, y, z) in truth.points.items())
     (folder / "points.csv").write_text("point,node,x,y,z\n" + rows)
     rows = "".join(
         f"{n},{f:.12g},{ZETA},0,0,{gamma * np.sqrt(TONNE):.12g}\n"
@@ -154,9 +152,7 @@ def test_one_plate_is_the_same_part_from_every_file(files, points, digits, folde
     part, mass = import_part([folder / name for name in files], folder / points, UNITS, damping=ZETA)
     if mass is not None:
         fe = plate(A, B, H, NX, NY, clamped=True)
-        np.testing.assert_allclose(
-            mass, [0.0, 0.0, fe.force @ np.linalg.solve(fe.mass, fe.force)], rtol=1e-7, atol=1e-9
-        )
+        np.testing.assert_allclose(mass, [0.0, 0.0, fe.force @ np.linalg.solve(fe.mass, fe.force)], rtol=1e-7, atol=1e-9)
         part = part.below(1.0001 * truth.frequencies[-1])
     same(part, truth, digits)
 

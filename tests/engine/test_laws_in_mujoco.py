@@ -146,9 +146,7 @@ def test_masing_in_mujoco_is_of_second_order():
     x, force = masing_oscillator(law, times, mass=MASS, omega=2.0 * np.pi * frequency, acceleration=3 * G)
     per_cycle, found = np.array([100, 200, 400, 800, 1600, 3200]), []
     for steps in per_cycle:
-        r = wr.simulate(
-            sdof(law, mass=MASS), SHAKING, duration=0.3, timestep=1.0 / (frequency * steps), initial="unloaded"
-        )
+        r = wr.simulate(sdof(law, mass=MASS), SHAKING, duration=0.3, timestep=1.0 / (frequency * steps), initial="unloaded")
         m = r.mounts["m1"]
         errors = np.abs(m.force[:, 2] - force).max() / np.abs(force).max(), np.abs(m.deflection[:, 2] - x).max()
         found.append(max(errors[0], errors[1] / np.abs(x).max()))
@@ -244,9 +242,7 @@ def test_coupled_mounts_draw_in_mujoco_what_their_law_draws():
     shock = wr.HalfSine(peak=12 * G, duration=0.011, direction=(2.0, 1.0, 0.5), start=0.0075)
     system = platform(20.0, "biaxial", shear=law)
     native, python = (
-        wr.simulate(
-            system, shock, duration=0.2, timestep=1e-4, sample_rate=10_000.0, callback=callback, engine="mujoco"
-        )
+        wr.simulate(system, shock, duration=0.2, timestep=1e-4, sample_rate=10_000.0, callback=callback, engine="mujoco")
         for callback in ("native", "python")
     )
     for name, m in native.mounts.items():

@@ -213,9 +213,7 @@ def test_each_stop_of_the_mounts_stands_in_its_sphere_and_closes_where_it_meets_
         assert gap == (expected.side_gap if side else expected.stop_gap)
         assert min(apart) == pytest.approx(gap, abs=1e-9), name  # rounding of the file
         line = lines[int(np.argmin(apart))]
-        np.testing.assert_allclose(
-            (line[:3] - line[3:]) / gap, data.site_xmat[base_site].reshape(3, 3)[:, 2], atol=1e-6
-        )
+        np.testing.assert_allclose((line[:3] - line[3:]) / gap, data.site_xmat[base_site].reshape(3, 3)[:, 2], atol=1e-6)
     assert not spheres
 
 

@@ -74,9 +74,7 @@ def test_kernel_and_mujoco_compute_the_same_on_a_panel():
     one, other = (wr.simulate(system, PULSE, engine=engine, **how) for engine in ("kernel", "mujoco"))
     for name in ("mass", "deck_panel"):
         expected = other.bodies[name].acceleration
-        np.testing.assert_allclose(
-            one.bodies[name].acceleration, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max()
-        )
+        np.testing.assert_allclose(one.bodies[name].acceleration, expected, rtol=0.0, atol=1e-9 * np.abs(expected).max())
 
 
 def test_the_panel_carries_its_own_weight_as_drawn_and_sags_under_what_stands_on_it():
@@ -157,9 +155,7 @@ def test_a_panel_tuned_to_another_frequency_is_the_panel_of_that_frequency():
     tuned = wr.varied(on_deck(base, PANEL), tunings={"deck_panel": 1.8})
     how = {"duration": 0.2, "timestep": 1e-4}
     expected = wr.simulate(on_deck(base, other), PULSE, **how).peaks.bodies["mass"].acceleration.value
-    assert wr.simulate(tuned, PULSE, **how).peaks.bodies["mass"].acceleration.value == pytest.approx(
-        expected, rel=1e-12
-    )
+    assert wr.simulate(tuned, PULSE, **how).peaks.bodies["mass"].acceleration.value == pytest.approx(expected, rel=1e-12)
     with pytest.raises(ModelError, match="no joint 'mass_z' with a spring. Joints with one: \\['deck_panel'\\]"):
         wr.varied(tuned, tunings={"mass_z": 2.0})
 

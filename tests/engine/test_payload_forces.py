@@ -61,17 +61,13 @@ def test_a_blow_gives_its_impulse(system, direction):
     )
     response = wr.simulate(system, blow, duration=0.2, accuracy=1e-8, sample_rate=20_000.0)
     omega, ratio = np.sqrt(K / MASS), C / (2.0 * np.sqrt(K * MASS))
-    first = (
-        40.0 / (MASS * omega) * np.exp(-ratio / np.sqrt(1 - ratio**2) * np.arccos(ratio))
-    )  # peak of a free oscillation
+    first = 40.0 / (MASS * omega) * np.exp(-ratio / np.sqrt(1 - ratio**2) * np.arccos(ratio))  # peak of a free oscillation
     assert np.abs(response.mounts["m1"].deflection[:, 2]).max() == pytest.approx(first, rel=1e-4)
 
 
 def test_the_medium_weight_machine_is_two_masses_until_the_table_is_stopped():
     stiffness, table, equipment, gravity, impulse = 2e5, 2041.0, 300.0, G, 3300.0
-    linear = wr.Isolator(
-        name="linear", **{axis: wr.KelvinVoigt(k=stiffness, c=500.0) for axis in ("axial", "shear", "roll")}
-    )
+    linear = wr.Isolator(name="linear", **{axis: wr.KelvinVoigt(k=stiffness, c=500.0) for axis in ("axial", "shear", "roll")})
     system = wr.load_system(models_folder() / "templates" / "medium_weight_machine.xml", isolators={"wr16_400": linear})
     response = wr.simulate(system, wr.Blow(site="hammer", impulse=impulse, duration=1e-3, direction="z"), duration=0.05)
     at_rest = equipment * gravity / (4 * stiffness)
@@ -82,9 +78,7 @@ def test_the_medium_weight_machine_is_two_masses_until_the_table_is_stopped():
         held = 4 * (stiffness * (state[2] - state[0]) + 500.0 * (state[3] - state[1]))
         return [state[1], (blow + seat + held) / table - gravity, state[3], -held / equipment - gravity]
 
-    solved = scipy.integrate.solve_ivp(
-        rates, (0.0, 0.05), (0.0, 0.0, -at_rest, 0.0), rtol=1e-9, atol=1e-12, max_step=1e-4
-    )
+    solved = scipy.integrate.solve_ivp(rates, (0.0, 0.05), (0.0, 0.0, -at_rest, 0.0), rtol=1e-9, atol=1e-12, max_step=1e-4)
     travel = solved.y[2] - solved.y[0]
     assert response.mounts["m1"].deflection[:, 2].min() == pytest.approx(travel.min(), rel=2e-3)
 
@@ -186,12 +180,9 @@ def test_forces_and_base_motions_add_and_python_is_native(system):
         peak=5 * G, duration=0.011, direction="z", start=0.05
     )
     alone = [
-        wr.simulate(system, term, duration=0.3, timestep=5e-4, engine="mujoco").bodies["block"].position
-        for term in both.terms
+        wr.simulate(system, term, duration=0.3, timestep=5e-4, engine="mujoco").bodies["block"].position for term in both.terms
     ]
-    native, python = (
-        wr.simulate(system, both, duration=0.3, timestep=5e-4, callback=kind) for kind in ("native", "python")
-    )
+    native, python = (wr.simulate(system, both, duration=0.3, timestep=5e-4, callback=kind) for kind in ("native", "python"))
     np.testing.assert_array_equal(native.bodies["block"].position, python.bodies["block"].position)
     # one frame and one engine, and the corners of the other motion cut other steps
     assert native.bodies["block"].position == pytest.approx(sum(alone), abs=1e-8)
@@ -209,9 +200,7 @@ def test_a_batch_gives_every_variant_its_own_force(system):
 @pytest.mark.parametrize(
     "force",
     [
-        wr.Unbalance(
-            site="engine", unbalance=0.02, frequency=2.0, final_frequency=20.0, run_up=3.0, axis=(0, 1, 1), order=0.5
-        ),
+        wr.Unbalance(site="engine", unbalance=0.02, frequency=2.0, final_frequency=20.0, run_up=3.0, axis=(0, 1, 1), order=0.5),
         wr.Unbalance(site="engine", unbalance=0.02, frequency=2.0, line="x", duration=3.0, phase=1.0, start=0.1),
         wr.HarmonicForce(site="engine", frequency=4.0, moment=(1, 2, 3)),
         wr.ForceTable(site="engine", times=[0, 1, 2], loads=[[0] * 6, [1, 2, 3, 4, 5, 6], [0] * 6], start=0.5),
@@ -275,9 +264,7 @@ def test_what_the_foundation_feels_is_weight_and_inertia_and_what_acts():
     rotation = scipy.spatial.transform.Rotation
     site = rotation.from_quat(system.model.site("force/engine").quat, scalar_first=True)
     body = response.bodies["block"]
-    applied = (rotation.from_quat(body.orientation, scalar_first=True) * site).apply(
-        load.load("engine", response.time)[:, :3]
-    )
+    applied = (rotation.from_quat(body.orientation, scalar_first=True) * site).apply(load.load("engine", response.time)[:, :3])
     expected = applied - MASS_OF_BLOCK * (body.acceleration + np.array([0.0, 0.0, 9.81]))
     # The first sample is a corner, at which a force counts as it is 1e-10 s later.
     assert foundation_force(response)[1:] == pytest.approx(expected[1:], abs=1e-11 * np.abs(expected).max())

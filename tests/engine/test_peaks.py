@@ -42,10 +42,7 @@ def test_a_later_peak_differs_in_its_instants_alone():
     peak = Peak(**VALUES)
     later = peak.later(0.5)
     for name, value in VALUES.items():
-        assert (
-            np.asarray(getattr(later, name)).tolist()
-            == (value + 0.5 * (name in INSTANTS) * np.ones_like(value)).tolist()
-        )
+        assert np.asarray(getattr(later, name)).tolist() == (value + 0.5 * (name in INSTANTS) * np.ones_like(value)).tolist()
     assert as_plain(peak) == as_plain(Peak(**VALUES))
 
 

@@ -134,8 +134,7 @@ def test_modes_stand_for_the_whole_plate(clamped, name):
     decks["30 and residual"] = part_of(fe, 30, residual=True)
     systems = {"rigid": rigid} | {deck: wr.on_deck(rigid, part) for deck, part in decks.items()}
     off = {
-        deck: np.abs(peaks_of(system, MOTIONS[name], DURATION[name]) / expected - 1.0).max()
-        for deck, system in systems.items()
+        deck: np.abs(peaks_of(system, MOTIONS[name], DURATION[name]) / expected - 1.0).max() for deck, system in systems.items()
     }
     print(name, {deck: f"{100 * value:.2f} %" for deck, value in off.items()})
     # what is asked of a truncated model is 1 %; with residual vectors 0.1 % is left, which is the reference's own

@@ -14,9 +14,7 @@ from wirerope_mj.foundation.resources import models_folder, shipped_models
 
 GRAVITY = 'gravity="0 0 -9.80665"'
 SPRING = wr.KelvinVoigt(k=5e4, c=200.0)
-FEET = {
-    f"m{number}": (x, y) for number, (x, y) in enumerate([(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)], start=1)
-}
+FEET = {f"m{number}": (x, y) for number, (x, y) in enumerate([(0.3, 0.3), (-0.3, 0.3), (-0.3, -0.3), (0.3, -0.3)], start=1)}
 
 
 def stand(*, gravity=GRAVITY, joints="<freejoint/>", inertial="", isolator="rope"):

@@ -58,9 +58,7 @@ def test_modes_of_the_package_are_those_of_the_first_harmonic():
     np.testing.assert_allclose(found, RACKS[850].frequencies(0.0125, "stiffness"), rtol=0.01)
 
 
-@pytest.mark.parametrize(
-    ("axis", "displacement", "acceleration"), [("x", 15.89, 7.05), ("y", 20.79, 5.96), ("z", 15.22, 7.17)]
-)
+@pytest.mark.parametrize(("axis", "displacement", "acceleration"), [("x", 15.89, 7.05), ("y", 20.79, 5.96), ("z", 15.22, 7.17)])
 def test_shocks_of_the_rack_of_850_kg(axis, displacement, acceleration):
     """Upwards the deck starts, so that the mounts below are compressed first; along x the larger of both senses counts."""
     found = [racks.shock(system(850), axis, sense) for sense in ((1, -1) if axis == "x" else (1,))]

@@ -28,9 +28,7 @@ def system():
         "a": wr.Isolator(name="A", roll=LAW, axial=LAW),
         "r": wr.Isolator(name="R", roll=viscous, shear=viscous, axial=LAW),
     }
-    return wr.load_system(
-        mjcf(world, [("m1", "p1", "d1", "a"), ("m2", "p2", "d2", "r")], gravity=G), isolators=isolators
-    )
+    return wr.load_system(mjcf(world, [("m1", "p1", "d1", "a"), ("m2", "p2", "d2", "r")], gravity=G), isolators=isolators)
 
 
 @pytest.fixture(scope="module")
@@ -229,8 +227,7 @@ def test_peaks_are_refined_between_the_steps(timestep):
 def test_peaks_see_every_step_and_not_only_the_samples():
     system = sdof(LAW)
     runs = [
-        wr.simulate(system, SHOCK, duration=0.2, timestep=5e-4, initial="unloaded", sample_rate=rate)
-        for rate in (2000.0, 50.0)
+        wr.simulate(system, SHOCK, duration=0.2, timestep=5e-4, initial="unloaded", sample_rate=rate) for rate in (2000.0, 50.0)
     ]
     dense, sparse = (r.peaks.mounts["m1"].force for r in runs)
     assert np.abs(runs[1].mounts["m1"].force).max() < 0.98 * dense.value

@@ -77,9 +77,7 @@ def limits_for(law):
 
 
 @pytest.mark.parametrize("history", HISTORIES)
-@pytest.mark.parametrize(
-    "name", [name for name in PARAMETERS if name != "stop"]
-)  # which holds nothing while it is open
+@pytest.mark.parametrize("name", [name for name in PARAMETERS if name != "stop"])  # which holds nothing while it is open
 def test_every_law_rests_where_the_search_with_mujoco_finds_it(name, history):
     system = floor_on(example(name))
     assert unsupported_system(system) == ""

@@ -211,9 +211,7 @@ PRINCIPAL = {"a": (3.0, np.array([0.05, 0.08, 0.11])), "b": (5.0, np.array([0.2,
 
 def balance(system, timestep):
     """Return energy (n_t,), momentum, angular momentum (n_t, 3) and turn energy (n_t,) of the pair that tumbles."""
-    r = wr.simulate(
-        system, quiet(), duration=0.5, timestep=timestep, initial=spinning(system), sample_rate=round(1 / timestep)
-    )
+    r = wr.simulate(system, quiet(), duration=0.5, timestep=timestep, initial=spinning(system), sample_rate=round(1 / timestep))
     energy, momentum, angular = np.zeros(r.time.size), 0.0, 0.0
     for name, (mass, inertia) in PRINCIPAL.items():
         body = r.bodies[name]
@@ -221,9 +219,7 @@ def balance(system, timestep):
         spin = np.einsum("tji,tj->ti", turn, body.angular_velocity)
         energy += 0.5 * mass * (body.velocity**2).sum(1) + 0.5 * (inertia * spin**2).sum(1)
         momentum = momentum + mass * body.velocity
-        angular = (
-            angular + mass * np.cross(body.position, body.velocity) + np.einsum("tij,tj->ti", turn, inertia * spin)
-        )
+        angular = angular + mass * np.cross(body.position, body.velocity) + np.einsum("tij,tj->ti", turn, inertia * spin)
     # Both bodies stand straight in the modelled geometry, so that the mount's axes are those of its site on b.
     axes = rotation(system.model.site("sb").quat)
     relative = np.einsum("tji,tjk->tik", rotation(r.bodies["b"].orientation), rotation(r.bodies["a"].orientation))

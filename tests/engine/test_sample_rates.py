@@ -39,9 +39,7 @@ def combined(response):
 
 def test_travel_along_all_axes_is_that_of_every_step_at_any_rate(shaken):
     reference = combined(shaken[10_000])
-    assert reference["m03"].value == pytest.approx(
-        1.24943, abs=1e-3
-    )  # 1.2494347 with steps of 33, 1.2494348 of 20, 10 us
+    assert reference["m03"].value == pytest.approx(1.24943, abs=1e-3)  # 1.2494347 with steps of 33, 1.2494348 of 20, 10 us
     for response in shaken.values():
         found = combined(response)
         assert {name: row.verdict for name, row in found.items()} == {n: row.verdict for n, row in reference.items()}
@@ -110,9 +108,7 @@ def test_an_older_state_starts_a_run_still(cabinet):
     response = wr.simulate(cabinet, SHOCK, duration=0.1, timestep=5e-4)
     memory = 7 * len(cabinet.mounts)  # of the travel of every mount, behind all else
     older = wr.State(values=response.final_state.values[:-memory], time=response.final_state.time)
-    new, old = (
-        wr.simulate(cabinet, SHOCK, duration=0.1, timestep=5e-4, initial=one) for one in (response.final_state, older)
-    )
+    new, old = (wr.simulate(cabinet, SHOCK, duration=0.1, timestep=5e-4, initial=one) for one in (response.final_state, older))
     assert new.peaks.same_as(old.peaks)
 
 
@@ -122,9 +118,7 @@ def test_clearances_of_corners_and_of_pairs_of_points_are_known_within_a_hundred
         PayloadLimit(kind="clearance", name="rack_top to rack_base_front", values=(0.05, 0.05, 0.05)),
     ]
     judged = {
-        rate: {
-            (row.subject, row.criterion): row for row in rattle_verdicts(response, limits) if "along" in row.criterion
-        }
+        rate: {(row.subject, row.criterion): row for row in rattle_verdicts(response, limits) if "along" in row.criterion}
         for rate, response in shaken.items()
     }
     for rate, rows in judged.items():
@@ -152,9 +146,7 @@ def test_between_samples_a_cubic_finds_peaks_and_too_few_samples_give_themselves
     turns, places = path(np.array([0.0, 0.0, 0.0]), np.array([1.0, -1.0, 1.0]), 1.0)
     np.testing.assert_allclose(turns, [0.0, 0.25, 0.0, -0.25, 0.0])  # s (1 - s), its middle
     np.testing.assert_allclose(places, [0.0, 0.5, 1.0, 1.5, 2.0])
-    np.testing.assert_allclose(
-        parabolas(np.array([0.0, 3.0, 2.0, 2.0])), [0.0, 3.125, 2.0, 2.0]
-    )  # 3 + x - 2 x^2 at 1/4
+    np.testing.assert_allclose(parabolas(np.array([0.0, 3.0, 2.0, 2.0])), [0.0, 3.125, 2.0, 2.0])  # 3 + x - 2 x^2 at 1/4
 
 
 def test_the_rates_of_deflections_follow_from_the_bodies(shaken):

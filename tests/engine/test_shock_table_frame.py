@@ -120,9 +120,7 @@ def test_what_hangs_on_the_base_by_a_hinge_keeps_its_angular_momentum_in_a_jump(
     for start in (0.0, 0.01):
         step = wr.VelocityStep(velocity=3.0, direction="x", start=start)
         response = wr.simulate(system, step, duration=0.02, timestep=1e-4, sample_rate=10_000.0)
-        after = (
-            int(np.searchsorted(response.time, start - 1e-9)) + 1
-        )  # one step later; at the jump itself the limits differ
+        after = int(np.searchsorted(response.time, start - 1e-9)) + 1  # one step later; at the jump itself the limits differ
         own = 0.4 * 2.0 * 0.1**2
         # In 0.1 ms the swing of 7 rad/s turns by 7e-4 rad.
         assert response.bodies["bob"].velocity[after, 0] == pytest.approx(3.0 * own / (2.0 * 0.4**2 + own), rel=1e-3)
@@ -133,9 +131,7 @@ def test_momentum_of_frame_and_block_comes_from_the_table_alone():
     response = run(frame_hz=70.0, frame_damping=0.0)
     force = 20.0 * response.bodies["frame"].acceleration[:, 2] + BLOCK * response.bodies["block"].acceleration[:, 2]
     spring = (
-        -20.0
-        * (2 * math.pi * 70.0) ** 2
-        * (response.bodies["frame"].position[:, 2] + 0.04 - response.base.displacement[:, 2])
+        -20.0 * (2 * math.pi * 70.0) ** 2 * (response.bodies["frame"].position[:, 2] + 0.04 - response.base.displacement[:, 2])
     )
     weight = (20.0 + BLOCK) * G
     # Rounding of a stiff spring: 4 MN/m times 1e-13 m, and the base's 1e10 kg that are not quite infinite.
@@ -179,9 +175,7 @@ def test_the_answer_of_the_gallery_holds_by_runs_of_their_own(rigid, figure):
 
 def test_the_figures_numbers_are_consistent(figure):
     _, n = figure
-    assert n["isolator"] == pytest.approx(
-        math.sqrt(110e3 / 50.0) / (2 * math.pi), rel=1e-6
-    )  # the sheet's shock stiffness
+    assert n["isolator"] == pytest.approx(math.sqrt(110e3 / 50.0) / (2 * math.pi), rel=1e-6)  # the sheet's shock stiffness
     assert round(n["half-sine high"] / n["isolator"]) == 8  # "eight times" stands in the caption
     assert n["half-sine low"] < n["half-sine high"] < 80.0  # so that the frame that is drawn counts as rigid
     assert max(n["shown_acceleration"], n["shown_travel"]) < 0.05 < n["light"] < n["heavy"]

@@ -20,9 +20,7 @@ engine = both_engines()
 def shaken(shape, timestep, *, sample_rate=1000.0):
     system = sdof(wr.SymmetricBoucWen(**LAW, k2=0.0), mass=MASS)
     motion = MOTIONS[shape](peak=50 * G, duration=0.011, direction="z", start=0.0123)
-    return wr.simulate(
-        system, motion, duration=DURATION, timestep=timestep, initial="unloaded", sample_rate=sample_rate
-    )
+    return wr.simulate(system, motion, duration=DURATION, timestep=timestep, initial="unloaded", sample_rate=sample_rate)
 
 
 def solved(shape, times):
@@ -298,8 +296,7 @@ def test_only_the_motion_relative_to_the_base_counts():
     shock = wr.HalfSine(peak=50 * G, duration=0.011, direction="z", start=0.003)
     first = wr.simulate(system, shock, duration=0.05, timestep=1e-4, initial="unloaded")
     coasting, resting = (
-        wr.simulate(system, motion, duration=0.1, timestep=1e-4, initial=first.final_state)
-        for motion in (shock, quiet())
+        wr.simulate(system, motion, duration=0.1, timestep=1e-4, initial=first.final_state) for motion in (shock, quiet())
     )
     assert np.abs(coasting.bodies["deck"].velocity[:, 2]).min() > 3.0
     assert np.abs(resting.bodies["deck"].velocity[:, 2]).max() < 1e-9

@@ -75,9 +75,7 @@ def choice(system, errors, monkeypatch, accuracy=1e-4):
         ([np.inf, np.inf, np.inf, 3.0e-2, 3.2e-3, 9.6e-4], 5, 9.6e-4, 7),  # the first three fail: they teach nothing
     ],
 )
-def test_refining_in_contact_ends_where_the_accuracy_is_out_of_reach(
-    table, monkeypatch, errors, halvings, error, pilots
-):
+def test_refining_in_contact_ends_where_the_accuracy_is_out_of_reach(table, monkeypatch, errors, halvings, error, pilots):
     chosen, tried = choice(table, errors, monkeypatch)
     assert chosen.timestep == pytest.approx(tried[0] / 2**halvings, rel=1e-12)
     assert chosen.error == pytest.approx(error, rel=1e-12)
@@ -220,9 +218,7 @@ def test_batches_and_studies_say_once_that_a_given_step_is_too_long_for_friction
     asked = {"duration": 0.1, "timestep": timestep, "sample_rate": 2000.0}
     system = wr.load_system("shock_table")
     said = said_of_a_given_step(lambda: wr.simulate_batch([system] * 3, motion, **asked))
-    study = wr.Study(
-        model="shock_table", motion=motion, vary={"motion/level": wr.Uniform(0.9, 1.1)}, variants=4, **asked
-    )
+    study = wr.Study(model="shock_table", motion=motion, vary={"motion/level": wr.Uniform(0.9, 1.1)}, variants=4, **asked)
     told = said_of_a_given_step(lambda: study.run(tmp_path / "study", workers=1))
     assert len(said) == len(told) == times
     if times:

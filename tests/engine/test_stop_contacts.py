@@ -99,9 +99,7 @@ def test_a_stop_inside_an_isolator_is_seen(callback):
     viscous = wr.Stop(gap_below=BELOW, k=1e6, rounding=2e-3, c=3e3)
     system = mass_on_stop(inside=bumper, beside=wr.Parallel(laws=[viscous, bumper]))
     assert [mount.isolator.is_stop for mount in system.mounts.values()] == [False, True]
-    r = wr.simulate(
-        system, SHOCK, duration=0.2, timestep=STEP, sample_rate=1.0 / STEP, callback=callback, engine="mujoco"
-    )
+    r = wr.simulate(system, SHOCK, duration=0.2, timestep=STEP, sample_rate=1.0 / STEP, callback=callback, engine="mujoco")
     assert list(r.peaks.contacts) == ["m1", "s3 axial 1", "s3 axial 2"]
     inside, second = r.peaks.contacts["m1"], r.peaks.contacts["s3 axial 2"]
     assert inside.mount == "m1"
@@ -194,9 +192,7 @@ def test_the_recording_colours_a_stop_while_it_is_closed(response, tmp_path):
     closed = response.mounts["s3"].force[:, 2] != 0.0
     changes = np.flatnonzero(np.diff(closed.astype(int), prepend=-1))
     np.testing.assert_allclose(times, response.time[changes], atol=1e-9)  # the timeline counts nanoseconds
-    assert [color >> 8 for color in colors] == [
-        int.from_bytes(bytes(CLOSED if closed[row] else OPEN)) for row in changes
-    ]
+    assert [color >> 8 for color in colors] == [int.from_bytes(bytes(CLOSED if closed[row] else OPEN)) for row in changes]
     assert len(colors) > 2
 
 

@@ -33,9 +33,7 @@ def test_a_model_file_that_does_not_exist(tmp_path):
 def test_a_model_that_is_not_mjcf(tmp_path):
     path = tmp_path / "broken.xml"
     path.write_text("<mujoco><worldbody></mujoco>")
-    with pytest.raises(
-        wr.ModelError, match=r"broken\.xml: .*line 1, column 22 is not well-formed XML\. .*close every element"
-    ):
+    with pytest.raises(wr.ModelError, match=r"broken\.xml: .*line 1, column 22 is not well-formed XML\. .*close every element"):
         wr.load_system(path)
 
 
@@ -113,9 +111,7 @@ def test_an_isolator_in_memory_that_no_mount_uses_lists_what_the_model_names():
 
 
 def test_a_broken_isolator_file_is_named(tmp_path):
-    (tmp_path / "a.toml").write_text(
-        'name = "A"\n[axial]\nlaw = "bouc-wen"\nalpha = 1.0\nbeta = -1.0\ngamma = 0.0\nn = 1.0\n'
-    )
+    (tmp_path / "a.toml").write_text('name = "A"\n[axial]\nlaw = "bouc-wen"\nalpha = 1.0\nbeta = -1.0\ngamma = 0.0\nn = 1.0\n')
     path = tmp_path / "model.xml"
     path.write_text(sdof_text())
     with pytest.raises(wr.ModelError, match=r"mount 'm1'.*a\.toml.*axial.*`beta` must be > 0, got -1\.0"):
@@ -141,9 +137,7 @@ def test_sites_that_do_not_coincide():
 
 
 def test_the_same_isolator_twice_between_the_same_sites():
-    with pytest.raises(
-        wr.ModelError, match=r"mounts 'm1' and 'm2' place the same isolator 'a'.*'p' and 'b'; remove one"
-    ):
+    with pytest.raises(wr.ModelError, match=r"mounts 'm1' and 'm2' place the same isolator 'a'.*'p' and 'b'; remove one"):
         load(mjcf(DECK + MASS, [("m1", "p", "b", "a"), ("m2", "p", "b", "a")]))
 
 
@@ -269,9 +263,7 @@ def test_a_base_that_is_the_world_cannot_be_shaken():
 
 def test_a_step_too_large_says_the_stable_step():
     system = sdof(LAW)
-    with pytest.raises(
-        wr.SimulationError, match=r"a step of 0\.1 s is too large.*stable up to ([0-9.e-]+) s"
-    ) as caught:
+    with pytest.raises(wr.SimulationError, match=r"a step of 0\.1 s is too large.*stable up to ([0-9.e-]+) s") as caught:
         wr.simulate(system, SHOCK, duration=0.1, timestep=0.1, initial="unloaded")
     stated = float(re.search(r"stable up to ([0-9.e-]+) s", str(caught.value)).group(1))
     # RK4 on an undamped oscillator of this tangent: omega h < 2 sqrt(2), of which the library uses 95 to 100 %.
@@ -295,9 +287,7 @@ def test_a_number_that_must_be_positive(name, value):
 
 
 def test_words_that_are_not_known():
-    with pytest.raises(
-        ValueError, match=r"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got 'hanging'"
-    ):
+    with pytest.raises(ValueError, match=r"`initial` must be 'settled', 'relaxed', 'unloaded' or a State, got 'hanging'"):
         wr.simulate(sdof(LAW), SHOCK, duration=0.1, initial="hanging")
     with pytest.raises(ValueError, match=r"`callback` must be one of 'native', 'python', got 'c'"):
         wr.simulate(sdof(LAW), SHOCK, duration=0.1, timestep=1e-3, initial="unloaded", callback="c")
@@ -341,9 +331,7 @@ def test_a_blow_up_says_when_and_which_body():
 
 def test_an_accuracy_that_cannot_be_reached():
     law = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0, n=1.0), k=2e4)
-    with pytest.raises(
-        wr.SimulationError, match=r"no step down to .* keeps samples and peaks within 1e-15.*larger `accuracy`"
-    ):
+    with pytest.raises(wr.SimulationError, match=r"no step down to .* keeps samples and peaks within 1e-15.*larger `accuracy`"):
         wr.simulate(sdof(law), SHOCK, duration=0.005, initial="unloaded", accuracy=1e-15, sample_rate=200.0)
 
 

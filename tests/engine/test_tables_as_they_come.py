@@ -48,9 +48,7 @@ def european(folder):
     for name, rows in SHEETS.items():
         lines = [";".join(str(cell).replace(".", ",") for cell in row) for row in rows]
         above = [] if name == "prices" else ["Projekt;Schrank 4711", "Stand;24.11.2026", ""]
-        (folder / f"{name.lower()}.csv").write_text(
-            "\n".join([*above, *lines]).replace("[mm]", "(mm)"), encoding="utf-8-sig"
-        )
+        (folder / f"{name.lower()}.csv").write_text("\n".join([*above, *lines]).replace("[mm]", "(mm)"), encoding="utf-8-sig")
 
 
 def test_a_workbook_and_a_folder_with_decimal_commas_make_one_model(here):
@@ -119,9 +117,7 @@ def test_a_rig_s_table_is_read_below_its_own_lines(here):
 def test_a_record_with_decimal_commas_is_the_record(here):
     time = np.arange(0.0, 0.1005, 1e-3)
     level = 3.0 * np.sin(20.0 * np.pi * time)
-    (here / "a.csv").write_text(
-        "time [s], z [g]\n" + "\n".join(f"{t:.6f}, {a:.6f}" for t, a in zip(time, level, strict=True))
-    )
+    (here / "a.csv").write_text("time [s], z [g]\n" + "\n".join(f"{t:.6f}, {a:.6f}" for t, a in zip(time, level, strict=True)))
     text = "\n".join(f"{t:.6f};{a:.6f}".replace(".", ",") for t, a in zip(time, level, strict=True))
     (here / "b.csv").write_text("Logger 7\nserial;0815\ntime (s);z (g)\n" + text)
     one, other = wr.load_record(here / "a.csv"), wr.load_record(here / "b.csv")

@@ -32,9 +32,7 @@ SHOCK = wr.HalfSine(peak=80.0, duration=0.011, direction=(1.0, 2.0, 3.0), start=
 
 def rope(stiffness=1.0):
     """An isolator with hysteresis on every axis, `stiffness` times that of the model's."""
-    soft = wr.SymmetricBoucWen(
-        **house.hysteresis(alpha=6e4 * stiffness, z_max=150.0), k1=2e4 * stiffness, k2=0.0, k3=1e6
-    )
+    soft = wr.SymmetricBoucWen(**house.hysteresis(alpha=6e4 * stiffness, z_max=150.0), k1=2e4 * stiffness, k2=0.0, k3=1e6)
     axial = wr.AsymmetricBoucWen(
         **house.hysteresis(alpha=1e5 * stiffness, z_max=250.0), k1=4e4 * stiffness, k2=0.0, k3=1e6, b=0.2, c=30.0
     )
@@ -43,10 +41,7 @@ def rope(stiffness=1.0):
 
 def text(*, mass=90.0, inertia=INERTIA, centre=(0.05, 0.0, 0.2), shifts=None, names=None, box_mass=12.0, attributes=""):
     """A box on a plate, free to move, on four mounts above a deck: with these masses, positions and names of isolators."""
-    places = {
-        name: np.array([x, y, 0.2]) + np.array((shifts or {}).get(name, np.zeros(3)))
-        for name, (x, y) in CORNERS.items()
-    }
+    places = {name: np.array([x, y, 0.2]) + np.array((shifts or {}).get(name, np.zeros(3))) for name, (x, y) in CORNERS.items()}
 
     def numbers(values):
         return " ".join(repr(float(value)) for value in values)
@@ -123,9 +118,7 @@ def test_mounts_may_differ_although_the_model_names_one_isolator(system):
 
 def test_masses_and_centres_are_those_of_a_model_written_with_them(system):
     variant = wr.varied(system, masses={"plate": 1.1}, centres={"plate": (0.03, -0.02, 0.01)})
-    written = loaded(
-        mass=90.0 * 1.1, inertia=np.array(INERTIA) * 1.1, centre=np.array([0.05, 0.0, 0.2]) + [0.03, -0.02, 0.01]
-    )
+    written = loaded(mass=90.0 * 1.1, inertia=np.array(INERTIA) * 1.1, centre=np.array([0.05, 0.0, 0.2]) + [0.03, -0.02, 0.01])
     assert_same_model(variant.model, written.model)
     assert_same_answers(variant, written)
 
@@ -228,9 +221,7 @@ def test_the_original_is_not_touched(system):
     before, tables = fields(system.model), system.assembly.tables.layout.tobytes()
     mounts = dict(system.mounts)
     shift = (0.1, 0.0, 0.2)
-    wr.varied(
-        system, isolators={"m1": rope(2.0)}, masses={"plate": 2.0}, centres={"plate": shift}, positions={"m1": shift}
-    )
+    wr.varied(system, isolators={"m1": rope(2.0)}, masses={"plate": 2.0}, centres={"plate": shift}, positions={"m1": shift})
     after = fields(system.model)
     assert all(before[name].tobytes() == after[name].tobytes() for name in before)
     assert system.assembly.tables.layout.tobytes() == tables
@@ -351,9 +342,7 @@ def test_a_law_that_does_not_fit_the_layout_is_refused(system):
         wr.varied(system, isolators={"m2": elastic})
     law = wr.BoucWen(**house.hysteresis(alpha=8e4, z_max=200.0), k=3e4)
     small = loaded({"rope": wr.Isolator(name="plain", roll=law, shear=law, axial=law)})
-    with pytest.raises(
-        ModelError, match="mount 'm3': the laws of isolator 'rope 1' have .* parameters, those of 'plain'"
-    ):
+    with pytest.raises(ModelError, match="mount 'm3': the laws of isolator 'rope 1' have .* parameters, those of 'plain'"):
         wr.varied(small, isolators={"m3": rope()})
     with pytest.raises(ValueError, match=r"`isolators\['m1'\]` must be an Isolator, got 'rope'"):
         wr.varied(system, isolators={"m1": "rope"})
@@ -383,9 +372,7 @@ def test_a_variant_of_the_floor_costs_a_fraction_of_loading_it():
 
 def test_a_variant_of_the_floor_is_the_floor_as_far_as_it_is_not_varied():
     floor = wr.load_system(models_folder() / "floating_floor.xml")
-    same = wr.varied(
-        floor, masses={"rack_1": 1.0}, centres={"floor": (0.0, 0.0, 0.0)}, positions={"m01": (0.0, 0.0, 0.0)}
-    )
+    same = wr.varied(floor, masses={"rack_1": 1.0}, centres={"floor": (0.0, 0.0, 0.0)}, positions={"m01": (0.0, 0.0, 0.0)})
     assert_same_model(same.model, floor.model)
     assert isinstance(same.model, mujoco.MjModel)
     assert same.model is not floor.model

@@ -48,17 +48,13 @@ def test_memory_is_limited_by_the_group_of_the_process(monkeypatch, tmp_path):
 
 def test_half_of_what_is_free_may_be_taken():
     budget.require_memory("it", 0.499 * FREE, "")
-    with pytest.raises(
-        BudgetError, match=r"it would take 4.01 GB of memory; the limit is 4 GB, 50% of what is free. Less."
-    ):
+    with pytest.raises(BudgetError, match=r"it would take 4.01 GB of memory; the limit is 4 GB, 50% of what is free. Less."):
         budget.require_memory("it", 0.501 * FREE, "Less.")
 
 
 @pytest.mark.parametrize(("duration", "rate"), [(1e9, 1000.0), (0.3, 1e9), (1e300, 1e300)])
 def test_a_run_whose_samples_do_not_fit_is_refused_at_once(duration, rate):
-    with pytest.raises(
-        BudgetError, match=r"would take .* the limit is .*Use a lower `sample_rate` or a shorter `duration`"
-    ):
+    with pytest.raises(BudgetError, match=r"would take .* the limit is .*Use a lower `sample_rate` or a shorter `duration`"):
         wr.simulate(SYSTEM, PULSE, duration=duration, sample_rate=rate)
 
 
@@ -76,9 +72,7 @@ def test_pilots_are_held_against_memory_too(monkeypatch, tmp_path):
 
 
 def test_a_run_of_more_than_a_week_is_refused():
-    with pytest.raises(
-        BudgetError, match=r"1e\+14 steps, 116 days of computing at the very least; the limit is 7 days"
-    ):
+    with pytest.raises(BudgetError, match=r"1e\+14 steps, 116 days of computing at the very least; the limit is 7 days"):
         wr.simulate(SYSTEM, PULSE, duration=1e14, sample_rate=1.0)
 
 
@@ -126,9 +120,7 @@ def test_matching_a_spectrum_is_refused_by_lines_and_samples():
 def test_a_search_is_refused_by_the_time_of_all_its_generations():
     vary = {"motion/level": Uniform(0.5, 1.0)}
     study = wr.Study(model="sdof_shaker", motion=PULSE, duration=0.1, vary=vary, variants=10)
-    with pytest.raises(
-        BudgetError, match=r"a search of 1\d* generations of 10 designs of 0.1 s .* fewer `generations`"
-    ):
+    with pytest.raises(BudgetError, match=r"a search of 1\d* generations of 10 designs of 0.1 s .* fewer `generations`"):
         wr.Search(study, minimise=["acceleration"], generations=10**12)
 
 
@@ -152,9 +144,7 @@ def test_continuation_is_refused_by_points_and_steps(arguments, message):
 
 def test_steady_sines_are_refused_by_the_steps_of_their_cycles():
     with pytest.raises(BudgetError, match="a cycle at each of 3 frequencies would take .* larger `timestep`"):
-        stepped_sine(
-            SYSTEM, frequencies=[1.0, 2.0, 3.0], direction="z", payload="mass", acceleration=1.0, timestep=1e-13
-        )
+        stepped_sine(SYSTEM, frequencies=[1.0, 2.0, 3.0], direction="z", payload="mass", acceleration=1.0, timestep=1e-13)
 
 
 def test_a_shock_spectrum_is_refused_by_its_lines(monkeypatch):

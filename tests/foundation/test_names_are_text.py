@@ -83,9 +83,7 @@ def copy(run, tmp_path):
 
 
 def test_invisible_characters_are_spelled_out():
-    assert (
-        plain(f"{ESCAPE}{TITLE}{BREAK}\u202e\x9b\udcff") == r"\x1b[31mred\x1b]0;owned\x07first\nsecond\u202e\x9b\udcff"
-    )
+    assert plain(f"{ESCAPE}{TITLE}{BREAK}\u202e\x9b\udcff") == r"\x1b[31mred\x1b]0;owned\x07first\nsecond\u202e\x9b\udcff"
     assert plain_lines(f"{BREAK}\x1b") == "first\nsecond\\x1b"
     assert plain("deck é 15\u202fg\t±½ 振動") == "deck é 15\u202fg\t±½ 振動"  # what can be seen stays
 
@@ -231,9 +229,7 @@ def documents(path) -> dict[str, str]:
     for chunk in RrdReader(str(path)).stream():
         batch = chunk.to_record_batch()
         if "TextDocument:text" in batch.schema.names:
-            found[str(chunk.entity_path)] = "\n\n".join(
-                text[0] for text in batch["TextDocument:text"].to_pylist() if text
-            )
+            found[str(chunk.entity_path)] = "\n\n".join(text[0] for text in batch["TextDocument:text"].to_pylist() if text)
     return found
 
 
@@ -296,9 +292,7 @@ def test_a_picture_shows_formulas_and_escapes_as_letters(tmp_path):
 
 def test_no_picture_is_drawn_without_this_rule():
     plots = Path(wr.__file__).parent / "views" / "plots"
-    other = [
-        path.name for path in plots.glob("*.py") if re.search(r"(?<!Plain)\bFigure\(\w|\$", path.read_text("utf-8"))
-    ]
+    other = [path.name for path in plots.glob("*.py") if re.search(r"(?<!Plain)\bFigure\(\w|\$", path.read_text("utf-8"))]
     assert other == []
 
 

@@ -178,9 +178,7 @@ def test_arguments_of_the_wrong_kind_are_refused_by_name(name, tmp_path):
     right |= {"duration": {"2.5", "3"}, "sample_rate": {"2.5", "3"}, "initial": {"'text'"}}  # found out when it begins
     for number, value in enumerate(WRONG):
         path = tmp_path / f"a{number}.py"
-        path.write_text(
-            FILE.format(returned=f"wr.Scenario(**(good | {{'simulate': {{'duration': 1.0, {name!r}: {value}}}}}))")
-        )
+        path.write_text(FILE.format(returned=f"wr.Scenario(**(good | {{'simulate': {{'duration': 1.0, {name!r}: {value}}}}}))"))
         made = load_scenario(path).make()
         if value in right.get(name, ()):
             continue
@@ -230,9 +228,7 @@ def test_limits_that_are_no_numbers(text, message):
 
 
 def test_a_limit_beyond_every_float_in_a_stored_scenario():
-    with pytest.raises(
-        ValueError, match="`judge.limits.acceleration/block`: `values` must be a finite number, got 1000"
-    ):
+    with pytest.raises(ValueError, match="`judge.limits.acceleration/block`: `values` must be a finite number, got 1000"):
         read_judge_table({"limits": {"acceleration/block": [10**400]}})
 
 

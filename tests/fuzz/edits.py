@@ -18,9 +18,7 @@ def edit(rng, holder, key, *, toml=False):
     """Edit one value in place and return what was done."""
     value = holder[key]
     number = isinstance(value, float | int) and not isinstance(value, bool)
-    kind = str(
-        rng.choice(["number", "remove", "rename", "unknown", "retype", "nan", "huge", "path"] + ["number"] * 4 * number)
-    )
+    kind = str(rng.choice(["number", "remove", "rename", "unknown", "retype", "nan", "huge", "path"] + ["number"] * 4 * number))
     if kind == "number" and number:
         holder[key] = float(value * 1.01 if value else 1e-2) if isinstance(value, float) else value + 1
         tiny = ", tiny" if 0.0 < abs(value) < 1e-3 else ""  # perhaps rounding next to what it is compared with

@@ -175,9 +175,7 @@ def checksums(rng, run, other):
     if kind == "bytes":
         path.write_bytes(damaged(rng, path.read_bytes()))
         return "checksums bytes", [CHECKSUMS], False
-    lines[i] = {"cut": lines[i][:30], "digest": "0" * 64 + lines[i][64:], "gone": "", "file": f"{'0' * 64}  nothing"}[
-        kind
-    ]
+    lines[i] = {"cut": lines[i][:30], "digest": "0" * 64 + lines[i][64:], "gone": "", "file": f"{'0' * 64}  nothing"}[kind]
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
     return f"checksums {kind}", [CHECKSUMS], False
 

@@ -62,9 +62,7 @@ def mutate(rng: np.random.Generator, folder) -> Case:
     data = tomli_w.dumps(content).encode()
     path = folder / "life.toml"
     path.write_bytes(damaged(rng, data) if rng.random() < 0.1 else data)
-    return Case(
-        f"{content!r:.200}", {"path": path, "content": content}, (path.name, "run", "folder", "exponent", "quantity")
-    )
+    return Case(f"{content!r:.200}", {"path": path, "content": content}, (path.name, "run", "folder", "exponent", "quantity"))
 
 
 def use(case: Case) -> str | None:

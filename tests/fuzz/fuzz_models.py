@@ -171,9 +171,7 @@ def one_mass(text, rng):
 
 def gravity(text, rng):
     """Replace gravity."""
-    size = pick(
-        rng, ("0", "nan", "inf", "-9806.65", "-1e6", "-1e9", "1e9", "-1e300", "1e-300", "9.80665", "-98.0665", "-1e4")
-    )
+    size = pick(rng, ("0", "nan", "inf", "-9806.65", "-1e6", "-1e9", "1e9", "-1e300", "1e-300", "9.80665", "-98.0665", "-1e4"))
     axes = ["0", "0", "0"]
     axes[int(rng.integers(3))] = size
     return f"gravity {axes}", re.sub(r'gravity="[^"]*"', f'gravity="{" ".join(axes)}"', text)
@@ -181,9 +179,7 @@ def gravity(text, rng):
 
 def one_axis(text, rng):
     """Turn the axis of a joint: along another, nowhere, or close to another."""
-    new = pick(
-        rng, ("1 0 0", "0 1 0", "0 0 1", "1 1 1", "0 0 0", "1 0 1", "1e-20 0 0", "1 1e-12 0", "0 nan 1", "1e200 0 0")
-    )
+    new = pick(rng, ("1 0 0", "0 1 0", "0 0 1", "1 1 1", "0 0 0", "1 0 1", "1e-20 0 0", "1 1e-12 0", "0 nan 1", "1e200 0 0"))
     found = [m for m in _values(text) if m[1] == "axis"]
     place = pick(rng, found)
     return f"axis {place[2]} to {new}", text[: place.start(2)] + new + text[place.end(2) :]
@@ -217,9 +213,7 @@ def rest_and_shake(system, way):
         said = np.array(["(tips over)" in words for words in modes.descriptions])
         if not np.isfinite(modes.frequencies[~said]).all():
             return f"modes: {modes.frequencies}"
-    motion = (
-        SHOCK if len(system.assembly.driven_dofs) else wr.HalfSine(peak=1e-9, duration=0.001, direction="z", start=9.0)
-    )
+    motion = SHOCK if len(system.assembly.driven_dofs) else wr.HalfSine(peak=1e-9, duration=0.001, direction="z", start=9.0)
     if stable_step(system) < 1e-7:
         return None  # a shock on so stiff a mount takes hours: no fault
     step = None if way == 0 else min(stable_step(system), 2e-4)

@@ -40,9 +40,7 @@ def mutate(rng: np.random.Generator, folder) -> Case:
         text = muddled(rng, text)
     for name, table in tables.items():
         (folder / name).write_bytes(table.content())
-    return Case(
-        f"{kind} {done}: {text!r:.150}", {"kind": kind, "text": text, "folder": folder}, (kind, file or kind), valid
-    )
+    return Case(f"{kind} {done}: {text!r:.150}", {"kind": kind, "text": text, "folder": folder}, (kind, file or kind), valid)
 
 
 def use(case: Case) -> str | None:

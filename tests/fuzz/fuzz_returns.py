@@ -139,10 +139,7 @@ def use(case: Case) -> str | None:
     arguments = checked_arguments(scenario)
     system = with_changes(wr.load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
-    if (
-        float(arguments["duration"]) * float(arguments.get("sample_rate", 1000.0)) > 1e5
-        or scenario.motion.corners.size > 1e5
-    ):
+    if float(arguments["duration"]) * float(arguments.get("sample_rate", 1000.0)) > 1e5 or scenario.motion.corners.size > 1e5:
         return None  # a long run is a valid one
     response = wr.simulate(system, scenario.motion, **arguments)
     forces = [mount.force for mount in response.mounts.values()]

@@ -37,9 +37,7 @@ def mutate(rng, folder):
     if rng.random() < 0.1:
         del arguments["duration"]
     inputs = {"arguments": arguments, "folder": folder / "run"}
-    return Case(
-        f"simulate {arguments!r:.120}", inputs, names=(*ARGUMENTS, "step", "sdof_shaker", "samples", "state", "starts")
-    )
+    return Case(f"simulate {arguments!r:.120}", inputs, names=(*ARGUMENTS, "step", "sdof_shaker", "samples", "state", "starts"))
 
 
 def use(case):

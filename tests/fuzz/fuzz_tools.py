@@ -84,10 +84,7 @@ WEIGHTS = np.array([weight for weight, *_ in COMMANDS])
 def made() -> Path:
     """Return a folder with a run and the sound files, made once a process."""
     folder = Path(tempfile.mkdtemp(prefix="tools-"))
-    assert (
-        main(["shock", "shock_table", "--half-sine", "5 g 11 ms z", "--duration", "0.3", "--out", str(folder / "run")])
-        == 0
-    )
+    assert main(["shock", "shock_table", "--half-sine", "5 g 11 ms z", "--duration", "0.3", "--out", str(folder / "run")]) == 0
     isolator = wr.load_isolator("enidine_wr12_400")
     wr.Isolator(name="b", shear=isolator.shear).save(folder / "isolator.toml")
     text = (folder / "isolator.toml").read_text(encoding="utf-8")

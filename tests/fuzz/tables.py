@@ -81,9 +81,7 @@ def decimal_comma_in_a_row(table: Table, rng: np.random.Generator) -> bool | Non
 
 def extra_cell(table: Table, rng: np.random.Generator) -> bool | None:
     """One row has a cell more."""
-    table.rows[a_row(table, rng)].insert(
-        int(rng.integers(len(table.header) + 1)), str(rng.choice(["", "1", "0.5", "x"]))
-    )
+    table.rows[a_row(table, rng)].insert(int(rng.integers(len(table.header) + 1)), str(rng.choice(["", "1", "0.5", "x"])))
     return False
 
 
@@ -256,9 +254,7 @@ DAMAGE: tuple[Callable[[Table, np.random.Generator], bool | None], ...] = (
 
 def damaged_bytes(content: bytes, rng: np.random.Generator) -> tuple[str, bytes]:
     """Return what happened to a file's bytes, and what is left of them."""
-    kind = str(
-        rng.choice(["truncated", "byte changed", "bytes changed", "bytes lost", "NUL bytes", "rubbish behind", "empty"])
-    )
+    kind = str(rng.choice(["truncated", "byte changed", "bytes changed", "bytes lost", "NUL bytes", "rubbish behind", "empty"]))
     data = bytearray(content)
     place = int(rng.integers(len(data)))
     if kind == "truncated":

@@ -7,7 +7,5 @@ from campaign import FAULTS, TARGETS, attempt, target
 @pytest.mark.parametrize("name", TARGETS)
 def test_mutated_inputs_are_used_or_refused_in_words(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # MuJoCo writes its log there
-    outcomes = [
-        attempt(*target(name), seed) for seed in range(8 if name == "commands" else 25)
-    ]  # those take 0.5 s each
+    outcomes = [attempt(*target(name), seed) for seed in range(8 if name == "commands" else 25)]  # those take 0.5 s each
     assert [outcome for outcome in outcomes if outcome.kind in FAULTS] == []

@@ -58,17 +58,13 @@ def test_a_short_blow_is_an_instant_one():
     short = DecayingSine(frequency=14.0, damping=0.05, velocity=2.0, direction="z", impact_duration=1e-5)
     time = np.linspace(0.001, 0.5, 500)
     # Half its length later: what the velocity changes in 5e-6 s is 5e-6 w of it, and the rest is quadratic.
-    np.testing.assert_allclose(
-        short.velocity(time + 0.5e-5), instant.velocity(time), rtol=0, atol=2.0 * (1e-5 * OMEGA) ** 2
-    )
+    np.testing.assert_allclose(short.velocity(time + 0.5e-5), instant.velocity(time), rtol=0, atol=2.0 * (1e-5 * OMEGA) ** 2)
 
 
 @pytest.mark.parametrize("impact_duration", [0.0, 0.02])
 def test_an_acceleration_level_is_the_envelope_at_the_start(impact_duration):
     level = 120.0
-    deck = DecayingSine(
-        frequency=14.0, damping=0.05, acceleration=level, direction="z", impact_duration=impact_duration
-    )
+    deck = DecayingSine(frequency=14.0, damping=0.05, acceleration=level, direction="z", impact_duration=impact_duration)
     time = np.linspace(0.05, 0.5, 200_001)  # free oscillation; its crests are met within 2e-4 rad, 2e-8 of the value
     crests = np.abs(deck.acceleration(time)[:, 2]) * np.exp(0.05 * OMEGA * time)
     assert crests.max() == pytest.approx(level, rel=1e-7)

@@ -171,9 +171,7 @@ def test_a_sweep_ends_without_a_jump_whatever_is_constant(quantity, course):
     steady = np.array([sweep.duration + 0.1 / sweep.stop, long + 0.1 / sweep.stop])
     first, last = sweep.displacement(steady)[:, 2]
     u = 2 * np.pi * sweep.stop / sweep.course.growth
-    drift = (
-        0.0 if quantity != "acceleration" else LEVELS[quantity] / (2 * np.pi * sweep.stop) / u * (steady[1] - steady[0])
-    )
+    drift = 0.0 if quantity != "acceleration" else LEVELS[quantity] / (2 * np.pi * sweep.stop) / u * (steady[1] - steady[0])
     assert abs(last - first) <= drift + 1e-9 * LEVELS[quantity]
 
 

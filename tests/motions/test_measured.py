@@ -75,9 +75,7 @@ def test_the_base_of_a_file_is_a_motion(tmp_path, ending):
     measured = wr.load_measured(write(tmp_path / f"t.{ending}"), channels=MAP, start=0.5)
     base = measured.base
     assert base.start == 0.5
-    np.testing.assert_allclose(
-        base.acceleration(TIME + 0.5)[:, 2], BASE * G, atol=1e-9 * G
-    )  # instants shift by roundings
+    np.testing.assert_allclose(base.acceleration(TIME + 0.5)[:, 2], BASE * G, atol=1e-9 * G)  # instants shift by roundings
     again = wr.motions.motion_from_dict(base.to_dict())
     np.testing.assert_array_equal(again.samples, base.samples)
 

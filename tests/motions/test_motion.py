@@ -55,23 +55,15 @@ MOTIONS = {
     ),
     "table that stops at once": ShockTableImpact(drop_height=0.5, rebound=0.3, start=0.02),
     "table on a programmer": ShockTableImpact(drop_height=0.5, rebound=0.3, pulse_duration=0.008, direction="x"),
-    "table that falls first": ShockTableImpact(
-        drop_height=0.1, rebound=0.3, pulse_duration=0.02, fall=True, start=0.05
-    ),
+    "table that falls first": ShockTableImpact(drop_height=0.1, rebound=0.3, pulse_duration=0.02, fall=True, start=0.05),
     "struck plate": StruckPlate(pressure=20e3, decay=0.9e-3, areal_mass=320.0, direction="z", start=0.01),
     "light plate": StruckPlate(pressure=-40e3, decay=0.5e-3, areal_mass=0.5e-3 * 1537500.0, direction=(1, 0, 1)),
     "struck deck": DecayingSine(frequency=14.0, damping=0.05, velocity=-2.0, direction="z", start=0.1),
-    "deck under a blow": DecayingSine(
-        frequency=8.0, damping=0.1, acceleration=90.0, direction="y", impact_duration=0.02
-    ),
+    "deck under a blow": DecayingSine(frequency=8.0, damping=0.1, acceleration=90.0, direction="y", impact_duration=0.02),
     "endless lines": VibrationLines(velocity=[(5.0, 0.01), (12.0, 0.004)], direction="z", phases=[0.3, -1.0]),
     "endless lines that rise": VibrationLines(acceleration=[(6.0, 1.0), (7.0, 2.0)], direction="z", seed=3, rise=0.4),
-    "lines of a while": VibrationLines(
-        displacement=[(8.0, 1e-3)], direction=(1, 1, 0), duration=1.1, fall=0.2, start=0.2
-    ),
-    "random": RandomVibration(
-        psd=[(5.0, 1.0), (20.0, 3.0), (40.0, 0.5)], duration=2.0, seed=7, direction="x", start=0.1
-    ),
+    "lines of a while": VibrationLines(displacement=[(8.0, 1e-3)], direction=(1, 1, 0), duration=1.1, fall=0.2, start=0.2),
+    "random": RandomVibration(psd=[(5.0, 1.0), (20.0, 3.0), (40.0, 0.5)], duration=2.0, seed=7, direction="x", start=0.1),
     "record": load_record(DATA / "deck_shock.csv", channels={"ax": "x", "ch3": (0.0, 1.0, 1.0)}, start=0.3),
 }
 MOTIONS["sum"] = MOTIONS["half-sine"] + MOTIONS["sawtooth"] + MOTIONS["velocity step"] + MOTIONS["record"]
@@ -253,9 +245,7 @@ def test_stored_parameters_that_are_wrong_are_named():
     good = MOTIONS["half-sine"].to_dict()
     with pytest.raises(ModelError, match="Unknown kind of motion 'cosine'; known kinds: half-sine, sawtooth"):
         motion_from_dict({**good, "kind": "cosine"})
-    with pytest.raises(
-        ModelError, match="'half-sine': unknown pek; its parameters are peak, duration, direction, start"
-    ):
+    with pytest.raises(ModelError, match="'half-sine': unknown pek; its parameters are peak, duration, direction, start"):
         motion_from_dict({**good, "pek": 1.0})
     with pytest.raises(ModelError, match="'half-sine': missing peak, direction; its parameters are"):
         motion_from_dict({"kind": "half-sine", "duration": 0.01})

@@ -51,9 +51,7 @@ def test_the_scatter_of_the_lines_is_the_standard_error_stated():
 
 def test_the_error_of_the_rms_is_what_many_records_scatter_by():
     """The rms of an oscillator with a bandwidth of 2 pi zeta f = 3.1 Hz scatters by 1/(2 sqrt(B T))."""
-    runs = [
-        wr.power_spectral_density(*oscillator(20.0, 20.0, 20.0, seed=s), discard=2.0, resolution=0.5) for s in range(80)
-    ]
+    runs = [wr.power_spectral_density(*oscillator(20.0, 20.0, 20.0, seed=s), discard=2.0, resolution=0.5) for s in range(80)]
     values = np.array([run.rms for run in runs])
     stated = np.mean([run.rms_error for run in runs])
     exact = 0.5 / math.sqrt(math.pi / 20.0 * 20.0 * 18.0)
@@ -65,10 +63,7 @@ def test_the_error_of_the_rms_is_what_many_records_scatter_by():
 @pytest.mark.parametrize(("seconds", "damping"), [(10.0, 0.05), (10.0, 0.1), (40.0, 0.05)])
 def test_the_error_of_the_rms_is_that_of_the_resonance_and_not_of_the_window(seconds, damping):
     """At 8 Hz with 5 % the bandwidth is 2.5 Hz; the default resolution of 10 s, 0.8 Hz, blurs it to 3.6 Hz."""
-    runs = [
-        wr.power_spectral_density(*oscillator(8.0, 0.5 / damping, seconds + 3.0, seed=s), discard=3.0)
-        for s in range(60)
-    ]
+    runs = [wr.power_spectral_density(*oscillator(8.0, 0.5 / damping, seconds + 3.0, seed=s), discard=3.0) for s in range(60)]
     bandwidth = 2.0 * np.pi * damping * 8.0
     exact = 0.5 / math.sqrt(bandwidth * seconds)
     # 60 stated errors, each from a bandwidth that scatters by some 20 %: 2 %; the power of the blur is right to 4 %.

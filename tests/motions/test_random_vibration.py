@@ -189,9 +189,7 @@ def test_random_amplitudes_are_stored_and_keep_the_phases_of_their_seed():
     time = np.linspace(0.0, 5.0, 1001)
     rebuilt = motion_from_dict(random.to_dict())
     assert rebuilt.acceleration(time).tobytes() == random.acceleration(time).tobytes()
-    before = {
-        name: value for name, value in fixed.to_dict().items() if name != "amplitudes"
-    }  # stored by an earlier version
+    before = {name: value for name, value in fixed.to_dict().items() if name != "amplitudes"}  # stored by an earlier version
     assert motion_from_dict(before).acceleration(time).tobytes() == fixed.acceleration(time).tobytes()
     # Correlation of lines of equal phases, amplitudes 1 and A: E A = sqrt(pi)/2 for Rayleigh's distribution of mean square
     # 1, over some 900 lines.
@@ -219,9 +217,7 @@ def test_the_spline_is_the_b_spline():
 
 
 def test_ten_minutes_to_two_thousand_hertz_keep_one_number_a_knot():
-    motion = RandomVibration(
-        psd=psd_from_g([(20, 0.04), (1000, 0.04), (2000, 0.01)]), duration=600.0, seed=1, direction="z"
-    )
+    motion = RandomVibration(psd=psd_from_g([(20, 0.04), (1000, 0.04), (2000, 0.01)]), duration=600.0, seed=1, direction="z")
     knots = 600 * 2000 * 8 + 1
     assert motion.corners.size == knots
     assert motion._spline._c.size == knots + 2
@@ -248,9 +244,7 @@ def test_arguments_out_of_range_are_refused(change, message):
 
 
 def test_descriptions_and_events_are_for_people():
-    motion = RandomVibration(
-        psd=psd_from_g([(20, 0.04), (1000, 0.04), (2000, 0.01)]), duration=60.0, seed=3, direction="z"
-    )
+    motion = RandomVibration(psd=psd_from_g([(20, 0.04), (1000, 0.04), (2000, 0.01)]), duration=60.0, seed=3, direction="z")
     assert motion.description == "random 20 to 2000 Hz, 7.694 g rms, 60 s, seed 3 along z"
     assert [time for time, _ in motion.events] == [0.0, 0.5, 59.5, 60.0]  # ten periods of 20 Hz
     assert motion.shortest_time == 1 / 2000

@@ -58,9 +58,7 @@ def test_axis_names_are_understood(record_file, name):
 )
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
 def test_units_and_delimiters_are_understood(record_file, unit, factor, delimiter):
-    text = (
-        f'\ufeff# a comment, with; signs\n\n"t [s]"{delimiter}"y [{unit}]"\r\n0{delimiter}-2\r\n\r\n1{delimiter} 3 \r\n'
-    )
+    text = f'\ufeff# a comment, with; signs\n\n"t [s]"{delimiter}"y [{unit}]"\r\n0{delimiter}-2\r\n\r\n1{delimiter} 3 \r\n'
     record = load_record(record_file(text))
     np.testing.assert_allclose(record.samples[:, 1], [-2 * factor, 3 * factor], rtol=1e-15)
 
@@ -224,9 +222,7 @@ def test_a_scale_beyond_all_measure_is_refused(record_file):
 
 def test_a_start_where_samples_fall_on_one_instant_is_refused(record_file):
     path = record_file(GOOD + "0,0\n0.001,1\n0.002,0\n")
-    with pytest.raises(
-        ValueError, match=r"`start` is so far from 0 that its last digit, 1\.6e\+04 s.* the 0\.001 s between"
-    ):
+    with pytest.raises(ValueError, match=r"`start` is so far from 0 that its last digit, 1\.6e\+04 s.* the 0\.001 s between"):
         load_record(path, start=1e20)
     assert load_record(path, start=-1.7e8 + 0.1).time[0] == -1.7e8 + 0.1
 

@@ -19,9 +19,7 @@ TIME = np.arange(20_001) / RATE
 def csv(tmp_path):
     def write(values):
         path = tmp_path / "record.csv"
-        np.savetxt(
-            path, np.column_stack([TIME, values]), delimiter=",", header="time [s],x [m/s^2]", comments="", fmt="%.12g"
-        )
+        np.savetxt(path, np.column_stack([TIME, values]), delimiter=",", header="time [s],x [m/s^2]", comments="", fmt="%.12g")
         return path
 
     return write
@@ -64,9 +62,7 @@ def test_after_a_high_pass_the_base_comes_to_rest_however_short_the_rest_before_
 ):
     path = tmp_path / "shock.csv"
     time, values = half_sine(before, after, offset=offset)
-    np.savetxt(
-        path, np.column_stack([time, values]), delimiter=",", header="time [s],z [m/s^2]", comments="", fmt="%.12g"
-    )
+    np.savetxt(path, np.column_stack([time, values]), delimiter=",", header="time [s],z [m/s^2]", comments="", fmt="%.12g")
     record = load_record(path, baseline="highpass", highpass=cutoff, start=0.2)
     assert record.start == record.time[0] == 0.2
     assert record.duration == pytest.approx(time[-1] + 4.0 / cutoff, rel=1e-9)

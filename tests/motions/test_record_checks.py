@@ -21,9 +21,7 @@ def doubts(tmp_path):
 
     def load(values, *, time=TIME, header="time [s],z [m/s^2]", **arguments):
         path = tmp_path / "record.csv"
-        np.savetxt(
-            path, np.column_stack([time[: len(values)], values]), delimiter=",", header=header, comments="", fmt="%.9g"
-        )
+        np.savetxt(path, np.column_stack([time[: len(values)], values]), delimiter=",", header=header, comments="", fmt="%.9g")
         with warnings.catch_warnings(record=True) as found:
             warnings.simplefilter("always")
             record = load_record(path, **arguments)
@@ -52,8 +50,7 @@ PULSE = HalfSine(peak=15 * G, duration=0.011, direction="z", start=0.1)
         along_z(PULSE),
         along_z(PULSE) + noise(1.0),
         along_z(Sawtooth(peak=20 * G, duration=0.011, direction="z", start=0.1)),
-        np.round((along_z(PULSE) + noise(0.5)) / 1.0)
-        * 1.0,  # a converter of steps of 1 m/s^2: flat tops, but no clipping
+        np.round((along_z(PULSE) + noise(0.5)) / 1.0) * 1.0,  # a converter of steps of 1 m/s^2: flat tops, but no clipping
         np.round(10.0 * np.sin(2 * np.pi * 3.0 * TIME) / 0.08) * 0.08,  # a slow sine at 8 bits
         noise(3.0),
         noise(3.0, seed=1) * np.sin(np.pi * TIME),

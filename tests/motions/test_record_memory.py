@@ -22,9 +22,7 @@ def ride(tmp_path_factory):
     """A ride on three axes that begins and ends at rest."""
     path = tmp_path_factory.mktemp("ride") / "ride.csv"
     rng, time = np.random.default_rng(4), np.arange(SAMPLES) / 10_000.0
-    values = (
-        20.0 * np.sin(2 * np.pi * rng.uniform(5.0, 50.0, 3) * time[:, None]) * np.sin(np.pi * time / time[-1])[:, None]
-    )
+    values = 20.0 * np.sin(2 * np.pi * rng.uniform(5.0, 50.0, 3) * time[:, None]) * np.sin(np.pi * time / time[-1])[:, None]
     with path.open("w") as file:
         file.write("time [s],x [m/s^2],y [m/s^2],z [m/s^2]\n")
         np.savetxt(file, np.column_stack([time, values]), fmt="%.4f,%.5g,%.5g,%.5g")
@@ -58,9 +56,7 @@ def test_integrals_and_grid_of_a_record_need_no_memory_that_grows_with_it(ride):
 
     steps, peak = peak_of(walk)
     assert steps >= SAMPLES - 1
-    assert (
-        peak < 8 * SAMPLES + FIXED
-    )  # eight times less than the integrals and the grid of all samples at once would be
+    assert peak < 8 * SAMPLES + FIXED  # eight times less than the integrals and the grid of all samples at once would be
 
 
 def test_the_grid_of_blocks_is_the_grid_as_a_whole(monkeypatch):

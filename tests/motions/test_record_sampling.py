@@ -33,9 +33,7 @@ def test_uneven_sampling_is_resampled_at_the_usual_interval_and_said(csv):
     rng = np.random.default_rng(2)
     time = np.cumsum(np.where(rng.random(3000) < 0.3, 0.5e-3, 1e-3))
     wave = np.sin(2 * np.pi * 5.0 * (time - time[0])) * (time < 2.0)
-    with pytest.warns(
-        RecordWarning, match="not uniform, its intervals lie between 0.0005 and 0.001 s; resampled at the usual"
-    ):
+    with pytest.warns(RecordWarning, match="not uniform, its intervals lie between 0.0005 and 0.001 s; resampled at the usual"):
         record = load_record(csv(time, wave))
     np.testing.assert_allclose(np.diff(record.time), 1e-3, rtol=1e-9)
     inner = (record.time > 0.1) & (record.time < 1.7)
@@ -73,9 +71,7 @@ def test_curves_through_uneven_samples_do_not_swing_beside_a_step_nor_where_samp
     record = load_record(csv(sparse, wave, fmt="%.17g"))
     between = (record.time > 2.05) & (record.time < 2.45)
     lines = np.interp(record.time[between], sparse, wave)
-    np.testing.assert_allclose(
-        record.samples[between, 2], lines, atol=0.5
-    )  # of 100; the filter rounds the lines' corners
+    np.testing.assert_allclose(record.samples[between, 2], lines, atol=0.5)  # of 100; the filter rounds the lines' corners
 
 
 def test_uneven_instants_on_a_common_grid_leave_the_motion_as_it_is(csv):
@@ -93,9 +89,7 @@ def gappy():
 
 
 def test_a_gap_is_an_error_that_says_where_it_is(csv):
-    with pytest.raises(
-        RecordError, match=r"2 gaps \(0.299 to 0.35 s, 0.999 to 1.001 s\) of 51 samples .* gaps=\"fill\""
-    ):
+    with pytest.raises(RecordError, match=r"2 gaps \(0.299 to 0.35 s, 0.999 to 1.001 s\) of 51 samples .* gaps=\"fill\""):
         load_record(csv(*gappy()))
 
 
@@ -129,9 +123,7 @@ def test_what_lies_above_the_new_nyquist_frequency_does_not_come_back_as_an_alia
 
 
 @pytest.mark.filterwarnings("ignore::wirerope_mj.foundation.errors.RecordWarning")
-@pytest.mark.parametrize(
-    ("rate", "frequency"), [(500.0, 5.0), (500.0, 195.0), (4000.0, 50.0), (4000.0, 390.0), (750.0, 150.0)]
-)
+@pytest.mark.parametrize(("rate", "frequency"), [(500.0, 5.0), (500.0, 195.0), (4000.0, 50.0), (4000.0, 390.0), (750.0, 150.0)])
 @pytest.mark.parametrize("phase", [0.3, 1.2, 2.5])
 def test_another_rate_is_right_up_to_the_ends_of_a_vibration_that_was_cut_out(csv, rate, frequency, phase):
     time = np.arange(4000) / 1000.0
@@ -191,9 +183,7 @@ def test_a_time_stamp_far_from_all_others_is_refused_and_asks_for_no_memory(csv,
     time = (np.arange(10) + jitter * (np.arange(10) % 2)) * 1e-3
     time[place:] += 2e10  # as a clock that was set in between
     path = csv(time, np.ones(10), fmt="%.17g")
-    with pytest.raises(
-        RecordError, match=r"its time goes from 0\.00\d+ to 2e\+10 s in one row.* Is a time stamp wrong"
-    ):
+    with pytest.raises(RecordError, match=r"its time goes from 0\.00\d+ to 2e\+10 s in one row.* Is a time stamp wrong"):
         load_record(path, gaps=gaps)
 
 

@@ -133,9 +133,7 @@ def test_the_european_spectrum_has_its_branches():
 
 def test_damping_lowers_the_plateau_of_the_european_spectrum():
     ground = EN1998_TYPE_1["A"]
-    plateau = [
-        en1998_spectrum(5.0, ground_acceleration=1.0, damping=damping, **ground) for damping in (0.02, 0.05, 0.1, 0.5)
-    ]
+    plateau = [en1998_spectrum(5.0, ground_acceleration=1.0, damping=damping, **ground) for damping in (0.02, 0.05, 0.1, 0.5)]
     expected = [2.5 * math.sqrt(10 / 7), 2.5, 2.5 * math.sqrt(10 / 15), 2.5 * 0.55]  # the last by its lower limit
     np.testing.assert_allclose(plateau, expected, rtol=1e-14)
 

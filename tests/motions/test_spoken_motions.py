@@ -15,9 +15,7 @@ G = wr.STANDARD_GRAVITY
 
 SAID = {
     ("half-sine", "15 g 11 ms z"): wr.HalfSine(peak=15 * G, duration=0.011, direction="z"),
-    ("half-sine", "z 0.011s 147.09975m/s^2 at 50 ms"): wr.HalfSine(
-        peak=15 * G, duration=0.011, direction="z", start=0.05
-    ),
+    ("half-sine", "z 0.011s 147.09975m/s^2 at 50 ms"): wr.HalfSine(peak=15 * G, duration=0.011, direction="z", start=0.05),
     ("half-sine", "15 g 11 ms -y"): wr.HalfSine(peak=15 * G, duration=0.011, direction=(0, -1, 0)),
     ("half-sine", "15 g 11 ms 1,1,0"): wr.HalfSine(peak=15 * G, duration=0.011, direction=(1, 1, 0)),
     ("half-sine", "-3e1 g 6 ms x"): wr.HalfSine(peak=-30 * G, duration=0.006, direction="x"),
@@ -55,13 +53,9 @@ FORCES = {
     ("reciprocating", "engine 8 kg.mm 25 Hz order 2 z"): wr.Unbalance(
         site="engine", unbalance=0.008, frequency=25.0, order=2.0, line="z"
     ),
-    ("force", "engine 500 N 12 Hz 10 s z"): wr.HarmonicForce(
-        site="engine", force=(0, 0, 500), frequency=12.0, duration=10.0
-    ),
+    ("force", "engine 500 N 12 Hz 10 s z"): wr.HarmonicForce(site="engine", force=(0, 0, 500), frequency=12.0, duration=10.0),
     ("hammer", "anvil 3.3 kN.s 1 ms z"): wr.Blow(site="anvil", impulse=3300.0, duration=1e-3, direction="z"),
-    ("moment", "engine 80 N.m 12 Hz 10 s y"): wr.HarmonicForce(
-        site="engine", moment=(0, 80, 0), frequency=12.0, duration=10.0
-    ),
+    ("moment", "engine 80 N.m 12 Hz 10 s y"): wr.HarmonicForce(site="engine", moment=(0, 80, 0), frequency=12.0, duration=10.0),
 }
 
 
@@ -107,9 +101,7 @@ def test_a_bad_table_of_forces_is_one_message(tmp_path, text, said):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(
-    ("said", "motion"), SAID.items(), ids=lambda item: " ".join(item) if isinstance(item, tuple) else ""
-)
+@pytest.mark.parametrize(("said", "motion"), SAID.items(), ids=lambda item: " ".join(item) if isinstance(item, tuple) else "")
 def test_a_phrase_is_the_motion_that_its_constructor_makes(said, motion):
     times = np.linspace(0.0, 0.2, 401)
     spoken = motion_from_phrase(*said)
@@ -343,10 +335,7 @@ def test_words_that_name_no_kind_are_answered_with_the_nearest(words, near):
 
 
 def test_many_motions_are_said_by_the_first_and_the_last():
-    dwells = [
-        wr.Sine(frequency=f, acceleration=1.0, direction="z", duration=1.0)
-        for f in (4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)
-    ]
+    dwells = [wr.Sine(frequency=f, acceleration=1.0, direction="z", duration=1.0) for f in (4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0)]
     few, many = sum(dwells[1:6], start=dwells[0]), sum(dwells[1:], start=dwells[0])
     assert few.description.count(" Hz") == 6
     assert ".. 5 more .." in many.description

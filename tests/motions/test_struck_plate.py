@@ -14,9 +14,7 @@ WATER = 1025.0 * 1500.0
 
 
 def plate_of(psi, **changed):
-    return wr.StruckPlate(
-        **{"pressure": 14e6, "decay": 0.9e-3, "areal_mass": WATER * 0.9e-3 / psi, "direction": "z"} | changed
-    )
+    return wr.StruckPlate(**{"pressure": 14e6, "decay": 0.9e-3, "areal_mass": WATER * 0.9e-3 / psi, "direction": "z"} | changed)
 
 
 @pytest.mark.parametrize("psi", [0.1, 0.7, 1.0, 4.3, 30.0])
@@ -30,9 +28,7 @@ def test_the_kick_is_that_of_taylors_equation_until_the_water_lets_go(psi):
         return rates(t, state)[1]
 
     in_tension.terminal, in_tension.direction = True, -1
-    kick = scipy.integrate.solve_ivp(
-        rates, (0.0, 0.1), (0.0, 0.0), events=in_tension, rtol=1e-11, atol=1e-14, method="DOP853"
-    )
+    kick = scipy.integrate.solve_ivp(rates, (0.0, 0.1), (0.0, 0.0), events=in_tension, rtol=1e-11, atol=1e-14, method="DOP853")
     lets_go, (moved, velocity) = kick.t_events[0][0], kick.y_events[0][0]
     assert plate.duration == pytest.approx(lets_go, rel=1e-8)
     assert plate.velocity_change == pytest.approx(velocity, rel=1e-9)
@@ -53,9 +49,7 @@ def test_a_heavy_plate_takes_twice_the_impulse_of_the_wave():
 def test_acceleration_ends_where_the_water_lets_go():
     plate = plate_of(4.3)
     assert plate.acceleration([0.0])[0, 2] == pytest.approx(2.0 * 14e6 / plate.areal_mass)
-    assert plate.acceleration([0.999999 * plate.duration])[0, 2] == pytest.approx(
-        0.0, abs=1e-4 * 14e6 / plate.areal_mass
-    )
+    assert plate.acceleration([0.999999 * plate.duration])[0, 2] == pytest.approx(0.0, abs=1e-4 * 14e6 / plate.areal_mass)
     assert not np.any(plate.acceleration([1.001 * plate.duration]))
 
 

@@ -38,9 +38,7 @@ def test_amplitudes_are_those_of_the_quantity_given(quantity, order):
 
 def test_lines_of_a_while_start_and_end_at_rest():
     motion = VibrationLines(velocity=[(5.0, 0.01), (9.0, 0.02)], direction="z", duration=6.0, start=1.0, seed=5)
-    assert (motion.rise, motion.fall) == pytest.approx(
-        (0.6, 0.6)
-    )  # a tenth of the duration, less than ten periods of 0.2 s
+    assert (motion.rise, motion.fall) == pytest.approx((0.6, 0.6))  # a tenth of the duration, less than ten periods of 0.2 s
     for function in (motion.acceleration, motion.velocity, motion.displacement):
         np.testing.assert_array_equal(function([0.0, 1.0, 7.0, 50.0]), np.zeros((4, 3)))
     steady = VibrationLines(velocity=[(5.0, 0.01), (9.0, 0.02)], direction="z", seed=5)

@@ -123,9 +123,7 @@ def test_masing_loop_closes_at_once_and_exactly():
     law = Masing(stiffness=[1e5, 5e4], slip_force=[100.0, 300.0], k=2e4)
     loop = cyclic_test(law, 0.01)[0]
     assert loop.cycles == 2
-    assert loop.dissipated_energy == pytest.approx(
-        4.0 * (100.0 * 0.009 + 300.0 * 0.004), rel=1e-12
-    )  # sum 4 h (A - h/c)
+    assert loop.dissipated_energy == pytest.approx(4.0 * (100.0 * 0.009 + 300.0 * 0.004), rel=1e-12)  # sum 4 h (A - h/c)
 
 
 def test_pure_damper_has_no_secant_stiffness_and_an_infinite_damping_ratio():

@@ -44,9 +44,7 @@ def test_noise_has_the_stated_size_in_each_channel_and_no_mean():
         assert error.std() == pytest.approx(size, rel=0.02)
         assert abs(error.mean()) < 0.03 * size
     ends = np.array([loop.force[-1] - loop.force[0] for loop in many])
-    assert ends.std() == pytest.approx(
-        3.0 * np.sqrt(2.0), rel=0.4
-    )  # measured anew: 50 samples, 10 % each, four of them
+    assert ends.std() == pytest.approx(3.0 * np.sqrt(2.0), rel=0.4)  # measured anew: 50 samples, 10 % each, four of them
 
 
 def test_noise_does_not_bias_the_area():

@@ -74,9 +74,7 @@ def test_tangents_survive_noise_of_a_thousandth(beta, gamma, n, points):
     law = BoucWen(alpha=1.0, beta=beta, gamma=gamma, n=n, k=0.3)
     loop = cyclic_test(law, 1.0)[0]
     noise = {"force_noise": 1e-3 * np.ptp(loop.force) / 2.0, "deflection_noise": 1e-3}
-    noisy = [
-        measured([loop], seed=seed, points_per_cycle=points, **noise)[0].tangents_at_reversal for seed in range(20)
-    ]
+    noisy = [measured([loop], seed=seed, points_per_cycle=points, **noise)[0].tangents_at_reversal for seed in range(20)]
     after = table_3_2(law, loop.hysteretic_state.max())[1]
     # 1 to 2 % of scatter as `tangent_at_start` states it, five of them; the mean of 40 has what the cubic misses.
     np.testing.assert_allclose(noisy, after, rtol=0.1)
@@ -95,8 +93,7 @@ def test_slope_jump_of_a_noisy_loop_recovers_beta():
     law = BoucWen(alpha=1.0, beta=0.8, gamma=0.2, n=1)
     loop = cyclic_test(law, 1.0)[0]
     noisy = [
-        measured([loop], seed=seed, points_per_cycle=400, force_noise=1e-3, deflection_noise=1e-3)[0]
-        for seed in range(20)
+        measured([loop], seed=seed, points_per_cycle=400, force_noise=1e-3, deflection_noise=1e-3)[0] for seed in range(20)
     ]
     beta = np.mean([one.slope_jumps_at_reversal for one in noisy]) / (2.0 * loop.force.max())
     assert beta == pytest.approx(0.8, rel=0.02)  # two tangents, a percent each
@@ -124,9 +121,7 @@ def test_overlap_of_thin_ellipses_is_that_of_circles():
 
 def test_overlap_is_perfect_where_slip_is_saturated_on_the_tension_side():
     law = Masing(stiffness=[1e5], slip_force=[50.0], k=2e4)
-    loops = cyclic_test(
-        law, [1e-3, 2e-3, 3e-3]
-    )  # full slip after 2 h / c = 1 mm of loading: from x = 0 on, even at 1 mm
+    loops = cyclic_test(law, [1e-3, 2e-3, 3e-3])  # full slip after 2 h / c = 1 mm of loading: from x = 0 on, even at 1 mm
     assert hardening_overlap(loops) < 1e-10  # rounding
 
 

@@ -51,9 +51,7 @@ def test_the_force_is_that_of_law_and_spring_in_series(law):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize(
-    "law", [KelvinVoigt(k=1e5, c=0.0), KelvinVoigt(k=1e5, c=300.0), Zener(k0=5e4, k1=5e4, c=800.0)]
-)
+@pytest.mark.parametrize("law", [KelvinVoigt(k=1e5, c=0.0), KelvinVoigt(k=1e5, c=300.0), Zener(k0=5e4, k1=5e4, c=800.0)])
 @pytest.mark.parametrize("omega", [1.0, 60.0, 3000.0])
 def test_a_linear_law_on_a_bracket_has_the_complex_stiffness_of_both_in_series(law, omega):
     def stiffness(one):
@@ -142,9 +140,7 @@ def test_a_bracket_holds_no_law_whose_force_depends_on_the_rate_in_another_way()
 
 
 def test_a_study_varies_what_stands_on_a_bracket_and_may_lose_it(tmp_path):
-    device = wr.Isolator(
-        name="a", axial=wr.BoucWen(**hysteresis(alpha=2e4, z_max=40.0), k=4e3), bracket=wr.Bracket(axial=3e4)
-    )
+    device = wr.Isolator(name="a", axial=wr.BoucWen(**hysteresis(alpha=2e4, z_max=40.0), k=4e3), bracket=wr.Bracket(axial=3e4))
     given = {"model": sdof_text(), "isolators": {"a": device}, "variants": 4}
     study = table_study(**given, vary={"mount/m1/axial/alpha": wr.Uniform(0.5, 1.5, relative=True)})
     rows = study.run(tmp_path / "study", workers=1).table.to_pylist()

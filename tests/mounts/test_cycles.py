@@ -15,9 +15,7 @@ from wirerope_mj.mounts.test_rig.turning import find_turning_points, rms_noise
 
 pytestmark = pytest.mark.quick
 
-LAW = wr.AsymmetricBoucWen.from_normalised(
-    z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
-)
+LAW = wr.AsymmetricBoucWen.from_normalised(z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0)
 AMPLITUDES = np.array([0.5e-3, 1.5e-3, 4e-3, 10e-3])
 
 
@@ -60,9 +58,7 @@ def test_every_amplitude_of_a_long_record_comes_back_as_its_steady_loop(record, 
     point = record.get("operating_point", 0.0)
     assert len(loops) == 4
     # 3 standard deviations of the deflection's noise, averaged over three cycles.
-    np.testing.assert_allclose(
-        [loop.amplitude for loop in loops], AMPLITUDES, rtol=1e-3, atol=2e-5 * ("slack" in record)
-    )
+    np.testing.assert_allclose([loop.amplitude for loop in loops], AMPLITUDES, rtol=1e-3, atol=2e-5 * ("slack" in record))
     np.testing.assert_allclose([loop.operating_point for loop in loops], point, atol=1e-6 + 2e-5 * ("slack" in record))
     assert {loop.cycles for loop in loops} == {record.get("cycles", 5) - 1}
     assert all(loop.deflection.size == 201 and loop.deflection[0] == loop.deflection[-1] for loop in loops)
@@ -145,9 +141,7 @@ def test_turning_points_of_a_triangle_are_not_cut_off(points):
 def test_steps_of_a_converter_are_no_saturation():
     time, deflection, force = rig_record(LAW, AMPLITUDES, noise=0.0)
     loops = steady_loops(np.round(deflection / 1e-5) * 1e-5, np.round(force / 10.0) * 10.0, time=time)
-    assert (
-        errors(loops, LAW)[:, 0] < [0.02, 0.01, 0.006, 0.004]
-    ).all()  # 10 N are 3, 1.5, 1, 0.6 % of half their ranges
+    assert (errors(loops, LAW)[:, 0] < [0.02, 0.01, 0.006, 0.004]).all()  # 10 N are 3, 1.5, 1, 0.6 % of half their ranges
     assert len(prepare(loops)) == 4
 
 
@@ -184,9 +178,7 @@ def test_file_of_records_is_read_with_its_units_and_in_its_order(tmp_path):
     rows = []
     for number, size in enumerate((4e-3, 1.5e-3), start=1):
         time, deflection, force = rig_record(LAW, [size], seed=number)
-        rows += [
-            f"{number};{t:.5f};{1e3 * x:.7g};{f / 1e3:.7g}" for t, x, f in zip(time, deflection, force, strict=True)
-        ]
+        rows += [f"{number};{t:.5f};{1e3 * x:.7g};{f / 1e3:.7g}" for t, x, f in zip(time, deflection, force, strict=True)]
     path = tmp_path / "t.csv"
     path.write_text("\n".join(["loop;time [s];deflection [mm];force [kN]", *rows]), encoding="utf-8")
     loops = load_cycles(path)
@@ -252,9 +244,7 @@ def test_force_cut_off_with_noise_behind_is_refused(side):
     limit = 0.6 * np.abs(force).max()
     noise = 1e-3 * limit * np.random.default_rng(7).standard_normal(force.size)
     word = "largest" if side > 0 else "smallest"
-    with pytest.raises(
-        ValueError, match=rf"at its {word} deflection the force stays .* on the way there and back.*saturated"
-    ):
+    with pytest.raises(ValueError, match=rf"at its {word} deflection the force stays .* on the way there and back.*saturated"):
         steady_loops(deflection, side * np.minimum(side * force, limit) + noise, time=time)
 
 
@@ -282,9 +272,7 @@ def test_millimetres_that_a_header_calls_metres_are_refused(tmp_path, read):
     path = tmp_path / "t.csv"
     rows = [f"{x!r},{f!r}" for x, f in zip((1e3 * loop.deflection).tolist(), loop.force.tolist(), strict=True)]
     path.write_text("\n".join(["deflection [m],force [N]", *rows]), encoding="utf-8")
-    with pytest.raises(
-        RecordError, match=r"t\.csv, lines 2 to 202: an amplitude of 4 m is beyond any isolator.* in mm where"
-    ):
+    with pytest.raises(RecordError, match=r"t\.csv, lines 2 to 202: an amplitude of 4 m is beyond any isolator.* in mm where"):
         read(path)
     with pytest.raises(ValueError, match=r"loop 1: an amplitude of 4 m is beyond any isolator"):
         prepare([wr.Loop.from_samples(1e3 * loop.deflection, loop.force)])
@@ -299,9 +287,7 @@ def test_too_few_samples_in_a_cycle_are_named():
 def test_rows_that_are_missing_at_a_turning_point_are_named():
     time, deflection, force = sine()
     kept = (np.abs(time % (2.0 * np.pi) - 0.5 * np.pi) > 0.3) | (time < 2.0 * np.pi)
-    with pytest.raises(
-        ValueError, match=r"at a turning point of the cycle there are \d samples within .* rows missing"
-    ):
+    with pytest.raises(ValueError, match=r"at a turning point of the cycle there are \d samples within .* rows missing"):
         steady_loops(deflection[kept], force[kept], time=time[kept])
 
 

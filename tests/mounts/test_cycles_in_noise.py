@@ -35,8 +35,7 @@ def test_noise_of_a_load_cell_is_not_taken_for_its_saturation(noise):
     """The noise is that of the load cell's range: a third of the force of the smallest loop at 5 %."""
     deflection, force = clean_record()
     noisy = [
-        force + noise * 0.5 * np.ptp(force) * np.random.default_rng(seed).standard_normal(force.size)
-        for seed in range(40)
+        force + noise * 0.5 * np.ptp(force) * np.random.default_rng(seed).standard_normal(force.size) for seed in range(40)
     ]
     refusals = [message for message in (refusal(deflection, values) for values in noisy) if message]
     # The smallest loop may have lost its area.
@@ -58,9 +57,7 @@ def plain(rng):
     return rng.standard_normal(3 * POINTS)
 
 
-NOTHING_BUT_NOISE = (
-    r"the force is noise of [\d.e+]+ N, ([89]\d[.\d]*|100) % of the force's rms value: it does not follow"
-)
+NOTHING_BUT_NOISE = r"the force is noise of [\d.e+]+ N, ([89]\d[.\d]*|100) % of the force's rms value: it does not follow"
 
 
 @pytest.mark.parametrize("seed", range(5))

@@ -59,14 +59,10 @@ def recorded(seed, kind):
 @pytest.mark.parametrize("kind", ["white", "correlated", "hum"])
 def test_standard_errors_hold_whatever_correlates_the_noise(kind):
     fits = [
-        wr.identify(
-            recorded(seed, kind), law=wr.BoucWen, start=TRUTH, grid=False, method="time", profiles=False
-        ).parameters
+        wr.identify(recorded(seed, kind), law=wr.BoucWen, start=TRUTH, grid=False, method="time", profiles=False).parameters
         for seed in range(100, 140)
     ]
-    ratios = np.array(
-        [[(p[name].value - true) / p[name].standard_error for name, true in VALUES.items()] for p in fits]
-    )
+    ratios = np.array([[(p[name].value - true) / p[name].standard_error for name, true in VALUES.items()] for p in fits])
     assert np.sqrt(np.mean(ratios**2, axis=0)) == pytest.approx([1.0] * 5, abs=0.29)  # as above
     # 95 % of 40: within three of their standard errors, for every parameter.
     assert np.mean(np.abs(ratios) < 1.96, axis=0).min() >= 0.85

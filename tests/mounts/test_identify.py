@@ -36,9 +36,7 @@ def error_left_out(found, truth):
 TRUTHS = [
     wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.3, k=5e4),
     wr.SymmetricBoucWen.from_normalised(z_max=500.0, x_y=1.5e-3, sigma=0.9, n=1.0, k1=4e4, k2=0.0, k3=4e8),
-    wr.AsymmetricBoucWen.from_normalised(
-        z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0
-    ),
+    wr.AsymmetricBoucWen.from_normalised(z_max=700.0, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=np.e, c=35.0),
     wr.EnhancedDryFriction(k=6e4, d=400.0, u_c=1e-3),
 ]
 

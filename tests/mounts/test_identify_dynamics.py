@@ -18,9 +18,7 @@ def amplitudes(law):
     found = []
     for frequency in FREQUENCIES:
         motion = wr.Sine(frequency=frequency, acceleration=LEVEL, direction="z")
-        r = wr.simulate(
-            sdof(law, mass=MASS), motion, duration=3.0, timestep=2e-3, sample_rate=500.0, initial="unloaded"
-        )
+        r = wr.simulate(sdof(law, mass=MASS), motion, duration=3.0, timestep=2e-3, sample_rate=500.0, initial="unloaded")
         found.append(np.abs(r.bodies["mass"].acceleration[1000:, 2]).max())
     return np.array(found)
 

@@ -57,9 +57,7 @@ def test_a_stop_is_found_within_its_errors_from_noisy_loops(case):
     assert found.converged
     assert not found.non_identifiable
     gap = found.parameters[gaps[0]]
-    assert (
-        gap.standard_error < 2e-5
-    )  # 1 % of 2 kN over 500 kN/m is 40 um in one sample, and there are some ten near the knee
+    assert gap.standard_error < 2e-5  # 1 % of 2 kN over 500 kN/m is 40 um in one sample, and there are some ten near the knee
 
 
 def test_exponent_and_rounding_are_searched_for_when_asked():
@@ -101,9 +99,7 @@ def test_a_record_that_never_closes_is_refused_with_what_it_reached(noise, known
         if known
         else measured(cyclic_test(law, [2e-3, 4e-3]), seed=1, force_noise=1e3 * noise)
     )
-    with pytest.raises(
-        ValueError, match=r"no loop closes a stop: between -4 and 4 mm no force is left.*larger amplitudes"
-    ):
+    with pytest.raises(ValueError, match=r"no loop closes a stop: between -4 and 4 mm no force is left.*larger amplitudes"):
         wr.identify(loops, law=wr.Stop, beside=known)
 
 
@@ -137,9 +133,7 @@ def test_a_start_joins_the_grid_and_must_say_what_the_loops_show():
     with pytest.raises(ValueError, match=r"`start` must give gap_below, .*which the loops show"):
         wr.identify(loops, law=wr.Stop, start=wr.Stop(gap_above=1e-3, k=4e5, loss=0.2, reversal=1e-3))
     with pytest.raises(ValueError, match=r"`start` must give k, "):
-        wr.identify(
-            loops, law=wr.Stop, start=wr.Stop(gap_below=1e-3, depths=[1e-3], forces=[1e3], loss=0.2, reversal=1e-3)
-        )
+        wr.identify(loops, law=wr.Stop, start=wr.Stop(gap_below=1e-3, depths=[1e-3], forces=[1e3], loss=0.2, reversal=1e-3))
     with pytest.raises(ValueError, match=r"`fixed` and `free` both name exponent"):
         wr.identify(loops, law=wr.Stop, fixed={"exponent": 1.5}, free=["exponent"])
     with pytest.raises(ValueError, match=r"`free` names 'hardness', which stop does not have; it has gap_below, k, "):

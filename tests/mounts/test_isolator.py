@@ -356,9 +356,7 @@ def test_isolator_beside_the_model_wins_over_the_catalogue(tmp_path):
 
 
 def test_unknown_isolator_lists_those_that_exist():
-    with pytest.raises(
-        ModelError, match=r"there is no isolator 'wr99': looked for .*enidine_wr16_400.*rubber_horizontal"
-    ):
+    with pytest.raises(ModelError, match=r"there is no isolator 'wr99': looked for .*enidine_wr16_400.*rubber_horizontal"):
         find_isolator("wr99")
 
 

@@ -46,10 +46,7 @@ def test_the_largest_utilisation_of_each_mount_is_that_of_its_ratings():
     reached = np.array([[0.03, 0.01, 0.004, 0.005]] * 3)
     rated = np.array([[travel.stated.get(rating, np.nan) for rating in RATINGS] for travel in ratings])
     used = largest_utilisation(reached, rated)
-    each = [
-        travel_utilisation(dict(zip(RATINGS, row, strict=True)), t.stated)
-        for row, t in zip(reached, ratings, strict=True)
-    ]
+    each = [travel_utilisation(dict(zip(RATINGS, row, strict=True)), t.stated) for row, t in zip(reached, ratings, strict=True)]
     np.testing.assert_array_equal(used, [max(one.values(), default=np.nan) for one in each])
     assert np.isnan(used).tolist() == [False, False, True]
 

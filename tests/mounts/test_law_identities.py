@@ -141,9 +141,7 @@ def test_normalised_form_is_a_constructor_and_a_report():
     assert (form.z_max, form.x_y, form.sigma, form.n) == pytest.approx((300.0, 2e-3, 0.8, 1.5))
     # Its shape knows no unit: in kN and mm the same loop, where alpha, beta and gamma alone would not show it.
     other = laws.BoucWen.from_normalised(z_max=0.3, x_y=2.0, sigma=0.8, n=1.5, k=1e-2)
-    np.testing.assert_allclose(
-        1e3 * other.trace(3.0 * PATHS[0]).force, law.trace(3e-3 * PATHS[0]).force, rtol=0, atol=1e-6
-    )
+    np.testing.assert_allclose(1e3 * other.trace(3.0 * PATHS[0]).force, law.trace(3e-3 * PATHS[0]).force, rtol=0, atol=1e-6)
     with pytest.raises(ValueError, match="`beta` \\+ `gamma` must be > 0"):
         _ = laws.BoucWen(alpha=1.0, beta=0.8, gamma=-1.0, n=1).normalised
     with pytest.raises(ValueError, match="`x_y` must be > 0"):
@@ -255,9 +253,7 @@ def test_energy_of_nth_power_damping(n):
     factor = 2.0 * math.sqrt(math.pi) * gamma_function((n + 2.0) / 2.0) / gamma_function((n + 3.0) / 2.0)
     law = laws.TinkerCutchins(k1=1.0, k2=0.2, k3=0.5, c=c, n=n, smoothing=1e-3)
     # 400 cubics per cycle follow the sine to 1e-10.
-    assert last_energy(law, amplitude, omega=omega) == pytest.approx(
-        factor * c * omega**n * amplitude ** (n + 1.0), rel=1e-8
-    )
+    assert last_energy(law, amplitude, omega=omega) == pytest.approx(factor * c * omega**n * amplitude ** (n + 1.0), rel=1e-8)
 
 
 def test_energy_of_variable_coulomb_friction_with_the_square_of_the_smoothing():
@@ -322,9 +318,7 @@ def test_wear_counts_the_work_of_z_and_softens_the_loop():
     for path in PATHS:
         trace = law.trace(path)
         # What is not in the spring went through z.
-        np.testing.assert_allclose(
-            trace.internal_states[:, 1], trace.work - 0.5 * WORN["k"] * path**2, rtol=0, atol=1e-9
-        )
+        np.testing.assert_allclose(trace.internal_states[:, 1], trace.work - 0.5 * WORN["k"] * path**2, rtol=0, atol=1e-9)
     loops = [cyclic_test(law, 1.0, cycles=n)[0] for n in (2, 4, 16)]  # the first begins at rest
     stiffness = [loop.secant_stiffness for loop in loops]
     energy = [loop.dissipated_energy for loop in loops]

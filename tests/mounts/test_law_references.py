@@ -339,8 +339,6 @@ def test_pinching_whose_width_begins_at_zero_is_integrated_in_finite_steps():
         alpha=1e5, beta=250.0, gamma=100.0, n=1.0, k=4e4, delta_nu=0.1, zeta=0.6, q=0.1, p=1.0, psi=60.0, delta_psi=5.0
     )
     stroke = np.concatenate([np.linspace(0.0, -3e-4, 2), np.linspace(-3e-4, 5e-3, 4)[1:]])
-    fine = np.concatenate(
-        [np.linspace(a, b, 60, endpoint=False) for a, b in itertools.pairwise(stroke)] + [stroke[-1:]]
-    )
+    fine = np.concatenate([np.linspace(a, b, 60, endpoint=False) for a, b in itertools.pairwise(stroke)] + [stroke[-1:]])
     # Each of the few strokes is known to 1e-8, and the widths of the pinching to as much.
     assert law.trace(stroke).force[-1] == pytest.approx(law.trace(fine).force[-1], rel=1e-7)

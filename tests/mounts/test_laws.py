@@ -38,10 +38,7 @@ def test_steady_loop_of_any_sharpness_follows_the_hypergeometric_form(n):
 
     top = (1.0 / (beta + gamma)) ** (1.0 / n) * (1.0 - 1e-12)
     peak = brentq(lambda z: reach(z, gamma - beta) + reach(z, gamma + beta) - 2.0 * amplitude, 0.0, top, xtol=1e-14)
-    work = (
-        2.0
-        * quad(lambda z: z * (1.0 / (1.0 - (beta + gamma) * z**n) - 1.0 / (1.0 + (beta - gamma) * z**n)), 0.0, peak)[0]
-    )
+    work = 2.0 * quad(lambda z: z * (1.0 / (1.0 - (beta + gamma) * z**n) - 1.0 / (1.0 + (beta - gamma) * z**n)), 0.0, peak)[0]
     loop = cyclic_test(BoucWen(alpha=1, beta=beta, gamma=gamma, n=n), amplitude)[0]
     # Limited by the quadrature of the reference and, for n < 1, by the kink of |z|^n at zero.
     assert loop.force.max() == pytest.approx(peak, rel=1e-7)

@@ -62,9 +62,7 @@ def test_each_axis_alone_keeps_its_own_law(n):
 def random_coupling(rng):
     shape = rng.integers(1, 4, 2)
     ends = rng.uniform(0.2, 1.0, 3)
-    return wr.LoopCoupling(
-        roll=ends[0], compression=ends[1], tension=ends[2], coefficients=rng.normal(size=shape).tolist()
-    )
+    return wr.LoopCoupling(roll=ends[0], compression=ends[1], tension=ends[2], coefficients=rng.normal(size=shape).tolist())
 
 
 def test_the_force_is_the_gradient_inside_across_and_outside_the_box():

@@ -162,9 +162,7 @@ def test_cycles_and_tangents_are_those_of_the_law_in_the_plane():
 
 @pytest.mark.slow
 def test_the_variational_equation_has_the_states_of_both_scales():
-    search = OrbitSearch(
-        mass_on(device(shear=parts(2.0, k1=4e4)[0])), direction="z", history="relaxed", accuracy=1.5625e-6
-    )
+    search = OrbitSearch(mass_on(device(shear=parts(2.0, k1=4e4)[0])), direction="z", history="relaxed", accuracy=1.5625e-6)
     with search.flow.ready():
         drive = search.drive(8.0, 3.0)
         x = search.settled(search.coordinates.rest(), drive, 20)

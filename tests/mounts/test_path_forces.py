@@ -11,11 +11,7 @@ from wirerope_mj.mounts.laws.steady import follow_force, settle
 pytestmark = pytest.mark.quick
 
 LAWS = [
-    *(
-        wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=s, n=n, k=1e4)
-        for s in (0.3, 1.6)
-        for n in (1.0, 1.4, 2.0)
-    ),
+    *(wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=s, n=n, k=1e4) for s in (0.3, 1.6) for n in (1.0, 1.4, 2.0)),
     wr.AsymmetricBoucWen.from_normalised(z_max=7e2, x_y=1e-3, sigma=0.6, n=1.0, k1=5e4, k2=1e6, k3=2e8, b=2.0, c=35.0),
     wr.EnhancedDryFriction(k=6e4, d=400.0, u_c=1e-3),
     wr.VaianaRosati(kb=3e4, f0=150.0, alpha=300.0, b1=20.0, b2=60.0, g1=15.0, g2=300.0, g3=1e-3),
@@ -73,7 +69,5 @@ def test_a_state_that_overflows_is_not_a_number_from_there_on():
     # beta + gamma < 0 and n = 2: the force is infinite at a finite deflection.
     law = wr.BoucWen(alpha=1e5, beta=0.01, gamma=-0.06, n=2.0)
     far = law.finite_travel
-    force = follow_force(
-        law.kernel, law.kernel_parameters(), np.array([0.0, 0.5 * far, 1.1 * far, 0.0]), np.zeros(1), 1
-    )
+    force = follow_force(law.kernel, law.kernel_parameters(), np.array([0.0, 0.5 * far, 1.1 * far, 0.0]), np.zeros(1), 1)
     assert np.isfinite(force).tolist() == [True, True, False, False]

@@ -42,9 +42,7 @@ def test_a_value_for_which_another_makes_up_beyond_its_error_is_named():
 
     result = surveyed(function, [100.0, 0.5], names=("a", "b"))
     assert result.uncertainty.parameters["a"].standard_error > 25.0
-    assert any(
-        words.startswith("a is not identifiable to better than") for words in result.uncertainty.non_identifiable
-    )
+    assert any(words.startswith("a is not identifiable to better than") for words in result.uncertainty.non_identifiable)
 
 
 def test_another_valley_within_nine_variances_widens_the_error_and_is_named():

@@ -60,9 +60,7 @@ def test_closure_of_the_law_is_that_of_the_record():
     record = rig_record(LAW, AMPLITUDES, operating_point=-5e-3, points=500.0, noise=0.0, drift=300.0)
     loops = steady_loops(*record[1:], time=record[0])
     for loop, ready in zip(loops, prepare(loops), strict=True):
-        assert ready.law_closure(LAW) == pytest.approx(
-            loop.closure, rel=0.1, abs=1e-3
-        )  # smoothing at the turning points
+        assert ready.law_closure(LAW) == pytest.approx(loop.closure, rel=0.1, abs=1e-3)  # smoothing at the turning points
 
 
 def test_record_that_begins_loaded_counts_as_steady():

@@ -117,9 +117,7 @@ def test_more_terms_are_nearer_and_fewer_are_not_enough(fit):
 def test_the_coupling_force_is_a_gradient_and_vanishes_on_the_axes(fit):
     coupling, step = fit.coupling, 1e-6
     places = np.array([[0.02, -0.03], [-0.04, -0.01], [0.03, 0.02]])
-    slopes = [
-        (coupling.energy(places + way) - coupling.energy(places - way)) / (2.0 * step) for way in step * np.eye(2)
-    ]
+    slopes = [(coupling.energy(places + way) - coupling.energy(places - way)) / (2.0 * step) for way in step * np.eye(2)]
     force = coupling.force(places)
     np.testing.assert_allclose(np.stack(slopes, axis=-1), force, atol=1e-6 * np.abs(force).max())
     np.testing.assert_array_equal(coupling.energy([[0.0, -0.02], [0.03, 0.0]]), 0.0)

@@ -101,9 +101,7 @@ def test_other_laws_have_two_scales_too(kind):
         )
     fit = wr.identify(noisy_loops(device, AMPLITUDES[1:]), law=kind, scales=2, profiles=False)
     assert [type(law) for law in fit.law.laws] == [kind, kind]
-    assert fit.law.laws[1].normalised.x_y == pytest.approx(
-        0.36e-3, rel=0.05
-    )  # the errors of 1 % and less, three of them
+    assert fit.law.laws[1].normalised.x_y == pytest.approx(0.36e-3, rel=0.05)  # the errors of 1 % and less, three of them
     assert fit.residual == pytest.approx(2e-3, rel=0.1)
 
 

@@ -50,9 +50,7 @@ def test_no_part_of_the_force_at_a_deflection_grows_with_the_memory():
     law = example("scragged-bouc-wen")
     for x in (-7e-3, -1e-3, 2e-3, 9e-3):
         for z in (0.0, np.sign(x) * 100.0):
-            force = [
-                abs(law.trace([x, x + 1e-12], initial_states=[z, m]).force[0]) for m in np.linspace(0.0, 20e-3, 60)
-            ]
+            force = [abs(law.trace([x, x + 1e-12], initial_states=[z, m]).force[0]) for m in np.linspace(0.0, 20e-3, 60)]
             assert (np.diff(force) <= 1e-9 * max(force)).all()
 
 

@@ -149,9 +149,7 @@ def test_specimens_are_redrawn_with_their_laws_in_parallel(tmp_path):
 
 def test_what_can_vary_of_several_laws_is_listed():
     lines = available_lines(sdof(TWO), PULSE)
-    assert any(
-        "mount/NAME/axial/stiffness, mount/NAME/axial/friction, mount/NAME/axial/yield" in line for line in lines
-    )
+    assert any("mount/NAME/axial/stiffness, mount/NAME/axial/friction, mount/NAME/axial/yield" in line for line in lines)
     assert [line.strip().partition("  ")[0] for line in lines if "laws[" in line] == [
         "mount/NAME/axial/laws[0].PARAMETER", "mount/NAME/axial/laws[1].PARAMETER",
     ]  # fmt: skip
@@ -211,9 +209,7 @@ def test_specimens_of_several_scales_give_a_spread():
     assert rows["laws[1].alpha"].fit_error < rows["laws[1].alpha"].deviation
     isolator = wr.Isolator(name="three", axial=fits.law, spread=fits.spread("axial"))
     assert "axial.laws[0].alpha" in isolator.spread.parameters
-    of_rope(
-        {"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": isolator}, sampling="random", variants=3
-    ).table()
+    of_rope({"mount/m1/spread": wr.Specimens()}, isolators={"wr12_400": isolator}, sampling="random", variants=3).table()
 
 
 @pytest.mark.quick

@@ -46,9 +46,7 @@ def loop_mount(stiffening=None):
         name="loop",
         roll=laws.SymmetricBoucWen.from_normalised(z_max=60.0, x_y=2e-3, **shape, k1=2e4, k2=-1e5, k3=3e7),
         shear=ROPE,
-        axial=laws.AsymmetricBoucWen.from_normalised(
-            z_max=80.0, x_y=1e-3, **shape, k1=4e4, k2=1e5, k3=2e7, b=math.e, c=20.0
-        ),
+        axial=laws.AsymmetricBoucWen.from_normalised(z_max=80.0, x_y=1e-3, **shape, k1=4e4, k2=1e5, k3=2e7, b=math.e, c=20.0),
         coupling="loop",
         loop=wr.LoopCoupling(roll=0.02, compression=0.015, tension=0.015, coefficients=[[9.0, -4.5], [-2.4, 2.7]]),
         rotation=wr.Rotation(roll=300.0, shear=500.0, axial=200.0),
@@ -169,9 +167,7 @@ def test_sag_and_frequency_by_hand():
     factor = 1.0 + 0.2 * math.log(20.0) / math.log(50.0)
     assert SETTLED.factor == pytest.approx(factor, rel=1e-15)
     bound, length, mass = 500.0, 0.025, 20.0  # z_m = alpha / (beta + gamma), x_y = 1 / (beta + gamma) with n = 1
-    sag = brentq(
-        lambda x: factor * (5e3 * x + bound * -math.expm1(-x / length)) - mass * G, 0.0, 0.1, xtol=1e-15, rtol=1e-14
-    )
+    sag = brentq(lambda x: factor * (5e3 * x + bound * -math.expm1(-x / length)) - mass * G, 0.0, 0.1, xtol=1e-15, rtol=1e-14)
     settled = one_mass(mount(SETTLED), mass=mass, gravity=G)
     rest = wr.equilibrium(settled)
     assert rest.mounts["m1"].deflection[2] == pytest.approx(-sag, rel=1e-8)  # the engine's residual, 1e-9 of the load
@@ -291,9 +287,7 @@ def test_a_study_finds_what_each_variant_is_alone(tmp_path):
     result = study.run(tmp_path / "study", workers=1)
     assert result.failed == {}
     for row in result.table.to_pylist()[::5]:
-        stiffening = wr.Stiffening(
-            after_50=row["mount/m1/stiffening/after_50"] * 0.2, cycles=row["mount/m1/stiffening/cycles"]
-        )
+        stiffening = wr.Stiffening(after_50=row["mount/m1/stiffening/after_50"] * 0.2, cycles=row["mount/m1/stiffening/cycles"])
         law = replace(ROPE, alpha=row["mount/m1/axial/alpha"] * ROPE.alpha)
         system = one_mass(mount(stiffening, law))
         response = wr.simulate(system, PULSE, duration=0.05, timestep=1e-3)

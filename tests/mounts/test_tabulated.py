@@ -85,9 +85,7 @@ def test_friction_alone_never_gives_work(seed):
     below, above = np.cumsum(rng.exponential(1.0, (2, rng.integers(1, 7))), axis=1)
     x = np.concatenate([-below[::-1], [0.0], above])
     half = rng.exponential(1.0, x.size) ** 3 * (rng.random(x.size) < 0.6)
-    law = wr.Tabulated(
-        deflection=x, upper=half, lower=-half, yield_deflection=10.0 ** rng.uniform(-3.0, 2.0), extrapolate=True
-    )
+    law = wr.Tabulated(deflection=x, upper=half, lower=-half, yield_deflection=10.0 ** rng.uniform(-3.0, 2.0), extrapolate=True)
     path = np.concatenate([[0.0], rng.normal(size=40) * rng.exponential(3.0)])
     work = law.trace(path).work
     assert work.min() >= -1e-12 * np.abs(work).max()  # rounding of its sum
@@ -231,9 +229,7 @@ def test_what_stands_twice_or_without_a_file_is_refused(tmp_path):
     with pytest.raises(ModelError, match=r"\[axial\] `yield_deflection` is stated twice"):
         wr.load_isolator(tmp_path / "a.toml")
     (tmp_path / "a.toml").write_text(FILE + "deflection_ft = [0, 3.6]\nforce_N = [0, 8460]\n")
-    with pytest.raises(
-        ModelError, match=r"\[axial\] `deflection_ft` has the unknown unit 'ft'\. Known units: m, mm, cm, in\."
-    ):
+    with pytest.raises(ModelError, match=r"\[axial\] `deflection_ft` has the unknown unit 'ft'\. Known units: m, mm, cm, in\."):
         wr.load_isolator(tmp_path / "a.toml")
     with pytest.raises(ModelError, match="`points` names a file, but this isolator was not read from a file"):
         wr.Isolator.from_dict({"name": "a", "axial": {"law": "tabulated", "points": "curve.csv"}})

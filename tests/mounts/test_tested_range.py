@@ -88,16 +88,11 @@ def test_what_hardly_moves_across_and_what_nothing_was_measured_of_is_not_said()
 def test_command_and_report_say_it(isolator, tmp_path):
     (tmp_path / "one.xml").write_text(sdof_text(mass=20.0).replace('data="a"', 'data="a.toml"'), encoding="utf-8")
     replace(isolator, name="rig").save(tmp_path / "a.toml")
-    done = wirerope(
-        "shock", "one.xml", "--half-sine", "12 g 20 ms z", "--duration", "0.3", "--out", "run", cwd=tmp_path
-    )
+    done = wirerope("shock", "one.xml", "--half-sine", "12 g 20 ms z", "--duration", "0.3", "--out", "run", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     flat = " ".join(done.stdout.split())
     assert "Outside the cycles that the isolator was identified from, and so extrapolated: m1 axial -" in flat
-    assert (
-        "extrapolated: m1 axial"
-        in json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))["untested"]
-    )
+    assert "extrapolated: m1 axial" in json.loads((tmp_path / "run" / "summary.json").read_text(encoding="utf-8"))["untested"]
     assert "and so extrapolated: m1 axial" in (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
     modes = wirerope("modes", "one.xml", "--amplitude-mm", "5", "20", "--out", "modes", cwd=tmp_path)
     flat = " ".join(modes.stdout.split())

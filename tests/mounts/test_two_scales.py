@@ -143,9 +143,7 @@ def test_sags_and_modes_of_the_racks(mass, coupled):
 
 
 @pytest.mark.parametrize("coupled", [False, True])
-@pytest.mark.parametrize(
-    ("axis", "displacement", "acceleration"), [("x", 15.89, 7.05), ("y", 20.79, 5.96), ("z", 15.22, 7.17)]
-)
+@pytest.mark.parametrize(("axis", "displacement", "acceleration"), [("x", 15.89, 7.05), ("y", 20.79, 5.96), ("z", 15.22, 7.17)])
 def test_shocks_of_the_rack_of_850_kg_in_both_senses(axis, displacement, acceleration, coupled):
     """The larger of both senses is the vendor's figure; neither sense exceeds it by more."""
     # The second scale yields over 0.08 mm, which the rack goes in 7e-5 s.

@@ -86,9 +86,7 @@ def test_motions_run_from_python(capsys):
 
 def test_the_table_of_motions_names_every_motion():
     listed = set(re.findall(r"`(\w+)", (ROOT / "docs/motions.md").read_text(encoding="utf-8")))
-    motions = {
-        name for name in dir(wr) if isinstance(getattr(wr, name), type) and issubclass(getattr(wr, name), BaseMotion)
-    }
+    motions = {name for name in dir(wr) if isinstance(getattr(wr, name), type) and issubclass(getattr(wr, name), BaseMotion)}
     assert motions <= listed
 
 

@@ -29,9 +29,7 @@ def shown(monkeypatch):
     plt.close("all")
 
 
-@pytest.mark.parametrize(
-    "path", [pytest.param(p, id=p.stem, marks=[pytest.mark.slow] * (p.stem in SLOW)) for p in EXAMPLES]
-)
+@pytest.mark.parametrize("path", [pytest.param(p, id=p.stem, marks=[pytest.mark.slow] * (p.stem in SLOW)) for p in EXAMPLES])
 def test_an_example_runs_and_shows_one_picture_whose_axes_have_units(path, shown, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)  # what an example writes goes into a temporary folder of its own
     runpy.run_path(str(path), run_name="__main__")

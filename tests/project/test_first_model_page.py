@@ -43,8 +43,5 @@ def test_tables_become_a_report_in_at_most_twelve_commands(tmp_path, monkeypatch
 def test_the_tables_of_the_page_are_those_of_the_template():
     for name in ("mounts", "masses", "stops", "points", "forces"):
         shipped = (models_folder() / "templates" / "genset" / f"{name}.csv").read_text(encoding="utf-8")
-        rows = [
-            [line for line in text.splitlines() if not line.startswith("#")]
-            for text in (shipped, TABLES[f"{name}.csv"])
-        ]
+        rows = [[line for line in text.splitlines() if not line.startswith("#")] for text in (shipped, TABLES[f"{name}.csv"])]
         assert rows[0] == rows[1]

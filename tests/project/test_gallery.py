@@ -48,9 +48,7 @@ def reach(z, total, n=1.0):
 def closed_loop(beta, gamma, amplitude, n=1.0):
     """Return peak force and area of the closed loop with alpha = 1, by its integrals."""
     bound = (1.0 / (beta + gamma)) ** (1.0 / n) if beta + gamma > 0.0 else 50.0
-    peak = brentq(
-        lambda z: reach(z, gamma - beta, n) + reach(z, gamma + beta, n) - 2.0 * amplitude, 0.0, bound * (1.0 - 1e-13)
-    )
+    peak = brentq(lambda z: reach(z, gamma - beta, n) + reach(z, gamma + beta, n) - 2.0 * amplitude, 0.0, bound * (1.0 - 1e-13))
     area = quad(lambda z: z / (1.0 - (beta + gamma) * z**n) - z / (1.0 + (beta - gamma) * z**n), 0.0, peak)[0]
     return peak, 2.0 * area
 
@@ -313,9 +311,9 @@ def test_factor_changes_the_area_of_the_loop(gallery):
     n = gallery["3.20"].numbers
     peak = brentq(lambda z: rising_z(4e-3, z) - z, 0.0, 80.0)
     for key, rate in (("area", 200.0 * math.log(2.0)), ("area_plain", 0.0)):
-        area = quad(
-            lambda x, rate=rate: math.exp(rate * x) * (rising_z(x, peak) + rising_z(-x, peak)), -4e-3, 4e-3, limit=200
-        )[0]
+        area = quad(lambda x, rate=rate: math.exp(rate * x) * (rising_z(x, peak) + rising_z(-x, peak)), -4e-3, 4e-3, limit=200)[
+            0
+        ]
         # The quadrature meets a kink of the slope on each branch.
         assert n[key] == pytest.approx(area, rel=1e-6)
     assert n["area"] > n["area_plain"]
@@ -341,9 +339,7 @@ def test_resonances_are_those_of_harmonic_balance(gallery, number, name):
     unit = 1000.0 ** (1.0 - power)
     law = wr.BoucWen(alpha=1000.0 * alpha, beta=beta * unit, gamma=gamma * unit, n=power)
     amplitudes = [
-        harmonic_balance(
-            law, mass=1.0, frequency=share * n[f"{name}_frequency"], acceleration=9.81, harmonics=9, samples=256
-        )
+        harmonic_balance(law, mass=1.0, frequency=share * n[f"{name}_frequency"], acceleration=9.81, harmonics=9, samples=256)
         for share in (0.99, 1.0, 1.01)
     ]
     before, at, behind = (orbit.amplitude for orbit in amplitudes)

@@ -120,9 +120,7 @@ def test_imports_point_down(module):
         other, there = room_of(target)
         assert WINGS.index(other) <= WINGS.index(wing), f"{module} imports {target}, which stands above it"
         if other == wing and room and there and there != room:
-            assert FLOORS[wing][there] < FLOORS[wing][room], (
-                f"{module} imports {target}, which stands beside or above it"
-            )
+            assert FLOORS[wing][there] < FLOORS[wing][room], f"{module} imports {target}, which stands beside or above it"
 
 
 def test_no_imports_run_in_a_circle():
@@ -185,9 +183,7 @@ def test_every_module_is_used_by_another():
         }  # fmt: skip
     for stub in PACKAGE.rglob("*.pyi"):  # what a package hands on when it is first asked for
         package = ".".join(stub.parent.relative_to(PACKAGE.parent).parts)
-        named |= {
-            f"{package}.{module}" for module in re.findall(r"^from \.(\S+) import", stub.read_text(), re.MULTILINE)
-        }
+        named |= {f"{package}.{module}" for module in re.findall(r"^from \.(\S+) import", stub.read_text(), re.MULTILINE)}
     commands = {f"cli.{place.partition(':')[0]}" for place, _ in COMMANDS.values()}
     for module in MODULES:
         whole, stem = f"wirerope_mj.{module}", f"{module.rpartition('.')[2]}.py"

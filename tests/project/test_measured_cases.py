@@ -66,9 +66,7 @@ def test_storeys_are_recovered_from_what_the_base_passes_on(folder, truth):
 
 
 def test_bearings_at_the_start_have_the_values_of_the_start():
-    assert springs(np.zeros(len(NAMES))) == pytest.approx(
-        (START[4], -2.0 * START[6] * np.sqrt(START[4] * START[5]), START[5])
-    )
+    assert springs(np.zeros(len(NAMES))) == pytest.approx((START[4], -2.0 * START[6] * np.sqrt(START[4] * START[5]), START[5]))
     law = bearings(np.zeros(len(NAMES)))
     assert [one.softening for one in law.laws[:2]] == pytest.approx([START[8]] * 2)
 
@@ -78,9 +76,7 @@ def test_bands_hold_what_they_are_made_of_and_widen_beyond_the_fitted_amplitude(
     numbers = np.zeros((2, len(NAMES)))
     predictions = predict([building(bearings(one), truth) for one in numbers], motion)
     peaks = np.abs(channels(motion)).max(axis=0)
-    errors = Errors(
-        members=numbers, frequency=np.array([0.1, 20.0]), discrepancy=np.zeros((2, 2 * LEVELS)), amplitude=1.0
-    )
+    errors = Errors(members=numbers, frequency=np.array([0.1, 20.0]), discrepancy=np.zeros((2, 2 * LEVELS)), amplitude=1.0)
     np.testing.assert_allclose(bands(errors, predictions, motion), [peaks, peaks], rtol=1e-12)
     size = np.abs(motion.deflection).max()
     near = Errors(members=numbers, frequency=errors.frequency, discrepancy=errors.discrepancy, amplitude=0.6 * size)

@@ -56,9 +56,7 @@ def test_the_paper_is_of_the_length_and_the_parts_that_its_journal_asks_for():
         assert f"# {heading}\n" in body, heading
     assert 750 <= len(body.split()) <= 1750
     cited = set(re.findall(r"@(\w+)", body))
-    listed = set(
-        re.findall(r"^@\w+\{(\w+),", (ROOT / "paper/paper.bib").read_text(encoding="utf-8"), flags=re.MULTILINE)
-    )
+    listed = set(re.findall(r"^@\w+\{(\w+),", (ROOT / "paper/paper.bib").read_text(encoding="utf-8"), flags=re.MULTILINE))
     assert cited == listed
     for picture in re.findall(r"!\[[^]]*\]\(([^)]+)\)", body):
         assert (ROOT / "paper" / picture).is_file(), picture

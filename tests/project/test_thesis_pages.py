@@ -26,9 +26,7 @@ def test_every_page_has_the_numbers_that_were_computed(pages):
     assert set(numbers) == set(pages.CHAPTERS)
     for name in pages.CHAPTERS:
         text = pages.page(name).read_text(encoding="utf-8")
-        assert text == pages.written(name, numbers[name]), (
-            f"run `python -m docs.thesis {name}` and commit what it writes"
-        )
+        assert text == pages.written(name, numbers[name]), f"run `python -m docs.thesis {name}` and commit what it writes"
 
 
 def test_every_number_of_a_page_is_a_computed_one(pages):
@@ -39,11 +37,7 @@ def test_every_number_of_a_page_is_a_computed_one(pages):
 
 
 def test_every_picture_is_there_shown_and_small(pages):
-    shown = {
-        file
-        for name in pages.CHAPTERS
-        for file in re.findall(r"\]\((\S+\.(?:png|gif))\)", pages.page(name).read_text())
-    }
+    shown = {file for name in pages.CHAPTERS for file in re.findall(r"\]\((\S+\.(?:png|gif))\)", pages.page(name).read_text())}
     drawn = {path.name: path.stat().st_size for path in FOLDER.iterdir() if path.suffix in (".png", ".gif")}
     assert shown == set(drawn)
     assert max(drawn.values()) < 250_000
@@ -84,9 +78,7 @@ def test_the_pair_and_the_springs_are_computed_again(pages):
     stored = pages.stored()
     questions, four = pages.chapter("questions"), pages.chapter("chapter_4")
     for name, value in questions.pairs().items():
-        assert value == pytest.approx(stored["questions"][name], rel=1e-3, abs=2e-3), (
-            name
-        )  # another processor's rounding
+        assert value == pytest.approx(stored["questions"][name], rel=1e-3, abs=2e-3), name  # another processor's rounding
     for name, value in four.numbers().items():
         assert value == pytest.approx(stored["chapter_4"][name], rel=1e-6), name
 

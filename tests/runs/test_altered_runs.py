@@ -32,9 +32,7 @@ def written(tmp_path_factory) -> Path:
     motion = wr.HalfSine(peak=60.0, duration=0.01, direction="z", start=0.005)
     simulate = {"duration": 0.05, "timestep": 1e-3, "sample_rate": 500.0}
     text = sdof_text(gravity=9.80665)
-    run_scenario(
-        Scenario("How far?", text, motion, simulate, isolators={"a": isolator}, options={"level": 6.0}), folder
-    )
+    run_scenario(Scenario("How far?", text, motion, simulate, isolators={"a": isolator}, options={"level": 6.0}), folder)
     return folder
 
 
@@ -154,9 +152,7 @@ def test_samples_that_are_not_numbers_are_never_identical(run):
     values[3] = np.nan
     changed = table.set_column(place, pa.field("bodies/mass/velocity/z", pa.float64()), pa.array(values))
     pq.write_table(changed.replace_schema_metadata({KEY: pq.read_metadata(path).metadata[KEY]}), path)
-    with pytest.raises(
-        RecordError, match=r"response\.parquet: column 'bodies/mass/velocity/z' is not finite at sample 3"
-    ):
+    with pytest.raises(RecordError, match=r"response\.parquet: column 'bodies/mass/velocity/z' is not finite at sample 3"):
         replay(run)
 
 

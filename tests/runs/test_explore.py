@@ -53,9 +53,7 @@ def test_sliders_change_what_they_say():
     values = {"level": 0.5, "direction": 90.0, "mass": 1.5, "stiffness/wr12_400": 2.0, "damping": 3.0}
     system, motion = variant(FLOOR, ALONG_X, values)
     time = np.array([5e-3])
-    np.testing.assert_allclose(
-        motion.acceleration(time), [[0.0, 0.5 * ALONG_X.acceleration(time)[0, 0], 0.0]], atol=1e-12
-    )
+    np.testing.assert_allclose(motion.acceleration(time), [[0.0, 0.5 * ALONG_X.acceleration(time)[0, 0], 0.0]], atol=1e-12)
     (before,), (after,) = payloads_of(FLOOR), payloads_of(system)
     assert after.mass == pytest.approx(1.5 * before.mass, rel=1e-12)
     for name, mount in system.mounts.items():

@@ -83,9 +83,7 @@ def test_without_the_token_nothing_is_told(server, path):
     assert (status, "token" in answer["error"]) == (403, True)
 
 
-@pytest.mark.parametrize(
-    "host", ["wirerope.example", "127.0.0.1", "127.0.0.1:1", "[::1]:80", "", "127.0.0.1.example:80"]
-)
+@pytest.mark.parametrize("host", ["wirerope.example", "127.0.0.1", "127.0.0.1:1", "[::1]:80", "", "127.0.0.1.example:80"])
 def test_another_host_is_refused(server, host):
     for path in ("/start", "/explore.js", f"/?token={server.token}"):
         assert asked(server, path, host=host)[0] == 403

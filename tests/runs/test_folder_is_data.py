@@ -112,9 +112,7 @@ OUTSIDE = {
 }
 
 
-@pytest.mark.filterwarnings(
-    "ignore:.*Since the run was written. altered model/shock_table.xml"
-)  # the report says so first
+@pytest.mark.filterwarnings("ignore:.*Since the run was written. altered model/shock_table.xml")  # the report says so first
 @pytest.mark.parametrize("what", OUTSIDE)
 @pytest.mark.parametrize("use", [replay, write_report])
 def test_a_model_that_names_a_file_outside_the_folder_is_not_loaded(what, use, run, copy, tmp_path, monkeypatch):
@@ -125,9 +123,7 @@ def test_a_model_that_names_a_file_outside_the_folder_is_not_loaded(what, use, r
     edited(copy / "model" / "shock_table.xml", old, new.format(secret=tmp_path / "secret"))
     loaded = []
     monkeypatch.setattr("wirerope_mj.runs.sources.load_system", loaded.append)
-    with pytest.raises(
-        RecordError, match=r"shock_table\.xml names '.*secret.*', which lies outside this folder"
-    ) as raised:
+    with pytest.raises(RecordError, match=r"shock_table\.xml names '.*secret.*', which lies outside this folder") as raised:
         use(copy)
     assert str(copy) in str(raised.value)
     assert loaded == []

@@ -13,9 +13,7 @@ from wirerope_mj.cli import app
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.runs.scenario import load_scenario
 
-pytestmark = pytest.mark.skipif(
-    sys.platform == "win32", reason="Windows has neither pipes in folders nor modes of files"
-)
+pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither pipes in folders nor modes of files")
 
 COMMANDS = (
     ["replay", "."], ["report", ".", "--pdf", "--force"], ["statics", "shock_table"], ["show", "."],
@@ -51,9 +49,7 @@ def data(tmp_path_factory):
     table_study(variants=4).run(folder / "study", workers=1)
     device = wr.load_isolator("enidine_wr12_400")
     wr.save_cyclic_test(wr.cyclic_test(device.axial, amplitudes=[0.002, 0.005, 0.01]), folder / "cyclic.csv")
-    response = wr.simulate(
-        wr.load_system("shock_table"), wr.HalfSine(peak=80.0, duration=0.011, direction="z"), duration=0.06
-    )
+    response = wr.simulate(wr.load_system("shock_table"), wr.HalfSine(peak=80.0, duration=0.011, direction="z"), duration=0.06)
     columns = [
         response.time,
         response.base.acceleration[:, 2] / 9.81,

@@ -298,9 +298,6 @@ def test_another_folder_is_not_touched(done, tmp_path, capsys):
 def test_a_file_of_the_users_own_is_not_replaced(tmp_path, capsys):
     path = written(tmp_path)
     assert main(["cases", str(path), "--out", str(tmp_path)]) == 2
-    assert (
-        "job.toml: this is not what `wirerope cases` writes into its folder, and was not touched"
-        in capsys.readouterr().err
-    )
+    assert "job.toml: this is not what `wirerope cases` writes into its folder, and was not touched" in capsys.readouterr().err
     assert path.read_text(encoding="utf-8") == CASES
     assert [entry.name for entry in tmp_path.iterdir()] == ["job.toml"]

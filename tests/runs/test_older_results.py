@@ -44,10 +44,7 @@ def test_a_study_is_read_shown_and_computed_again(tmp_path):
 
 def test_an_identification_gives_the_same_law(tmp_path):
     out = tmp_path / "again.toml"
-    assert (
-        main(["identify", str(OLD / "identification" / "loops.csv"), "--law", "asymmetric-bouc-wen", "--out", str(out)])
-        == 0
-    )
+    assert main(["identify", str(OLD / "identification" / "loops.csv"), "--law", "asymmetric-bouc-wen", "--out", str(out)]) == 0
     before, after = (
         tomllib.loads(path.read_text(encoding="utf-8")) for path in (OLD / "identification" / "identified.toml", out)
     )
@@ -73,8 +70,4 @@ def test_an_identification_gives_the_same_law(tmp_path):
 
 def numbers_of(rows):
     """Return the rows of numbers of a report's tables of parameters and loops, whatever their headings say."""
-    return [
-        [cell.strip().lstrip("\\") for cell in row[1:]]
-        for row in rows
-        if any(cell.strip()[:1].isdigit() for cell in row)
-    ]
+    return [[cell.strip().lstrip("\\") for cell in row[1:]] for row in rows if any(cell.strip()[:1].isdigit() for cell in row)]

@@ -73,9 +73,7 @@ def test_summary_judges_the_peaks_against_the_rated_travel(table):
     content = json.loads((table / "summary.json").read_text(encoding="utf-8"))
     mount, response = content["mounts"][0], wr.load_response(table)
     lowest = response.peaks.mounts["m1"].deflection.minimum[2]
-    assert (
-        mount["lowest_deflection_m"]["axial"] == lowest < 0.0
-    )  # a mass that is struck from below compresses its mount
+    assert mount["lowest_deflection_m"]["axial"] == lowest < 0.0  # a mass that is struck from below compresses its mount
     assert mount["share_of_travel"]["compression"] == -lowest / 0.0401
     assert mount["share_of_travel"]["tension"] is None
     block = next(row for row in content["accelerations"] if row["name"] == "block")
@@ -127,9 +125,7 @@ def test_replay_names_the_difference_that_a_changed_isolator_makes(table, tmp_pa
     wr.Isolator.from_dict(content).save(file)
     result = replay(moved)
     assert not result.agrees
-    assert (
-        1e-5 < result.largest_difference < 1.0
-    )  # one per cent of a stiffness is seen, and does not change the physics
+    assert 1e-5 < result.largest_difference < 1.0  # one per cent of a stiffness is seen, and does not change the physics
     assert result.column
 
 
@@ -207,9 +203,7 @@ def mjcf(file: str) -> str:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "file", ["isolators/made_up.toml", "made_up", "../outside/made_up.toml", "/nowhere/made_up.toml"]
-)
+@pytest.mark.parametrize("file", ["isolators/made_up.toml", "made_up", "../outside/made_up.toml", "/nowhere/made_up.toml"])
 def test_isolators_in_memory_are_kept_with_the_model_text_that_names_them(tmp_path, file):
     made_up = wr.Isolator(name="made up", axial=wr.BoucWen(alpha=2e5, beta=100.0, gamma=0.0, n=1.0, k=2e5))
     motion = wr.HalfSine(peak=50.0, duration=0.011, direction="z")

@@ -22,9 +22,7 @@ NAMED = set(re.findall(r"`\[*([\w-]+)\]*`", PAGE))
 @pytest.mark.quick
 def test_every_key_of_an_isolator_file_is_there():
     keys = {*tables._KEYS, *AXES, *tables.PARTS, "law", "laws"}
-    keys |= {field.name for part in tables.PARTS.values() for field in fields(part)} | {
-        field.name for field in fields(Travel)
-    }
+    keys |= {field.name for part in tables.PARTS.values() for field in fields(part)} | {field.name for field in fields(Travel)}
     assert keys <= NAMED
 
 

@@ -63,13 +63,8 @@ def draw(seed):
     """Return a request as nobody has chosen it."""
     rng = np.random.default_rng(seed)
     size = tuple(rng.uniform((0.4, 0.4, 0.5), (1.0, 0.8, 1.8)).round(2).tolist())
-    words = [
-        f"half-sine {rng.uniform(8, 25):.1f} g {rng.uniform(6, 18):.0f} ms {axis}"
-        for axis in rng.choice(list("xyz"), 2)
-    ]
-    words.append(
-        f"double-pulse {rng.uniform(20, 45):.0f} mm {rng.uniform(1.0, 2.5):.1f} m/s {rng.uniform(30, 70):.0f} g z"
-    )
+    words = [f"half-sine {rng.uniform(8, 25):.1f} g {rng.uniform(6, 18):.0f} ms {axis}" for axis in rng.choice(list("xyz"), 2)]
+    words.append(f"double-pulse {rng.uniform(20, 45):.0f} mm {rng.uniform(1.0, 2.5):.1f} m/s {rng.uniform(30, 70):.0f} g z")
     cases = {text: motion_from_words(text) for text in words}
     return request(
         mass=float(rng.uniform(40.0, 900.0)), mounts=str(rng.choice(["4", "6", "4+2"])), size=size, cases=cases,
@@ -129,9 +124,7 @@ def test_a_higher_part_moves_its_mid_height_to_the_base_and_leaves_the_payload_i
     own = wr.load_system(mjcf_of(box_layout(PARTS["CB1700-40"], mass=300.0, mounts="4+2", size=(0.6, 0.5, 1.2))),
                          isolators={"CB1700-40": high})  # fmt: skip
     arm = own.mounts["below_1"].position - own.mounts["behind_2"].position
-    np.testing.assert_allclose(
-        one.system.mounts["below_1"].position - one.system.mounts["behind_2"].position, arm, atol=1e-12
-    )
+    np.testing.assert_allclose(one.system.mounts["below_1"].position - one.system.mounts["behind_2"].position, arm, atol=1e-12)
 
 
 def test_equilibria_found_side_by_side_have_the_bits_of_those_found_alone():

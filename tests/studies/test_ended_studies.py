@@ -50,14 +50,10 @@ def test_variants_are_judged_by_the_rule_of_runs_each_by_its_own_period(tmp_path
     assert beyond.high > result.exceedance("travel", limit=2.0).high - 1e-12
     assert beyond.at_most == pytest.approx(1.0 / 3.0)
     first, second, *_ = statements(result)
-    assert first.startswith(
-        "1 of 3 variants: not judged but for what is exceeded already, since the run ends at 260 ms"
-    )
+    assert first.startswith("1 of 3 variants: not judged but for what is exceeded already, since the run ends at 260 ms")
     assert "beyond 100 % in 0 of 3 variants; 1 ended too early to be judged" in second
     stated = limit_of_text("deflection/m1/compression = 35 mm", result.table.column_names)
-    assert limit_statement(stated, result.table, sampled=False).endswith(
-        "0 of 3 variants; 1 ended too early to be judged."
-    )
+    assert limit_statement(stated, result.table, sampled=False).endswith("0 of 3 variants; 1 ended too early to be judged.")
     assert summary_of(result).judged[0][0].early == 1
 
 

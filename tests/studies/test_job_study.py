@@ -55,9 +55,7 @@ def test_the_probability_that_any_case_exceeds_a_limit_is_counted_on_common_vari
     assert f"exceeded in {every} of 16 variants" in out
     said = json.loads((here / "s" / "content.json").read_text())
     assert said["headline"]["values"]["beyond"] == every
-    assert [str(row[1]).split()[0] for row in wr_rows(said["cases"])] == [str(int(one.sum())) for one in beyond] + [
-        str(every)
-    ]
+    assert [str(row[1]).split()[0] for row in wr_rows(said["cases"])] == [str(int(one.sum())) for one in beyond] + [str(every)]
     assert (here / "s" / "report.html").is_file()
 
 

@@ -238,9 +238,7 @@ def test_where_nothing_keeps_the_limits_the_nearest_is_named(tmp_path):
 
 @pytest.mark.quick
 def test_where_nothing_is_judged_the_message_says_so(tmp_path):
-    found = beam_search(generations=1, minimise="acceleration", limits={"fragility": 1.0}).run(
-        tmp_path / "o", workers=1
-    )
+    found = beam_search(generations=1, minimise="acceleration", limits={"fragility": 1.0}).run(tmp_path / "o", workers=1)
     assert "fragility" in str(found.limits)
     assert "None has values of all that is minimised or limited" in found.message
 

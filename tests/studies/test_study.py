@@ -128,9 +128,7 @@ def test_level_and_direction_make_the_motion():
 
 def test_a_record_is_chosen_among_several():
     motions = [PULSE, wr.Scaled(PULSE, 3.0)]
-    study = table_study(
-        {"motion/record": wr.Choice(0, 1)}, motion=None, motions=motions, sampling="grid", variants=None
-    )
+    study = table_study({"motion/record": wr.Choice(0, 1)}, motion=None, motions=motions, sampling="grid", variants=None)
     assert [study.motion(n) for n in range(2)] == motions
 
 
@@ -207,9 +205,7 @@ def test_of_laws_in_parallel_one_is_named(parameter):
     laws = [wr.KelvinVoigt(k=1e5, c=1e2), wr.Stop(gap_below=0.03, k=1e6)]
     isolators = {"wr12_400": wr.Isolator(name="a", axial=wr.Parallel(laws=laws))}
     vary = {f"mount/m1/axial/{parameter}": wr.Normal(1, 0.1, relative=True)}
-    with pytest.raises(
-        wr.ModelError, match=r"mount 'm1' has 2 laws on its axial axis; name a parameter of one, laws\[0\]"
-    ):
+    with pytest.raises(wr.ModelError, match=r"mount 'm1' has 2 laws on its axial axis; name a parameter of one, laws\[0\]"):
         table_study(vary, isolators=isolators)
 
 
@@ -256,9 +252,7 @@ def test_what_is_out_of_range_is_refused(make, message):
 def test_a_value_outside_a_laws_range_names_the_variant_before_anything_is_written(tmp_path):
     study = table_study({"mount/m1/axial/alpha": wr.Normal(1.0, 0.7, relative=True)}, variants=64)
     negative = int(np.argmax(np.asarray(study._inputs["mount/m1/axial/alpha"]) <= 0.0))
-    message = re.escape(
-        f"variant {negative} of study 'study' cannot be: mount 'm1': [axial] `alpha` must be > 0, got -"
-    )
+    message = re.escape(f"variant {negative} of study 'study' cannot be: mount 'm1': [axial] `alpha` must be > 0, got -")
     with pytest.raises(wr.ModelError, match=message):
         study.table()
     with pytest.raises(wr.ModelError, match=message):
@@ -268,9 +262,7 @@ def test_a_value_outside_a_laws_range_names_the_variant_before_anything_is_writt
 
 def test_a_direction_without_a_slide_and_a_level_of_zero_cannot_be():
     motion = dataclasses.replace(PULSE, direction="x")
-    with pytest.raises(
-        wr.ModelError, match="variant 1 .* cannot be: motion/level must be finite and not zero, got 0.0"
-    ):
+    with pytest.raises(wr.ModelError, match="variant 1 .* cannot be: motion/level must be finite and not zero, got 0.0"):
         table_study({"motion/level": wr.Choice(1.0, 0.0)}, sampling="grid", variants=None, motion=motion).table()
     sdof = {"model": "sdof_shaker.xml", "sampling": "grid", "variants": None}
     with pytest.raises(wr.ModelError, match="variant 0 .* cannot be: the motion moves along x and"):
@@ -283,9 +275,9 @@ def test_a_direction_without_a_slide_and_a_level_of_zero_cannot_be():
 )
 def test_the_tail_of_a_normal_distribution_is_that_of_its_integral(low, high):
     shares = np.array([0.0, 1e-3, 0.5, 0.999, 1.0 - 2.0**-53, 1.0])
-    values = wr.Normal(
-        5.0, 2.0, **{k: 5.0 + 2.0 * v for k, v in (("low", low), ("high", high)) if v is not None}
-    ).values(shares)
+    values = wr.Normal(5.0, 2.0, **{k: 5.0 + 2.0 * v for k, v in (("low", low), ("high", high)) if v is not None}).values(
+        shares
+    )
     assert np.isfinite(values).all()
     exact = scipy.stats.truncnorm(low or -np.inf, high or np.inf, loc=5.0, scale=2.0)
     np.testing.assert_allclose(values[1:4], exact.ppf(shares[1:4]), rtol=1e-13)

@@ -42,9 +42,7 @@ def parameters(name):
 
 @pytest.mark.parametrize("name", LAWS)
 def test_columns_hold_only_if_every_entry_does(name):
-    law = dataclasses.replace(
-        example(name), **{k: tuple(v) for k, v in PARAMETERS[name].items() if isinstance(v, list)}
-    )
+    law = dataclasses.replace(example(name), **{k: tuple(v) for k, v in PARAMETERS[name].items() if isinstance(v, list)})
     keys = parameters(name)
     pairs = [(key,) for key in keys] + [(one, other) for one in keys for other in keys if one < other]
     agreed = 0

@@ -109,9 +109,7 @@ def test_what_samples_are_too_few_for_is_not_judged_and_what_is_exceeded_is():
 
 def test_one_limit_on_a_body_and_a_point_of_its_name_is_exceeded_once():
     """The point stands on a box that rocks, and bears more than its centre of mass: it is what counts, and once."""
-    custom = (
-        '<numeric name="limit/acceleration/box" data="15"/><numeric name="limit/clearance/box" data=".01 .01 .01"/>'
-    )
+    custom = '<numeric name="limit/acceleration/box" data="15"/><numeric name="limit/clearance/box" data=".01 .01 .01"/>'
     guide = '<joint type="slide" axis="0 0 1"/><joint type="hinge" axis="0 1 0" stiffness="300"/>'
     text = box_text(custom, point="box", guide=guide, geom='<geom size=".1" mass="9" pos=".04 0 0"/>')
     system = wr.load_system(text, isolators=SPRING)

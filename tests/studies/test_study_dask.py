@@ -60,9 +60,7 @@ def cluster():
     address = f"tcp://127.0.0.1:{port}"
     dask = [sys.executable, "-m", "dask"]
     scheduler = subprocess.Popen([*dask, "scheduler", "--host", "127.0.0.1", "--port", port, "--no-dashboard"], **quiet)
-    worker = subprocess.Popen(
-        [*dask, "worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard"], **quiet
-    )
+    worker = subprocess.Popen([*dask, "worker", address, "--nworkers", "1", "--nthreads", "2", "--no-dashboard"], **quiet)
     yield address, scheduler, worker
     for process in (worker, scheduler):
         process.terminate()

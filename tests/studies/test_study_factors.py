@@ -21,9 +21,7 @@ def test_a_factor_on_a_mount_is_what_the_isolator_makes_of_it(tmp_path, name, ch
     system = wr.load_system("cabinet")
     for factor, forces in zip(factors, result.table["force/m01"].to_pylist(), strict=True):
         isolators = {
-            mount: getattr(one.isolator, change)(factor)
-            for mount, one in system.mounts.items()
-            if mount.startswith("m0")
+            mount: getattr(one.isolator, change)(factor) for mount, one in system.mounts.items() if mount.startswith("m0")
         }
         alone = wr.simulate(wr.varied(system, isolators=isolators), PULSE, duration=0.08, timestep=5e-4)
         assert forces == pytest.approx(alone.peaks.mounts["m01"].force.value, rel=1e-9)
@@ -53,9 +51,7 @@ def test_isolators_are_chosen_by_name(tmp_path):
         vary={"mount/m01/isolator": wr.Choice(*names)},
     ).run(tmp_path / "study")  # fmt: skip
     system = wr.load_system("floating_floor")
-    for name, force in zip(
-        result.table["mount/m01/isolator"].to_pylist(), result.table["force/m01"].to_pylist(), strict=True
-    ):
+    for name, force in zip(result.table["mount/m01/isolator"].to_pylist(), result.table["force/m01"].to_pylist(), strict=True):
         variant = wr.varied(system, isolators={"m01": wr.load_isolator(find_isolator(name))})
         alone = wr.simulate(variant, PULSE, duration=0.05, timestep=5e-4)
         assert force == pytest.approx(alone.peaks.mounts["m01"].force.value, rel=1e-9)
@@ -75,6 +71,4 @@ def test_isolators_are_chosen_by_name(tmp_path):
 )
 def test_an_isolator_that_cannot_be_chosen_is_named(vary, said):
     with pytest.raises((ValueError, ModelError), match=said):
-        wr.Study(
-            model="floating_floor.xml", motion=PULSE, duration=0.05, timestep=5e-4, sampling="list", vary=vary
-        ).table()
+        wr.Study(model="floating_floor.xml", motion=PULSE, duration=0.05, timestep=5e-4, sampling="list", vary=vary).table()

@@ -79,10 +79,7 @@ def test_words_and_truth_values_are_classes():
 def test_of_many_inputs_without_effect_hardly_any_is_called_certain():
     generator = np.random.default_rng(6)
     named = sum(
-        any(
-            one.certain
-            for one in shares({f"x{k}": generator.random(200) for k in range(20)}, generator.random(200)).values()
-        )
+        any(one.certain for one in shares({f"x{k}": generator.random(200) for k in range(20)}, generator.random(200)).values())
         for _ in range(30)
     )
     assert named <= 2  # one in a hundred studies is promised; 3 of 30 have a chance of 0.3 %

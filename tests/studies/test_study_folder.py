@@ -91,9 +91,7 @@ def test_a_changed_model_is_named_and_not_its_digest(tmp_path):
     path.write_text(text)
     table_study(model=path, variants=2).run(folder, workers=1)
     path.write_text(text.replace("<worldbody>", "<worldbody><site name='mark'/>"))
-    with pytest.raises(
-        wr.RecordError, match=r"of another study: model/\S+\.xml has changed\. Nothing in it was"
-    ) as told:
+    with pytest.raises(wr.RecordError, match=r"of another study: model/\S+\.xml has changed\. Nothing in it was") as told:
         table_study(model=path, variants=2).run(folder, resume=True)
     assert max(map(len, str(told.value).split())) < 64 + len(str(folder))
     assert not any(len(word) == 64 for word in str(told.value).replace("'", " ").split())
@@ -137,9 +135,7 @@ def test_a_damaged_part_is_called_so_and_computed_again_when_it_is_gone(tmp_path
         with pytest.raises(KeyboardInterrupt):
             table_study(variants=3).run(folder, workers=1)
     cut_short(folder / "parts" / "000001.parquet")
-    with pytest.raises(
-        wr.RecordError, match=r"000001\.parquet: this part of the study is damaged\. Remove it, and go on"
-    ):
+    with pytest.raises(wr.RecordError, match=r"000001\.parquet: this part of the study is damaged\. Remove it, and go on"):
         table_study(variants=3).run(folder, workers=1, resume=True)
     (folder / "parts" / "000001.parquet").unlink()
     assert rows(table_study(variants=3).run(folder, workers=1, resume=True).table) == rows(finished.table)

@@ -159,9 +159,7 @@ def test_a_larger_study_begins_with_a_smaller_one():
     ],
 )
 def test_a_number_of_variants_that_does_not_suit_names_those_that_do(variants, near):
-    with pytest.raises(
-        ValueError, match=f"5 times a power of two for the indices of 3 factors.*such as {re.escape(near)}"
-    ):
+    with pytest.raises(ValueError, match=f"5 times a power of two for the indices of 3 factors.*such as {re.escape(near)}"):
         floor(variants)
 
 
@@ -194,9 +192,7 @@ def linear(tmp_path_factory):
 def moments(power, low, high):
     """Return mean and variance of x^power, x uniform."""
     first, second = (
-        (high ** (p + 1) - low ** (p + 1)) / ((p + 1) * (high - low))
-        if p != -1
-        else math.log(high / low) / (high - low)
+        (high ** (p + 1) - low ** (p + 1)) / ((p + 1) * (high - low)) if p != -1 else math.log(high / low) / (high - low)
         for p in (power, 2 * power)
     )
     return first, second - first**2

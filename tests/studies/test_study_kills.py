@@ -89,9 +89,7 @@ def killed_before(operation, work):
 
     def watched():
         sys.addaudithook(
-            lambda event, _: (
-                os.kill(os.getpid(), signal.SIGKILL) if event in OPERATIONS and next(count) == operation else None
-            )
+            lambda event, _: os.kill(os.getpid(), signal.SIGKILL) if event in OPERATIONS and next(count) == operation else None
         )
         work()
 
@@ -211,9 +209,7 @@ def test_variants_that_failed_by_physics_are_not_computed_again(tmp_path, monkey
 
 
 @pytest.mark.parametrize("accident", [MemoryError(), OSError(24, "Too many open files"), RuntimeError("no new thread")])
-def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_computed_again(
-    alone, tmp_path, monkeypatch, accident
-):
+def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_computed_again(alone, tmp_path, monkeypatch, accident):
     folder = tmp_path / "study"
 
     def fails(*_, **__):

@@ -25,9 +25,7 @@ def result(tmp_path_factory):
 
 
 def test_a_pattern_is_exceeded_where_any_of_its_columns_is(result):
-    names = [
-        name for name in result.table.column_names if name.startswith("deflection/") and name.endswith("/compression")
-    ]
+    names = [name for name in result.table.column_names if name.startswith("deflection/") and name.endswith("/compression")]
     largest = np.max([result.table[name].to_numpy() for name in names], axis=0)
     limit = float(np.median(largest))
     stated = limit_of_text(f"deflection/*/compression = {1e3 * limit!r} mm", result.table.column_names)
@@ -164,7 +162,5 @@ def test_the_nominal_system_stands_beside_its_variants(tmp_path):
     )  # fmt: skip
     result = study.run(tmp_path / "study")
     alone = wr.simulate(wr.load_system("shock_table"), pulse, duration=0.1, timestep=5e-4)
-    assert result.nominal["acceleration/block"] == pytest.approx(
-        alone.peaks.bodies["block"].acceleration.value, rel=1e-9
-    )
+    assert result.nominal["acceleration/block"] == pytest.approx(alone.peaks.bodies["block"].acceleration.value, rel=1e-9)
     assert "nominal" in [column.heading for column in measures_table(summary_of(result)).columns]

@@ -37,9 +37,7 @@ def bits(response):
         "names": list(names),
         "samples": response.samples.columns(0, len(names)).tobytes(),
         "peaks": repr(response.peaks.to_dict()),
-        "numerics": repr(
-            replace(response.numerics, error_estimate=np.nan)
-        ),  # a run alone tries half of a given step, too
+        "numerics": repr(replace(response.numerics, error_estimate=np.nan)),  # a run alone tries half of a given step, too
         "motion": response.motion,
         "events": response.events,
         "states": states,

@@ -30,9 +30,7 @@ def test_combined_travel_of_a_variant_is_the_largest_verdict_of_its_run(study, t
     result = study.run(tmp_path / "study", workers=1)
     for number in range(3):
         response = result.response(number)
-        used = [
-            row.utilisation for row in travel_verdicts(response) if row.criterion == COMBINED and row.limit is not None
-        ]
+        used = [row.utilisation for row in travel_verdicts(response) if row.criterion == COMBINED and row.limit is not None]
         # Both engines follow the travel at every step; a millionth is what their orders of summing may differ by.
         assert result.table["combined_travel"][number].as_py() == pytest.approx(max(used), rel=1e-6)
         peaks = response.peaks

@@ -164,9 +164,7 @@ def test_a_study_that_is_there_is_neither_overwritten_nor_mistaken_for_another(a
     shutil.copytree(alone.folder, folder)
     with pytest.raises(wr.RecordError, match="there is a study already. Go on with it with --resume"):
         table_study().run(folder)
-    with pytest.raises(
-        wr.RecordError, match=r"of another study \(sampling.seed is 1 there and 2 here\); nothing in it"
-    ):
+    with pytest.raises(wr.RecordError, match=r"of another study \(sampling.seed is 1 there and 2 here\); nothing in it"):
         table_study(seed=2).run(folder, resume=True)
     with pytest.raises(wr.RecordError, match="folder of another study .*simulate.duration is 0.05 there and 0.06 here"):
         table_study(duration=0.06).run(folder, resume=True)
@@ -243,9 +241,7 @@ def test_a_script_needs_no_guard_and_ctrl_c_ends_its_workers(tmp_path):
         while time.monotonic() < deadline and not list(tmp_path.glob("study/parts/0*.parquet")):
             time.sleep(0.02)
         workers = Path(f"/proc/{process.pid}/task/{process.pid}/children")
-        children = [
-            int(number) for task in workers.parent.parent.glob("*/children") for number in task.read_text().split()
-        ]
+        children = [int(number) for task in workers.parent.parent.glob("*/children") for number in task.read_text().split()]
         process.send_signal(signal.SIGINT)
         error = process.communicate(timeout=60.0)[1]
     assert len(children) == 2

@@ -90,9 +90,7 @@ def test_the_old_name_of_a_mounts_shift_is_refused_with_todays():
 
 def test_a_value_meant_where_a_factor_is_said_is_warned_of():
     study = genset_study({"body/genset/mass": wr.Normal(1200.0, 60.0, relative=True)}, variants=4)
-    with pytest.warns(
-        wr.StudyWarning, match="mass is a factor, from .* on 1200 kg in the model; .* leave out `relative`"
-    ):
+    with pytest.warns(wr.StudyWarning, match="mass is a factor, from .* on 1200 kg in the model; .* leave out `relative`"):
         study.table()
 
 
@@ -118,9 +116,7 @@ def test_a_centre_is_said_in_the_bodys_axes_and_a_shift_of_it_in_the_worlds():
         # The body's x points down in the world: the shift goes there and back through a rotation.
         assert value.system(n).model.body("box").ipos == pytest.approx([where, 0.0, 0.05], abs=1e-16)
     shift = turned_study({"body/box/centre_shift/z": wr.Uniform(-0.01, 0.01)})
-    assert shift.system(0).model.body("box").ipos[0] == pytest.approx(
-        0.1 - shift.row(0)["body/box/centre_shift/z"], abs=1e-16
-    )
+    assert shift.system(0).model.body("box").ipos[0] == pytest.approx(0.1 - shift.row(0)["body/box/centre_shift/z"], abs=1e-16)
     said = {one.name: one.model for study in (value, shift) for one in varied_of(study)}
     assert said == {"body/box/centre/x": "0.1 m", "body/box/centre_shift/z": "shifted from -0.1 m"}
 
@@ -131,9 +127,7 @@ def test_a_centre_is_said_in_the_bodys_axes_and_a_shift_of_it_in_the_worlds():
 )
 def test_a_body_whose_origin_mujoco_has_moved_into_its_centre_takes_shifts_alone(old, new):
     model = genset_text().replace(old, new)
-    with pytest.raises(
-        ValueError, match="has moved the origin of body 'genset' .* say shifts: 'body/genset/centre_shift/z'"
-    ):
+    with pytest.raises(ValueError, match="has moved the origin of body 'genset' .* say shifts: 'body/genset/centre_shift/z'"):
         genset_study(VALUE, variants=2, model=model)
     moved = genset_study(SHIFT, variants=2, model=model)
     assert heights(moved) == pytest.approx(np.asarray(moved.table()["body/genset/centre_shift/z"]), abs=1e-15)

@@ -181,9 +181,7 @@ def scattered(law, seed=0):
         {key: factor * law.parameter(key) for key, factor in zip(names, row, strict=False)}
     ))) for row in factors]  # fmt: skip
     values = np.array([list(row.values()) for row in rows])
-    spread = wr.Spread(
-        parameters=tuple(f"axial.{key}" for key in rows[0]), covariance=np.cov(values, rowvar=False).tolist()
-    )
+    spread = wr.Spread(parameters=tuple(f"axial.{key}" for key in rows[0]), covariance=np.cov(values, rowvar=False).tolist())
     return wr.Isolator(name="scattered", axial=law, roll=law, shear=law, spread=spread)
 
 
@@ -223,9 +221,7 @@ def test_elements_of_a_masing_law_scatter_and_vary():
     one = table_study({"mount/m1/axial/slip_force[1]": wr.Uniform(0.9, 1.1, relative=True)}, **shared)
     factor = one.table()["mount/m1/axial/slip_force[1]"][0].as_py()
     assert one.system(0).mounts["m1"].isolator.axial.slip_force == (60.0, 100.0 * factor)
-    with pytest.raises(
-        ValueError, match=r"'mount/m1/axial/slip_force' is all the numbers of which 'mount/\*/axial/slip_f"
-    ):
+    with pytest.raises(ValueError, match=r"'mount/m1/axial/slip_force' is all the numbers of which 'mount/\*/axial/slip_f"):
         table_study({f"mount/{name}": wr.Uniform(0.9, 1.1, relative=True)
                      for name in ("m1/axial/slip_force", "*/axial/slip_force[1]")}, **shared)  # fmt: skip
     with pytest.raises(wr.ModelError, match=r"no parameter 'slip_force\[2\]'"):

@@ -19,9 +19,7 @@ def summary_of(result):
 def drawn(tmp_path_factory):
     """Return a finished study of 120 variants."""
     vary = {**VARY, "motion/level": wr.Uniform(1.0, 5.0)}
-    return table_study(variants=120, vary=vary, timestep=2.5e-4).run(
-        tmp_path_factory.mktemp("drawn") / "out", workers=1
-    )
+    return table_study(variants=120, vary=vary, timestep=2.5e-4).run(tmp_path_factory.mktemp("drawn") / "out", workers=1)
 
 
 def test_of_drawn_variants_the_summary_has_what_the_tables_give(drawn):
@@ -43,9 +41,7 @@ def test_percentiles_that_no_table_gives_are_not_in_the_summary(tmp_path):
 
 
 def test_of_a_grid_there_are_no_probabilities(tmp_path):
-    study = table_study(
-        vary={"motion/level": wr.Uniform(0.5, 1.5, points=5)}, variants=None, sampling="grid", duration=0.5
-    )
+    study = table_study(vary={"motion/level": wr.Uniform(0.5, 1.5, points=5)}, variants=None, sampling="grid", duration=0.5)
     of = summary_of(study.run(tmp_path / "out", workers=1))["measures"]["travel"]
     assert set(of) == {"nominal", "smallest", "median", "largest", "variant", "limit", "beyond", "of"}
     assert of["smallest"] < of["median"] < of["largest"]

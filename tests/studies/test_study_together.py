@@ -14,9 +14,7 @@ STUDIES = {
         "mount/m*/axial/alpha": wr.Normal(1.0, 0.1, relative=True, each=True),
         "mount/m*/roll/k1": wr.Normal(1.0, 0.1, relative=True, each=True),
     },
-    "one law of two that are coupled, checked one by one": {
-        "mount/m01/axial/beta": wr.Normal(1.0, 1e-12, relative=True)
-    },
+    "one law of two that are coupled, checked one by one": {"mount/m01/axial/beta": wr.Normal(1.0, 1e-12, relative=True)},
     "b and c, whose product alone acts": {"mount/m*/axial/c": wr.Normal(1.0, 0.1, relative=True)},
     "body": {
         "body/floor/mass": wr.Normal(1.0, 0.05, relative=True),

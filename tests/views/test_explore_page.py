@@ -54,9 +54,7 @@ def opened(browser, server, **options):
     errors, foreign = [], []
     page = browser.new_page(**{"viewport": {"width": 1440, "height": 900}, **options})
     page.on("pageerror", lambda error: errors.append(error))  # playwright marks what it is given
-    page.on(
-        "request", lambda one: foreign.append(one.url) if not one.url.startswith((*ours, "data:", "blob:")) else None
-    )
+    page.on("request", lambda one: foreign.append(one.url) if not one.url.startswith((*ours, "data:", "blob:")) else None)
     page.goto(server.address)
     api.expect(page.locator("#headline")).to_contain_text("checks")
     yield page

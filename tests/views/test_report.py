@@ -197,9 +197,7 @@ def test_mounts_isolators_and_their_provenance_are_named(page):
 
 def test_sag_and_modes_are_those_of_statics_and_modes(page):
     system = wr.load_system("shock_table")
-    assert (
-        "Virgin: of 0.4903 kN of weight the mounts carry 0.4903 kN." in page.words
-    )  # 50 kg, guided: no contact carries
+    assert "Virgin: of 0.4903 kN of weight the mounts carry 0.4903 kN." in page.words  # 50 kg, guided: no contact carries
     for history in ("virgin", "relaxed"):
         sag = 1e3 * wr.equilibrium(system, history=history).mounts["m1"].deflection[2]
         assert fixed(sag, 3) in page.cells
@@ -388,9 +386,7 @@ def test_a_label_is_explained_only_where_it_is_drawn(finished):
     scene = finished.response.scene
 
     def mounts_at(*places):
-        mounts = [
-            replace(scene.mounts[0], name=f"m{n}", base_point=np.array([*place, 0.0])) for n, place in enumerate(places)
-        ]
+        mounts = [replace(scene.mounts[0], name=f"m{n}", base_point=np.array([*place, 0.0])) for n, place in enumerate(places)]
         return replace(scene, mounts=tuple(mounts))
 
     corners = [(-3.0, -1.0), (3.0, -1.0), (-3.0, 1.0), (3.0, 1.0)]
@@ -450,9 +446,7 @@ def test_a_sweep_is_shown_over_frequency_and_has_no_spectrum(tmp_path):
 @pytest.mark.slow
 def test_random_vibration_is_shown_by_its_density(tmp_path):
     level = 4.0  # (m/s^2)^2/Hz over 40 Hz: 12.65 m/s^2 rms
-    motion = wr.RandomVibration(
-        psd=[(10.0, level), (50.0, level)], duration=6.0, seed=3, direction="z", rise=0.5, fall=0.5
-    )
+    motion = wr.RandomVibration(psd=[(10.0, level), (50.0, level)], duration=6.0, seed=3, direction="z", rise=0.5, fall=0.5)
     folder = run_of(tmp_path, motion=motion, duration=6.0)
     page = Page((folder / "report.html").read_text(encoding="utf-8"))
     assert "PSDs are shown instead of SRS" in page.words
@@ -471,9 +465,7 @@ def test_random_vibration_is_shown_by_its_density(tmp_path):
     assert [tuple(row[:2]) for row in turned] == [("base", "x"), ("mass", "x"), ("mass", "z")]
     # windows of the density and all samples alike differ by some per cent of a short sample
     assert abs(float(plain["mass", "z"]) / float(plain["mass", "x"]) - 1.0) < 0.1
-    (judged,) = [
-        row.value for row in run.random if row.subject == "mass" and row.criterion == "rms acceleration along z"
-    ]
+    (judged,) = [row.value for row in run.random if row.subject == "mass" and row.criterion == "rms acceleration along z"]
     assert float(plain["mass", "z"]) == pytest.approx(judged / wr.STANDARD_GRAVITY, rel=5e-3)  # as it is shown
 
 

@@ -73,11 +73,7 @@ def test_the_worst_instant_is_that_of_the_worst_verdict(finished):
 
 def test_displacements_in_the_picture_are_those_of_the_response_times_the_factor(finished):
     drawing = worst_instant(finished)
-    factor = (
-        float(re.search(r"displacements (\d+) times", drawing.caption)[1])
-        if "times as large" in drawing.caption
-        else 1.0
-    )
+    factor = float(re.search(r"displacements (\d+) times", drawing.caption)[1]) if "times as large" in drawing.caption else 1.0
     instant = float(re.search(r"instant, ([\d.]+) s", drawing.caption)[1])
     response = finished.response
     number = int(np.abs(response.time - instant).argmin())

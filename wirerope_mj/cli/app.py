@@ -153,9 +153,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command and return its exit code; an error is one message on standard error."""
     if current_thread() is main_thread():  # a batch system ends a job as Ctrl-C does: nothing may be left behind
         signal(SIGTERM, default_int_handler)
-    if (
-        arguments is None
-    ):  # no Python that the command starts, libraries included, imports modules of the current folder
+    if arguments is None:  # no Python that the command starts, libraries included, imports modules of the current folder
         os.environ["PYTHONSAFEPATH"] = "1"
     _open_closed_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)

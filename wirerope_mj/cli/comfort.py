@@ -4,9 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 
-def comfort(
-    folder: Path, /, *points: str, space: Literal["A", "B", "C"] | None = None, discard: float | None = None
-) -> int:
+def comfort(folder: Path, /, *points: str, space: Literal["A", "B", "C"] | None = None, discard: float | None = None) -> int:
     """Print what people feel at bodies and points of a run: weighted acceleration, doses, and limits for ships.
 
     Weighted rms, running rms, crest factor, vibration dose and motion sickness dose are those of ISO 2631-1 (Wd horizontally,

@@ -7,8 +7,7 @@ from cyclopts import App
 from wirerope_mj.cli.options import Flag, Integer
 
 isolators_app = App(
-    name="isolators",
-    help="Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry.",
+    name="isolators", help="Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry."
 )
 
 

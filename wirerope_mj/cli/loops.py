@@ -129,11 +129,7 @@ def _check_csv(csv: Path, laws: "Mapping[str, tuple[str, Law]]") -> None:
         raise ValueError(f"`--csv`: there is no folder {str(csv.resolve().parent)!r}.")
 
 
-def laws(
-    *files: Path,
-    elements: int = 5,
-    law: Texts = None,
-) -> int:
+def laws(*files: Path, elements: int = 5, law: Texts = None) -> int:
     """Compare laws on records of cyclic tests: which fits, and which holds for amplitudes that it has not seen.
 
     Prints the error of each law at each amplitude, root mean square in percent of half of the force range as `identify` does,

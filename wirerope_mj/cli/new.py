@@ -71,9 +71,7 @@ def new(
         )
     else:
         positive = products == "positive"
-        layout = new_model(
-            folder, found, name=name, positive_products=positive, deck=bends, formats=formats, force=force
-        )
+        layout = new_model(folder, found, name=name, positive_products=positive, deck=bends, formats=formats, force=force)
     model = folder / f"{folder.resolve().name}.xml"
     print(plain(f"written: {model}" + (f", and its plan {folder.resolve().name}_plan.png" if layout else "")))
     try:

@@ -62,9 +62,7 @@ def print_written(folder: Path, *, seconds: float) -> None:
     say_where(f"{folder}/, {seconds:.1f} s in all", [*files, *folders], show=folder)
 
 
-def say_where(
-    place: str, files: Iterable[str] = (), *, show: Path | None = None, effect: str = "opens the view"
-) -> None:
+def say_where(place: str, files: Iterable[str] = (), *, show: Path | None = None, effect: str = "opens the view") -> None:
     """Print where a result was written, the names of its files, and how it is shown."""
     out = console()
     out.print(f"  written to {escape(place)}", soft_wrap=True)

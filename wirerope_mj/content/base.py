@@ -199,9 +199,7 @@ def record_chart(played: Record) -> Chart:
     measured, corrected = played.as_measured, played.baseline != "none"
     axes = [axis for axis in range(3) if measured.samples[:, axis].any()] or [2]
     rows: list[list[Panel]] = []
-    for number, (label, unit) in enumerate(
-        (("acceleration [g]", "g"), ("velocity [m/s]", "m/s"), ("displ. [mm]", "mm"))
-    ):
+    for number, (label, unit) in enumerate((("acceleration [g]", "g"), ("velocity [m/s]", "m/s"), ("displ. [mm]", "mm"))):
         row = []
         for axis in axes:
             curves = []

@@ -210,9 +210,7 @@ def _prediction_blocks(prediction: Prediction, limits: Sequence[StatedLimit]) ->
     for name in names:
         low, high = prediction.band(name)
         unit = {"acceleration": "m/s^2", "force": "N"}.get(name.partition("/")[0], "m")
-        rows.append(
-            [name, *(with_unit(value, unit) for value in (float(np.median(prediction.values(name))), low, high))]
-        )
+        rows.append([name, *(with_unit(value, unit) for value in (float(np.median(prediction.values(name))), low, high))])
     yield Table(
         id="prediction",
         title=f"Predicted for {prediction.motion}",

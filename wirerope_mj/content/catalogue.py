@@ -116,9 +116,7 @@ def _estimate_table(estimate: LoopEstimate) -> Table:
         cells.append((direction, f"{label} [{unit}]", f"{in_unit(value, unit):.4g}", *factors))
     names = Column("direction", align="left"), Column("value", align="left"), Column("estimate")
     errors = ("80 % of Enidine's\nwithin a factor", "worst\nfactor", "80 % of VMC's\nwithin a factor")
-    return Table(
-        id="estimate", title="", columns=(*names, *(Column(heading, form=".2f") for heading in errors)), rows=cells
-    )
+    return Table(id="estimate", title="", columns=(*names, *(Column(heading, form=".2f") for heading in errors)), rows=cells)
 
 
 def _estimate_remarks(estimate: LoopEstimate) -> Iterator[Statement]:

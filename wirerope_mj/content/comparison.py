@@ -39,9 +39,7 @@ _WIDEST = 24  # Characters of an input that still fit into a column beside other
 SINGLE, TOGETHER = "Travel along single axes", "Combined travel"
 
 
-def comparison_content(
-    comparison: Comparison, inputs: Inputs, judged: Mapping[str, JudgedRun] | None = None
-) -> Content:
+def comparison_content(comparison: Comparison, inputs: Inputs, judged: Mapping[str, JudgedRun] | None = None) -> Content:
     """Compose what a comparison says: which run is better, what differs, and peaks side by side.
 
     Of runs whose systems are known, `judged`, also how far they can be relied on.
@@ -73,20 +71,15 @@ def findings(comparison: Comparison) -> Statement:
 def figures_table(comparison: Comparison) -> Table:
     """Tabulate the few figures by which runs are compared, a column for each run."""
     rows: list[Row] = []
-    counts = [
-        [sum(row.verdict == which for row in run.verdicts) for which in (EXCEEDED, WITHIN)] for run in comparison.runs
-    ]
+    counts = [[sum(row.verdict == which for row in run.verdicts) for which in (EXCEEDED, WITHIN)] for run in comparison.runs]
     if any(over + within for over, within in counts):
         cells = [
-            Mark(f"{over} of {over + within}", "exceeded" if over else "") if over + within else None
-            for over, within in counts
+            Mark(f"{over} of {over + within}", "exceeded" if over else "") if over + within else None for over, within in counts
         ]
         rows.append(("checks exceeded", *cells))
     stops = [[row.contact for row in run.verdicts if row.contact] for run in comparison.runs]
     if any(stops):
-        rows.append(
-            ("stops, contacts struck", *(f"{one.count(STRUCK)} of {len(one)}" if one else None for one in stops))
-        )
+        rows.append(("stops, contacts struck", *(f"{one.count(STRUCK)} of {len(one)}" if one else None for one in stops)))
     peaks = [row for row in acceleration_rows(comparison) if row.label != BASE.label]
     rows += _largest("peak acceleration [g]", largest_of(peaks), Column("", "g", "z.2f"))
     ratio = Column("", "%", "z.0f")
@@ -133,9 +126,7 @@ def travel_tables(comparison: Comparison) -> Iterator[Table]:
                 yield _peaks(name, title, comparison, rows, ("%", "z.0f"), shown=_MOST_MOUNTS)
     elif single:
         rows = mount_rows(comparison, "deflection", None)
-        yield _peaks(
-            "deflections", "Largest deflections", comparison, rows, ("mm", "z.2f"), times=True, shown=_MOST_MOUNTS
-        )
+        yield _peaks("deflections", "Largest deflections", comparison, rows, ("mm", "z.2f"), times=True, shown=_MOST_MOUNTS)
 
 
 def _headlines(comparison: Comparison) -> Iterator[Block]:

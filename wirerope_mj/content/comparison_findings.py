@@ -80,9 +80,7 @@ def _smaller_acceleration(comparison: Comparison) -> Statement:
 def comparison_lines(comparison: Comparison) -> list[str]:
     """Return in sentences what differs, where and when, or that nothing does; what cannot be compared comes last."""
     first, *others = comparison.runs
-    lines = [
-        f"{run.name} is moved by {1e3 * run.moved:+.4g} ms to the shock of {first.name}." for run in others if run.moved
-    ]
+    lines = [f"{run.name} is moved by {1e3 * run.moved:+.4g} ms to the shock of {first.name}." for run in others if run.moved]
     for run in others:
         if identical(first.response, run.response):
             lines.append(f"{run.name} and {first.name} are identical: every sample and every peak has the same bits.")
@@ -94,10 +92,7 @@ def comparison_lines(comparison: Comparison) -> list[str]:
             largest = next((entry for entry in riding if isinstance(entry.subject, kind)), None)
             if largest is not None:
                 lines.append(_sentence(largest, first.name))
-    lines += [
-        *_over(comparison, TRAVEL, "Travel along single axes"),
-        *_over(comparison, COMBINED.kind, "Combined travel"),
-    ]
+    lines += [*_over(comparison, TRAVEL, "Travel along single axes"), *_over(comparison, COMBINED.kind, "Combined travel")]
     for name, subjects in comparison.alone.items():
         if subjects:
             lines.append(f"Only in {name}: {_listed(subjects)}.")

@@ -101,9 +101,7 @@ def with_ghosts(panels: Histories, tests: Sequence[Correlation]) -> Histories:
 def channel_panel(one: ChannelCorrelation, model: str = "model") -> Panel:
     """Draw what the model says of a channel, and what was measured."""
     unit, pair = _UNITS[one.channel.quantity], one.pair
-    curves = [
-        _curve(pair.time, in_unit(y, unit), name) for name, y in ((model, pair.model), ("measured", pair.measured))
-    ]
+    curves = [_curve(pair.time, in_unit(y, unit), name) for name, y in ((model, pair.model), ("measured", pair.measured))]
     return Panel(curves=curves, ylabel=f"[{unit}]", title=one.label, unit=unit, xlim=(pair.time[0], pair.time[-1]))
 
 
@@ -174,8 +172,7 @@ def _transmissibility(test: Correlation) -> Iterator[Block]:
         found = one.transmissibility
         if found is not None:
             curves = [
-                _curve(found.frequency, np.abs(y), name)
-                for name, y in (("model", found.model), ("measured", found.measured))
+                _curve(found.frequency, np.abs(y), name) for name, y in (("model", found.model), ("measured", found.measured))
             ]
             rows.append([spectrum_panel(curves, "[-]", "", title=f"{one.label}: FRAC {found.frac:.2f}")])
     if rows:

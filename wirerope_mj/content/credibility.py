@@ -60,9 +60,7 @@ def study_credibility_blocks(result: "StudyResult") -> Iterator[Block]:
     step = f"steps of at most {with_unit(study.work.timestep, 'ms', digits=4)} in all variants"
     isolators = _isolators(study.base)
     if any(name.startswith("mount/") for name in study.vary):
-        isolators = replace(
-            isolators, text=f"{isolators.text}; what varies of them is in the study's bands", size=math.nan
-        )
+        isolators = replace(isolators, text=f"{isolators.text}; what varies of them is in the study's bands", size=math.nan)
     warnings = [text for motion in study.motions for text in record_warnings(motion)]
     yield from _blocks(
         (

@@ -77,8 +77,7 @@ def _test_blocks(tests: CyclicTests) -> Iterator[Block]:
     note = "Tangent: stiffness right after the largest and the smallest deflection, where the motion turns round."
     yield Table(id="loop-measures", title="Measures of the loops", columns=_COLUMNS, rows=rows, note=note)
     yield Statement(
-        id="loop-findings",
-        items=tuple(f"{title}: {text}" for title, loops in tests.loops.items() for text in _findings(loops)),
+        id="loop-findings", items=tuple(f"{title}: {text}" for title, loops in tests.loops.items() for text in _findings(loops))
     )
 
 

@@ -136,9 +136,7 @@ def _sentence(found: dict[str, Governing | str]) -> Statement:
         if moves
         else "On none of these decks a governing peak grows by more than a tenth."
     )
-    return Statement(
-        id="decks-answer", text=text, tone="unjudged" if moves else "", values={"largest_factor": factors[worst]}
-    )
+    return Statement(id="decks-answer", text=text, tone="unjudged" if moves else "", values={"largest_factor": factors[worst]})
 
 
 def deck_blocks(run: JudgedRun) -> Iterator[Block]:
@@ -192,8 +190,7 @@ def _bolts(run: JudgedRun) -> Table:
         Column("shear of one", "kN", 3), Column("at", "s", "z.4f"),
     )  # fmt: skip
     rows = [
-        (one.mount, one.bolts, one.tension, one.tension_time, one.shear, one.shear_time)
-        for one in bolt_loads(run.response)
+        (one.mount, one.bolts, one.tension, one.tension_time, one.shear, one.shear_time) for one in bolt_loads(run.response)
     ]
     return Table(
         id="bolts", title="Largest loads of a bolt on the base side", columns=columns, rows=rows,

@@ -66,10 +66,7 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
     amplitudes = np.array([in_unit(fit.amplitude, "mm") for fit in fits])
     across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
     panels = []
-    for measure, unit, label in (
-        ("energy", "J", "energy per cycle [J]"),
-        ("secant_stiffness", "kN/m", "stiffness [kN/m]"),
-    ):
+    for measure, unit, label in (("energy", "J", "energy per cycle [J]"), ("secant_stiffness", "kN/m", "stiffness [kN/m]")):
         curves = _measure_curves(fits, measure, unit)
         values = np.concatenate([curve.y for curve in curves])
         # That of a device without loss is noise of either sign.

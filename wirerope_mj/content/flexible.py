@@ -34,9 +34,7 @@ def _table(part: FlexiblePart, mass: float | Array | None) -> Table:
     effective = part.participation**2
     rows: list[list[Cell]] = [
         [str(number), float(frequency), float(damping), *map(float, row)]
-        for number, (frequency, damping, row) in enumerate(
-            zip(part.frequencies, part.damping, effective, strict=True), 1
-        )
+        for number, (frequency, damping, row) in enumerate(zip(part.frequencies, part.damping, effective, strict=True), 1)
     ]
     rows.append(["all", None, None, *map(float, effective.sum(axis=0))])
     if mass is not None:
@@ -65,13 +63,9 @@ def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statemen
     total = (part.participation**2).sum(axis=0)
     largest = float(total.max())
     if not total.any():
-        yield doubt(
-            "free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck."
-        )
+        yield doubt("free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck.")
     elif not _LIGHTEST <= largest <= _HEAVIEST:
-        yield doubt(
-            "units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?"
-        )
+        yield doubt("units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?")
     for axis, share in zip("xyz", _shares(total, mass) if mass is not None else (), strict=False):
         text = f"Along {axis} the modes bring along {100 * share:.1f} % of the mass,"
         if share > 1.0 + 1e-6:
@@ -79,8 +73,6 @@ def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statemen
         elif 0.01 < share < CAPTURED:
             yield doubt("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
-        yield doubt(
-            "twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice."
-        )
+        yield doubt("twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice.")
     if max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values()) == 0.0:
         yield doubt("still", "No point moves in any mode: mounts there stand as on a rigid part.")

@@ -46,9 +46,7 @@ def subject_called(response: Response, name: str) -> Component:
     return Component(kind="body" if name in response.bodies else "point", name=name)
 
 
-def history_panel(
-    quantity: str, along: str, lines: Sequence[Line], window: tuple[float, float], *, part: str = ""
-) -> Panel:
+def history_panel(quantity: str, along: str, lines: Sequence[Line], window: tuple[float, float], *, part: str = "") -> Panel:
     """Draw a quantity of `UNITS` along an axis, or its size ("total"), the first line in front and with its rated travel.
 
     Axes are those of the world for an acceleration, of the mount for others; `part` is what all lines are of, in several runs;
@@ -125,9 +123,7 @@ def overlay_histories(comparison: Comparison, shared: Selection) -> Histories:
     for axis in shared.axes:
         for mount in shared.shown(axis):
             for quantity in ("deflection", "force"):
-                panels[quantity, axis, mount] = history_panel(
-                    quantity, axis, _lines_of(comparison, mount), window, part=mount
-                )
+                panels[quantity, axis, mount] = history_panel(quantity, axis, _lines_of(comparison, mount), window, part=mount)
     for subject in differing(comparison):
         panels[difference_key(subject)] = _difference_panel(comparison, subject, window)
     return panels
@@ -219,8 +215,7 @@ def _changes(curves: Sequence[Curve]) -> str:
     if not first[1]:
         return ""
     texts = [
-        f"{name} {100.0 * (size / first[1] - 1.0):+.1f} %" if size != first[1] else f"{name} the same"
-        for name, size in others
+        f"{name} {100.0 * (size / first[1] - 1.0):+.1f} %" if size != first[1] else f"{name} the same" for name, size in others
     ]
     return f": {', '.join(texts)}" if texts else ""
 

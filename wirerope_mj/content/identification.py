@@ -84,9 +84,7 @@ def _findings(result: Identification, fits: Sequence[FittedLoop], given: Sequenc
         texts.append(f"{_insignificant(result.insignificant)}.")
     texts += [result.validity, *filter(None, [result.prediction])]
     if result.falling:
-        texts.append(
-            f"{result.falling}: a shock that goes there has no answer; test larger amplitudes, or take another law"
-        )
+        texts.append(f"{result.falling}: a shock that goes there has no answer; test larger amplitudes, or take another law")
     if (correlation := neighbours_correlation(fits)) > _BENT:
         texts.append(
             f"what is left is no white noise (neighbouring residuals correlate by {correlation:.2f}): standard errors count it "
@@ -192,9 +190,7 @@ def _stage_table(result: Identification) -> Table:
 def _correlation_table(result: Identification) -> Table:
     free = result.uncertainty.free
     columns = [Column("parameter", align="left"), *(Column(name, form="+z.2f") for name in free)]
-    rows: list[list[Cell]] = [
-        [name, *row.tolist()] for name, row in zip(free, result.uncertainty.correlation, strict=True)
-    ]
+    rows: list[list[Cell]] = [[name, *row.tolist()] for name, row in zip(free, result.uncertainty.correlation, strict=True)]
     return Table(id="correlations", title="Correlations", columns=columns, rows=rows)
 
 

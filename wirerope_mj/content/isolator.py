@@ -17,9 +17,7 @@ _SOFTER = 0.05  # share of a mount's stiffness that a bracket takes before its f
 def ratings_table(devices: Sequence[Isolator]) -> Table:
     """Tabulate provenance, laws, sizes and ratings of isolators."""
     laws = [dict.fromkeys(law.name for law in one.axes.values() if law is not None) for one in devices]
-    rows = [
-        (one.name, one.provenance.kind, ", ".join(own), *ratings(one)) for one, own in zip(devices, laws, strict=True)
-    ]
+    rows = [(one.name, one.provenance.kind, ", ".join(own), *ratings(one)) for one, own in zip(devices, laws, strict=True)]
     names = [Column(heading, align="left") for heading in ("isolator", "figures are", "laws")]
     return Table(
         id="isolators", title="Isolators and their ratings", columns=(*names, *RATING_COLUMNS), rows=rows,

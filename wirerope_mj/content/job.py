@@ -119,10 +119,7 @@ def job_headline(verdicts: Mapping[str, Sequence[Verdict]]) -> Statement:
         text, tone = f"{UNKNOWN}: of {count} {listed(open_cases) or 'none'} cannot be judged", "unjudged"
         text += f"; most critical {used}" if used else ""
     else:
-        text, tone = (
-            f"{PASS}: all {several(judged, 'check')} in {count} are within limits; most critical {used}",
-            "within",
-        )
+        text, tone = (f"{PASS}: all {several(judged, 'check')} in {count} are within limits; most critical {used}", "within")
     struck = [name for name, rows in verdicts.items() if any(row.contact == STRUCK for row in rows)]
     text += f"; stops or contacts are struck in {listed(struck)}" if struck else ""
     left = len({(row.criterion, row.subject) for row in every if row.verdict == NOT_JUDGED and not row.contact})
@@ -152,9 +149,7 @@ def _limits(verdicts: Mapping[str, Sequence[Verdict]]) -> Iterator[Block | None]
 
 def matrix_table(verdicts: Mapping[str, Sequence[Verdict]]) -> Table:
     """Tabulate what each case uses of each kind of limit, and its answer; the last row is the case that governs."""
-    kinds = list(
-        dict.fromkeys(row.criterion.kind for rows in verdicts.values() for row in rows if row.utilisation is not None)
-    )
+    kinds = list(dict.fromkeys(row.criterion.kind for rows in verdicts.values() for row in rows if row.utilisation is not None))
     contacts = any(row.contact for rows in verdicts.values() for row in rows)
     rows: list[Row] = []
     largest: dict[str, list[tuple[float, int]]] = {}
@@ -230,9 +225,7 @@ def _cases(job: JudgedJob) -> Table:
     for case in job.cases:
         simulate = case.run.inputs.get("simulate", {})
         initial = str(simulate.get("initial", "settled"))
-        rows.append(
-            [case.name, case.run.motion.description, simulate.get("duration"), START.get(initial, initial), case.note]
-        )
+        rows.append([case.name, case.run.motion.description, simulate.get("duration"), START.get(initial, initial), case.note])
     columns = [
         Column("load case", align="left"), Column("what acts", align="text"), Column("simulated", "s", 3),
         Column("begins", align="text"), Column("from", align="text"),
@@ -275,9 +268,7 @@ def basis_blocks(
     yield from stated("assumptions", assumptions, STATED)
     yield Statement(id="validated", text="Checked, and fitted to data:", items=tuple(_validated(runs, devices)))
     yield from stated("validation", validation, STATED)
-    yield Statement(
-        id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged"
-    )
+    yield Statement(id="not-validated", text="Not validated:", items=tuple(_not_validated(runs, devices)), tone="unjudged")
 
 
 def stated(name: str, paragraphs: Sequence[str], before: str = "") -> Iterator[Statement]:

@@ -54,10 +54,7 @@ def _conclusion(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> St
         f"uses more of the limits in {listed(more)}" if more else "",
         f"uses less of the limits in {listed(less)}" if less else "",
     ]
-    text = (
-        "; ".join(filter(None, parts))
-        or f"{names[1]} uses as much of the limits as {names[0]} in all common load cases"
-    )
+    text = "; ".join(filter(None, parts)) or f"{names[1]} uses as much of the limits as {names[0]} in all common load cases"
     text = text if text.startswith(names[1]) else f"{names[1]} {text}"
     return Statement(id="headline", text=f"{text}.", tone="exceeded" if news else "")
 
@@ -83,10 +80,7 @@ def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
                 continue
             answer, worst = headline(verdicts), most_used(verdicts)
             cells.append(Mark(answer.text.partition(":")[0], answer.tone))
-            cells += [
-                used_mark(worst.utilisation if worst else None),
-                f"{worst.criterion}, {worst.subject}" if worst else "",
-            ]
+            cells += [used_mark(worst.utilisation if worst else None), f"{worst.criterion}, {worst.subject}" if worst else ""]
         rows.append(cells)
     columns = [Column("load case", align="left")]
     for name in names:

@@ -75,16 +75,12 @@ def _headline(cases: Mapping[str, StudySummary]) -> Statement:
     values = {"beyond": float(most.count), "of": float(most.n)}
     if sampled:
         values |= {"probability": most.ratio, "low": most.low, "high": most.high, "confidence": CONFIDENCE}
-    bounds = (
-        f" ({percent(most.ratio)}; {percent(most.low)} to {percent(most.high)} at {percent(CONFIDENCE)} confidence)"
-    )
+    bounds = f" ({percent(most.ratio)}; {percent(most.low)} to {percent(most.high)} at {percent(CONFIDENCE)} confidence)"
     of = bounds if sampled else ""
     if most.count:
         counts = {name: any_exceeded([own]).count for name, own in cases.items()}
         worst = max(counts, key=lambda name: counts[name])
-        text = (
-            f"A limit of a load case is exceeded in {most.count} of {most.n} variants{of}, most often in {worst}{rest}"
-        )
+        text = f"A limit of a load case is exceeded in {most.count} of {most.n} variants{of}, most often in {worst}{rest}"
         return Statement(id="headline", text=text, tone="exceeded", values=values)
     text = f"Within the limits of {several(len(cases), 'load case')} in all {most.judged} variants{of}{rest}"
     return Statement(id="headline", text=text, tone="unjudged" if rest else "within", values=values)

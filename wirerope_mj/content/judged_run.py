@@ -128,9 +128,7 @@ class JudgedRun(RunResult):
         return {history: result_or_absent(partial(modes, self.system, history=history)) for history in histories}
 
 
-def judged_run(
-    system: System, motion: BaseMotion, response: Response, inputs: Mapping[str, Any] | None = None
-) -> JudgedRun:
+def judged_run(system: System, motion: BaseMotion, response: Response, inputs: Mapping[str, Any] | None = None) -> JudgedRun:
     """Judge a run of `system`; `inputs` is the content of its scenario.toml."""
     statics = result_or_absent(partial(static_table, system))
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge

@@ -114,9 +114,7 @@ def amplitudes_table(small: Modes, large: Sequence[Modes]) -> Table:
 
 def mode_blocks(modes: Modes, mode: int) -> Iterator[Block]:
     """Yield what is known of one mode: frequency to quote, damping, tangents, mass, and deflections of the mounts."""
-    mass = ", ".join(
-        f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True)
-    )
+    mass = ", ".join(f"{in_unit(part, '%'):z.1f} % {axis}" for part, axis in zip(modes.participation[mode], "xyz", strict=True))
     yield Statement(
         id="mode", text=f"Small-amplitude natural frequency {_text(modes.frequencies[mode])}", tone="strong",
         items=(
@@ -245,9 +243,7 @@ def _ddam(small: Modes, ship: Ship, location: Location) -> Table:
             values = ddam_design_values(weight, frequency, location=location, direction=direction, ship=ship)
             cells += [values.weight, values.acceleration]
         rows.append(cells)
-    axes = [
-        column for axis in "xyz" for column in (Column(f"weight {axis}", "kN", ".3f"), Column(f"D {axis}", "g", ".1f"))
-    ]
+    axes = [column for axis in "xyz" for column in (Column(f"weight {axis}", "kN", ".3f"), Column(f"D {axis}", "g", ".1f"))]
     return Table(
         id="ddam", title=f"DDAM: design accelerations, {ship}, {location}",
         columns=(Column("mode", align="left"), _FREQUENCY, *axes), rows=rows,

@@ -113,9 +113,7 @@ def _course(run: JudgedRun) -> Table | None:
     )
 
 
-def _histories_chart(
-    quantity: str, response: Response, names: Sequence[str], selection: Selection, order: str
-) -> Chart:
+def _histories_chart(quantity: str, response: Response, names: Sequence[str], selection: Selection, order: str) -> Chart:
     """Draw deflections or forces of some mounts over time, a panel for each axis with any."""
     lines = [
         Line(response=response, subject=name, name=name, kind=kind_of(selection, name, rank))

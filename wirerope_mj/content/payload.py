@@ -121,9 +121,7 @@ def sweep_chart(run: JudgedRun, sweep: Sweep) -> Chart:
             size += acceleration_along(response, name, axis) ** 2
         x, y = crest(frequency, in_unit(np.sqrt(size), "g"))
         curves.append(Curve(x=x, y=y, name=short(name), kind=BASE if name == BASE else rank))
-    panel = Panel(
-        curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz"
-    )
+    panel = Panel(curves=curves, ylabel="acceleration [g]", xlabel="frequency of the base [Hz]", log="x", unit="g", xunit="Hz")
     return Chart(
         id="over-frequency", rows=[[panel]], height=210.0,
         caption="Accelerations along the base's motion over the frequency of the sweep.",

@@ -28,9 +28,7 @@ _NUMBERS = (
 )  # fmt: skip
 
 
-def response_content(
-    result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()
-) -> Content:
+def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()) -> Content:
     """Compose what a frequency response says, level by level, with the orders of a machine against its resonances."""
     options, (start, stop) = result.options, result.options.range
     assert options.response_direction is not None

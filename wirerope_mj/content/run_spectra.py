@@ -76,9 +76,7 @@ def run_spectra(
     if any(isinstance(term, RandomVibration) for term in terms):
         return Absent(reason="The base vibrates at random: PSDs are shown instead of SRS.")
     if any(term.kind in _STEADY for term in terms):
-        return Absent(
-            reason="The base is driven steadily: a shock response spectrum would say little, and none is shown."
-        )
+        return Absent(reason="The base is driven steadily: a shock response spectrum would say little, and none is shown.")
     highest = min(sample_rate / SAMPLES_PER_PERIOD, _HIGHEST)
     if highest < 2.0 * _LOWEST:
         return Absent(reason=f"At {sample_rate:g} samples a second there is no shock response spectrum worth showing.")

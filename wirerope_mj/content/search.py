@@ -118,9 +118,7 @@ def front_chart(result: SearchResult) -> Chart:
     names = result.minimise[:2]
     across, up = (measure_of(names[1]) if len(names) > 1 else None), measure_of(names[0])
     x, y = (
-        np.arange(result.table.num_rows, dtype=np.float64)
-        if one is None
-        else one.factor * values_of(result.table, one.name)
+        np.arange(result.table.num_rows, dtype=np.float64) if one is None else one.factor * values_of(result.table, one.name)
         for one in (across, up)
     )
     within, front, given = result.feasible, np.asarray(result.front["variant"]), np.arange(result.start)
@@ -144,9 +142,7 @@ def front_chart(result: SearchResult) -> Chart:
         for measure, values in ((across, x), (up, y))
     )
     outside = int((known & ((x < xlim[0]) | (x > xlim[1]) | (y < ylim[0]) | (y > ylim[1]))).sum())
-    left_out = [f"{outside} designs farther out"] * bool(outside) + [f"{len(result.failed)} failed"] * bool(
-        result.failed
-    )
+    left_out = [f"{outside} designs farther out"] * bool(outside) + [f"{len(result.failed)} failed"] * bool(result.failed)
     panel = Panel(
         curves=curves, ylabel=up.column.title(), xlabel="design" if across is None else across.label,
         limits=_limit(result, up), xlimits=[] if across is None else _limit(result, across),

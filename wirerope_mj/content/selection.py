@@ -61,9 +61,7 @@ class Selection:
 
     def among(self, mounts: Collection[str]) -> "Selection":
         """Return the selection without other mounts."""
-        return replace(
-            self, ranked={axis: tuple(n for n in names if n in mounts) for axis, names in self.ranked.items()}
-        )
+        return replace(self, ranked={axis: tuple(n for n in names if n in mounts) for axis, names in self.ranked.items()})
 
     def utilisation(self, mount: str, axis: str) -> float:
         """Return peak deflection over rated travel, NaN if nothing is rated."""
@@ -87,9 +85,7 @@ def select(response: Response, verdicts: Sequence[Verdict] | None = None) -> Sel
     bodies = {name: peaks.acceleration for name, peaks in response.peaks.bodies.items() if name not in fixed}
     points = {name: peaks.acceleration for name, peaks in response.peaks.points.items()}
     used = tuple(used_limits(response, verdicts))
-    leading = {
-        (quantity, axis): _leading(response, quantity, axis, ranked[axis]) for axis in AXES for quantity in QUANTITIES
-    }
+    leading = {(quantity, axis): _leading(response, quantity, axis, ranked[axis]) for axis in AXES for quantity in QUANTITIES}
     groups = [[one.subject for one in used[:NAMED]], *(names[:NAMED] for names in leading.values())]
     groups.append(_largest(bodies | points)[:NAMED])
     return Selection(

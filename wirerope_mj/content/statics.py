@@ -17,10 +17,7 @@ from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 
 # What the two equilibria are.
-HISTORIES = {
-    "virgin": "on the first loading, as after installation",
-    "relaxed": "after long vibration (friction relaxed)",
-}
+HISTORIES = {"virgin": "on the first loading, as after installation", "relaxed": "after long vibration (friction relaxed)"}
 _TONES = {"stable": "within", "slender": "near"}
 _BALANCED = 1e-4  # of the weight, below which nobody asks what carries the rest
 _MORE_THAN_ALL = 1.000001  # times what the lowest mounts carry, rounding included
@@ -61,9 +58,7 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
     yield _payloads(table)
     for history, sag in table.sags.items():
         yield Statement(id=f"weight-{history}", text=_carried(history, sag), values={"weight_N": sag.weight})
-    if any(
-        sum(row.carries for row in sag.mounts.values()) > _MORE_THAN_ALL * sag.on_mounts for sag in table.sags.values()
-    ):
+    if any(sum(row.carries for row in sag.mounts.values()) > _MORE_THAN_ALL * sag.on_mounts for sag in table.sags.values()):
         text = (
             "Payloads stand on payloads: fractions are of the weight of all of them, and the lower mounts carry what stands "
             "above as well, so they add up to more than 100 %."

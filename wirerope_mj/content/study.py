@@ -49,9 +49,7 @@ def study_content(summary: StudySummary) -> Content:
             Section("answer", "", lambda: _answer(summary), "headline"),
             Section("varied", "Varied quantities", lambda: (varied_table(study),)),
             Section("results", "Results", lambda: (measures_table(summary), *study_charts(summary)), "summary"),
-            Section(
-                "inputs", "Inputs that matter", lambda: indices_tables(summary) or [effects_table(summary)], "summary"
-            ),
+            Section("inputs", "Inputs that matter", lambda: indices_tables(summary) or [effects_table(summary)], "summary"),
             Section("worst", "Worst variants", lambda: (worst_table(summary),), "summary"),
             Section("credibility", "How far this can be relied on", lambda: study_credibility_blocks(result)),
             Section("numerics", "Numerics and versions", lambda: (numerics_table(result),)),

@@ -115,9 +115,7 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
             if (rows := np.flatnonzero([one == kind for one in kinds])).size
         ],
         xlabel="variance that the input explains alone [%]",
-        notes=[
-            (size, -row, _effect_text(one), False) for row, (one, size) in enumerate(zip(effects, sizes, strict=True))
-        ],
+        notes=[(size, -row, _effect_text(one), False) for row, (one, size) in enumerate(zip(effects, sizes, strict=True))],
         xlim=(0.0, end),
         xticks=[(tick, f"{tick:g}") for tick in linear_ticks(0.0, min(end, 100.0)).tolist()],
     )
@@ -222,10 +220,7 @@ def indices_chart(indices: Sequence[SobolIndices]) -> Chart:
     for one in indices:
         by_name = {factor.name: factor for factor in one.factors}
         curves = []
-        for label, kind, colour, side in (
-            ("alone (first-order index)", "first", 0, 0.2),
-            ("total index", "total", 1, -0.2),
-        ):
+        for label, kind, colour, side in (("alone (first-order index)", "first", 0, 0.2), ("total index", "total", 1, -0.2)):
             curves.append(
                 Curve(
                     x=np.array([max(100.0 * getattr(by_name[name], kind), 0.0) for name in order]),
@@ -283,9 +278,7 @@ def directions_chart(table: pa.Table, measure: str) -> Chart:
 def _classes_of(azimuth: Array, height: Array, values: Array) -> list[Curve]:
     """Return directions that are no grid as dots, in colours for classes of the measure."""
     known = np.isfinite(values)
-    edges = (
-        np.linspace(values[known].min(), values[known].max(), _CLASSES + 1) if known.any() else np.zeros(_CLASSES + 1)
-    )
+    edges = np.linspace(values[known].min(), values[known].max(), _CLASSES + 1) if known.any() else np.zeros(_CLASSES + 1)
     place = np.clip(np.searchsorted(edges, values, side="right") - 1, 0, _CLASSES - 1)
     return [
         Curve(

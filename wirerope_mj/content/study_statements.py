@@ -49,9 +49,7 @@ def statements(result: StudyResult) -> list[str]:
 def percent(probability: float) -> str:
     """Return a probability in per cent, to two digits."""
     value = 100.0 * probability
-    return (
-        f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{value:.1f} %" if value >= 0.095 else f"{value:.2g} %"
-    )
+    return f"{value:.0f} %" if value >= 9.95 or value == 0.0 else f"{value:.1f} %" if value >= 0.095 else f"{value:.2g} %"
 
 
 def failures(failed: Mapping[int, str]) -> dict[str, list[int]]:
@@ -153,9 +151,7 @@ def early_statements(table: pa.Table) -> list[str]:
     if early:
         texts.append(f"{which(early)}: not judged but for what is exceeded already, since {why_early(table)}.")
     if growing:
-        texts.append(
-            f"{which(growing)}: what still grows when the run ends is not judged unless it is exceeded; run longer."
-        )
+        texts.append(f"{which(growing)}: what still grows when the run ends is not judged unless it is exceeded; run longer.")
     return texts
 
 

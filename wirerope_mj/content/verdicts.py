@@ -110,8 +110,7 @@ def full_table(verdicts: Sequence[Verdict]) -> Table | None:
     rows = ordered(verdicts)
     notes = [row.note for row in rows]
     said = [
-        "as above" if len(note) > _LONG and note == before else note
-        for before, note in zip(["", *notes], notes, strict=False)
+        "as above" if len(note) > _LONG and note == before else note for before, note in zip(["", *notes], notes, strict=False)
     ]
     return Table(
         id="all-verdicts",

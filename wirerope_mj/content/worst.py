@@ -30,8 +30,7 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
     worst, instant = rows[0]
     limit = f" of {with_unit(worst.limit, worst.unit)}" if worst.limit is not None else ""
     title = (
-        f"The worst instant, {instant:.4f} s: {worst.criterion} of {worst.subject}, "
-        f"{with_unit(worst.value, worst.unit)}{limit}"
+        f"The worst instant, {instant:.4f} s: {worst.criterion} of {worst.subject}, {with_unit(worst.value, worst.unit)}{limit}"
     )
     view = scene_at(run.response, instant, title=title)
     if view is None or view.moved is None:

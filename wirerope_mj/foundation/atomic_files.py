@@ -79,9 +79,7 @@ def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) 
     if not any(folder.iterdir()):
         return
     if not all((folder / mark).is_file() for mark in marks):
-        raise RecordError(
-            f"{folder}: this folder exists and is not a {kind}; nothing in it was touched. Choose another one."
-        )
+        raise RecordError(f"{folder}: this folder exists and is not a {kind}; nothing in it was touched. Choose another one.")
     if not force:
         raise RecordError(
             f"{folder}: there is a {kind} already. Replace it with --force (`force=True`), or choose another one."

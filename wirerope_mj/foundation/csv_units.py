@@ -151,8 +151,7 @@ def require_cells(header: Header, location: str, cells: Sequence[str]) -> None:
         message += " Decimals are written with a point: here every comma separates two cells."
     elif count == 1 and (other := next((sign for sign in ";\t," if sign in cells[0]), None)):
         message += (
-            f" The header's cells are separated by {_DELIMITERS[header.delimiter]}, those of this row by "
-            f"{_DELIMITERS[other]}."
+            f" The header's cells are separated by {_DELIMITERS[header.delimiter]}, those of this row by {_DELIMITERS[other]}."
         )
     raise RecordError(message)
 
@@ -173,9 +172,7 @@ def number_in(location: str, name: str, cell: str) -> float:
         if re.fullmatch(r"[-+.\deE]+\s*[a-zA-Zµ]+", cell):
             hint = " Units stand in the header only, one for each column."
         elif "," in cell:
-            hint = (
-                " Decimals are written with a point, or all with a comma where semicolons or tabs separate the cells."
-            )
+            hint = " Decimals are written with a point, or all with a comma where semicolons or tabs separate the cells."
         raise RecordError(f'{location}: "{short(cell)}" in column "{short(name)}" is not a number.{hint}') from None
     if not abs(value) <= LARGEST:
         raise RecordError(

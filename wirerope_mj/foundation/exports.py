@@ -56,9 +56,7 @@ def picked(table: Exported, patterns: Sequence[str]) -> Exported:
         found = [n for n, name in enumerate(table.names) if fnmatchcase(name, pattern)]
         if not found:
             near = get_close_matches(pattern, table.names, n=3, cutoff=0.3)
-            raise ValueError(
-                f"no column matches {pattern!r}; there are {', '.join(near or table.names[1:4])} and others."
-            )
+            raise ValueError(f"no column matches {pattern!r}; there are {', '.join(near or table.names[1:4])} and others.")
         kept += found
     kept = sorted(set(kept))
     return replace(

@@ -56,9 +56,7 @@ def hidden_file(path: Path) -> Iterator[Path]:
     """
     while True:
         try:
-            handle, name = tempfile.mkstemp(
-                dir=path.parent, prefix=f".{path.stem}.", suffix=f".{_MARK}.part{path.suffix}"
-            )
+            handle, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=f".{_MARK}.part{path.suffix}")
         except OSError as error:
             raise refusal(path, error) from error
         lock = _lock_handle(handle, Path(name))

@@ -89,9 +89,7 @@ def _text(name: str, value: Any, others: list[FunctionType]) -> str:
         return "an intrinsic"
     if isinstance(value, np.ndarray):
         return f"{value.dtype} {value.shape} {value.tobytes().hex()}"
-    if value is None or isinstance(
-        value, bool | int | float | str | tuple | np.generic | Enum | numba.types.Type | ir.Type
-    ):
+    if value is None or isinstance(value, bool | int | float | str | tuple | np.generic | Enum | numba.types.Type | ir.Type):
         return repr(value)
     if isinstance(value, FunctionType) and value.__module__.startswith("wirerope_mj"):
         return f"{value.__module__}.{value.__qualname__} {_file(value.__code__.co_filename)}"

@@ -11,18 +11,7 @@ from numba import types
 from numba.extending import intrinsic, overload
 from numba.np.arrayobj import make_array
 
-from wirerope_mj.foundation.lane_types import (
-    INDEX,
-    INLINED,
-    LANES,
-    LONG,
-    MASK,
-    ROWS,
-    VECTOR,
-    WIDTH,
-    TableType,
-    spread_out,
-)
+from wirerope_mj.foundation.lane_types import INDEX, INLINED, LANES, LONG, MASK, ROWS, VECTOR, WIDTH, TableType, spread_out
 
 
 @intrinsic

@@ -111,9 +111,7 @@ def read_content(path: Path, *, kind: str, remedy: str, version: int | None = No
     except (OSError, ValueError, KeyError, RecursionError, pa.ArrowException):
         raise _unreadable(path, kind, remedy) from None
     if version is not None and isinstance(content, dict) and content.get("format") != version:
-        raise RecordError(
-            f"{path}: `format` is {content.get('format')!r}, not {version}; use the version that wrote it."
-        )
+        raise RecordError(f"{path}: `format` is {content.get('format')!r}, not {version}; use the version that wrote it.")
     return schema, content
 
 

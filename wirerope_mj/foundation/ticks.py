@@ -18,18 +18,14 @@ def log_ticks(low: float, high: float, *, most: int = 12) -> Array:
     Of an axis on which `most` numbers fit, none stand closer than that. Where not even the powers of ten fit, every second,
     third .. of them stands there; where there are none, numbers are in equal steps.
     """
-    powers = np.asarray(
-        10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64
-    )
+    powers = np.asarray(10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1), dtype=np.float64)
     equal = [linear_ticks(low, high, most=count) for count in range(min(most, 6), 1, -1)]
     whole = _inside(powers, low, high)
     chosen = [(powers[:, None] * np.array(digits)).ravel() for digits in _DIGITS]
     chosen += [ticks for ticks in equal if all(np.isclose(ticks, power, rtol=1e-9).any() for power in whole)]
     chosen += [whole[::step] for step in range(2, whole.size)]
     room = _CLOSER * math.log(high / low) / most
-    fitting = [
-        ticks for one in chosen if (ticks := _inside(one, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room
-    ]
+    fitting = [ticks for one in chosen if (ticks := _inside(one, low, high)).size > 1 and np.diff(np.log(ticks)).min() >= room]
     if fitting:
         return max(fitting, key=len)
     return next((ticks for ticks in equal[::-1] if ticks.size > 1), linear_ticks(low, high, most=6))

@@ -71,9 +71,7 @@ def parse_phrase(text: str, *, words: Mapping[str, str]) -> Phrase:
         part = parts.pop(0)
         if part == "?":
             left = f"{part} {parts[0]}" if parts else part
-            raise ValueError(
-                f'"{left}" is still open: put the level of your specification in place of the question mark.'
-            )
+            raise ValueError(f'"{left}" is still open: put the level of your specification in place of the question mark.')
         if begun and not _NUMBER.match(part):
             break
         if part in words and not word:

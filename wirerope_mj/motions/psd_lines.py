@@ -146,9 +146,7 @@ def banded_lines(bands: Sequence[Sequence[float]], *, step: float = 1.0) -> Poin
     lines: list[tuple[float, float]] = []
     for band in bands:
         if not isinstance(band, Sequence) or len(band) != 3:
-            raise ValueError(
-                f"`bands` must hold a first frequency, a last frequency and an amplitude each, got {band!r}."
-            )
+            raise ValueError(f"`bands` must hold a first frequency, a last frequency and an amplitude each, got {band!r}.")
         low, high, amplitude = (positive("bands", value) for value in band)
         if high < low:
             raise ValueError(f"a band must end above its start, got {low:g} to {high:g} Hz.")

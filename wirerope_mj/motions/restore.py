@@ -49,9 +49,7 @@ def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = N
         _check_names(kind, parameters, SumOfMotions)
         return SumOfMotions(terms=tuple(motion_from_dict(term, folder=folder) for term in parameters["terms"]))
     if kind not in _FACTORIES:
-        raise ModelError(
-            f"Unknown kind of motion {kind!r}; known kinds: {', '.join([*_FACTORIES, SumOfMotions.kind])}."
-        )
+        raise ModelError(f"Unknown kind of motion {kind!r}; known kinds: {', '.join([*_FACTORIES, SumOfMotions.kind])}.")
     _check_names(kind, parameters, _FACTORIES[kind])
     if kind == Record.kind and folder is not None:
         parameters["path"] = Path(folder) / parameters["path"]

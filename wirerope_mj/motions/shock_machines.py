@@ -68,9 +68,7 @@ class DecayingSine(StartedMotion):
     ) -> None:  # fmt: skip
         self._set(frequency=ranges.frequency("frequency", frequency))
         if not 0 < finite("damping", damping) < 1:
-            raise ValueError(
-                f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}."
-            )
+            raise ValueError(f"`damping` must lie above 0 and below 1, for the deck must come to rest, got {damping!r}.")
         quantity, level = the_one_given({"velocity": velocity, "acceleration": acceleration})
         self._set(damping=float(damping), quantity=quantity, level=ranges.level(quantity, level))
         self._set(direction=checked_direction(direction))

@@ -214,8 +214,7 @@ class _Matching:
         raise ConvergenceError(
             f"no motion of these lines meets the target within {100 * tolerance:.3g} %; the best of {ITERATIONS} corrections "
             f"was {100 * best:.3g} % away, farthest at {self.frequencies[farthest]:.4g} Hz: {reached:.4g} m/s^2 instead of "
-            f"{self.target[farthest]:.4g}. "
-            + (steep or "Try another `seed`, a longer `duration` or a larger `tolerance`.")
+            f"{self.target[farthest]:.4g}. " + (steep or "Try another `seed`, a longer `duration` or a larger `tolerance`.")
         )
 
     def acceleration(self, q: Array) -> Array:

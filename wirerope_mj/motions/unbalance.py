@@ -48,9 +48,7 @@ class Unbalance(PayloadForce):
     def __post_init__(self) -> None:
         self._check()
         if (self.axis is None) == (self.line is None):
-            raise ValueError(
-                "one of `axis`, about which it rotates, and `line`, along which it reciprocates, must be given."
-            )
+            raise ValueError("one of `axis`, about which it rotates, and `line`, along which it reciprocates, must be given.")
         runs_up = self.final_frequency is not None
         values = {
             "unbalance": ranges.level("unbalance", self.unbalance),

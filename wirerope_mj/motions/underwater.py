@@ -14,9 +14,7 @@ from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times
 
 SEA_WATER = 1025.0 * 1500.0  # density times velocity of sound [Pa s/m]
-ALIKE = (
-    1e-6  # distance of psi from 1 within which the formulas of psi = 1 are right to a millionth, and exact integrals
-)
+ALIKE = 1e-6  # distance of psi from 1 within which the formulas of psi = 1 are right to a millionth, and exact integrals
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -40,9 +40,7 @@ def write_modes(system: System, name: str, results: Sequence[Modes], folder: Pat
     """
     with atomic_folder(folder, force=force, kind=MODES_KIND, marks=MODES_MARKS) as temporary:
         amplitudes = [modes.amplitude for modes in results if modes.amplitude is not None]
-        _write_settings(
-            temporary, name, system, {"question": {"history": results[0].history, "amplitudes": amplitudes}}
-        )
+        _write_settings(temporary, name, system, {"question": {"history": results[0].history, "amplitudes": amplitudes}})
         said = {"format": FORMAT, "results": [modes.to_dict() for modes in results]}
         (temporary / MODES_MARKS[1]).write_text(json_text(said), encoding="utf-8")
         # Here, because rerun takes longer to import than checking the options.

@@ -33,9 +33,7 @@ def write_correlation(
         RecordError: the folder is no run, a test cannot be read, or it was measured at what the run does not have.
     """
     if not is_run(folder):
-        raise RecordError(
-            f"{folder}: this is no run. Tests are compared with the folder that `wirerope run` or `shock` wrote."
-        )
+        raise RecordError(f"{folder}: this is no run. Tests are compared with the folder that `wirerope run` or `shock` wrote.")
     warn_of_alterations(folder)
     response = load_response(folder)
     measured = [load_measured(file, name=name, **options) for name, file in files.items()]

@@ -27,8 +27,7 @@ def checked(table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> N
         kind = known[key]
         right = {
             float: isinstance(value, int | float) and not isinstance(value, bool),
-            list: isinstance(value, str)
-            or (isinstance(value, list) and all(isinstance(one, str | dict) for one in value)),
+            list: isinstance(value, str) or (isinstance(value, list) and all(isinstance(one, str | dict) for one in value)),
             date: isinstance(value, str | date),
         }.get(kind, isinstance(value, kind))
         if not right:

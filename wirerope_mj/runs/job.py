@@ -47,9 +47,7 @@ JOB, CASES = "job.toml", "cases"
 FORMAT = 1
 
 INPUTS = "inputs"  # Option of a case's run that holds digests of its inputs: was one of them changed since?
-_JUDGED_AGAIN = (
-    "changed: limits, judged again without simulating"  # why a case is whose samples are still those of its inputs
-)
+_JUDGED_AGAIN = "changed: limits, judged again without simulating"  # why a case is whose samples are still those of its inputs
 _CHARACTERS = 12  # of a digest: of a million changes none is missed by chance
 
 # Is told name, time [s] and answer of a case that was simulated, and how many are left.
@@ -97,9 +95,7 @@ def run_job(
     """
     job = job if isinstance(job, Job) else load_job(job)
     folder = Path(folder)
-    page_files(
-        folder, None, pdf=pdf, docx=docx, force=True
-    )  # what cannot be written is known before anything is computed
+    page_files(folder, None, pdf=pdf, docx=docx, force=True)  # what cannot be written is known before anything is computed
     if (folder / JOB).is_file():
         job_table(folder)  # perhaps it is the user's own file of that name, which must not be replaced
     else:

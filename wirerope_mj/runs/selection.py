@@ -63,8 +63,7 @@ def equipment(
         part = next(one for one in vendor_parts() if one.name == _PLACED)
         isolators = {part.name: load_isolator(part)}
         systems = {
-            text: load_system(mjcf_of(box_layout(part, mounts=text, **(box or {}))), isolators=isolators)
-            for text in mounts
+            text: load_system(mjcf_of(box_layout(part, mounts=text, **(box or {}))), isolators=isolators) for text in mounts
         }
     if not cases:
         raise ValueError('`--shock` must say at least one load case, for instance --shock "half-sine 15 g 11 ms z".')
@@ -93,9 +92,7 @@ def read_prices(path: Path) -> dict[str, dict[str, float]]:
     return {row.text("name"): {key: row.number(key) for key in ("price", "mass") if row.has(key)} for row in rows}
 
 
-def write_selected(
-    chosen: TriedPart, folder: Path, *, box: Mapping[str, Any] | None = None, force: bool = False
-) -> Path:
+def write_selected(chosen: TriedPart, folder: Path, *, box: Mapping[str, Any] | None = None, force: bool = False) -> Path:
     """Write the model on a part that was chosen, its limits in it, into `folder`, and return the path of the model.
 
     The folder's last part is the model's name. With the `box` that `equipment` took a deck is drawn below the part's own

@@ -60,9 +60,7 @@ def sliders_of(system: System, motion: BaseMotion) -> tuple[Slider, ...]:
     damped = [group for group in groups if any(law.damping_parameters for law in laws[group] if law is not None)]
     if damped:
         others = [system.mounts[groups[group][0]].written.name for group in groups if group not in damped]
-        note = (
-            "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
-        )
+        note = "On rope friction and dampers of all mounts. Friction resists small deflections, too: they become stiffer."
         note += f" {', '.join(others)}: loss and stiffness are one law, which stays." if others else ""
         found.append(_factor(DAMPING, "Damping of all mounts", (0.33, 3.0), note))
     if (deck := sprung_joints(system.model).get(NAME)) is not None:

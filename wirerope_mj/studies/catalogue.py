@@ -40,9 +40,7 @@ def try_parts(
     if initial not in HISTORIES:
         raise ValueError(f"`initial` must be one of {', '.join(HISTORIES)}, got {initial!r}.")
     tried = [
-        TriedPart(
-            name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaced(system)), reason=why
-        )
+        TriedPart(name=name, isolator=parts[name], system=on, placement=placement, mounts=len(replaced(system)), reason=why)
         for name, on, why in _systems(system, parts)
     ]
     with warnings.catch_warnings(action="ignore", category=ModelWarning):  # of parts that will not be chosen
@@ -83,9 +81,7 @@ def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[st
         except ModelError:  # its laws are laid out otherwise than those of the last
             on = None
         if on is None:
-            loaded = load_system(
-                system.path or system.mjcf, isolators={**system.isolators, **dict.fromkeys(names, isolator)}
-            )
+            loaded = load_system(system.path or system.mjcf, isolators={**system.isolators, **dict.fromkeys(names, isolator)})
             base = replace(loaded, limits=system.limits, combined_travel=system.combined_travel)
             on = varied(base, positions=shifts)
         yield name, on, ""

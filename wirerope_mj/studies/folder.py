@@ -124,10 +124,7 @@ def write_part(folder: Path, part: Part) -> None:
 def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
     """Yield the rows of some chunks, several together."""
     for first in range(0, len(numbers), ROW_GROUP):
-        paths = [
-            (part_path(folder, number), part_path(folder, number, _DIED))
-            for number in numbers[first : first + ROW_GROUP]
-        ]
+        paths = [(part_path(folder, number), part_path(folder, number, _DIED)) for number in numbers[first : first + ROW_GROUP]]
         tables = [read_part(path if path.is_file() else dead) for path, dead in paths]
         yield pa.concat_tables(tables).combine_chunks()
 

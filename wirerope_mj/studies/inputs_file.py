@@ -127,9 +127,7 @@ def _difference(key: str, old: dict[str, Any], new: dict[str, Any]) -> str:
         return f"this study keeps {kept}; go on with it with --keep {kept} (`keep={kept!r}`), or choose another folder."
     ways = "Nothing in it was touched. Choose another folder, or begin it anew with --force (`force=True`)."
     if key == "versions.code":
-        return (
-            f"the code of wirerope-mj has changed since this study began, and one table would hold rows of both. {ways}"
-        )
+        return f"the code of wirerope-mj has changed since this study began, and one table would hold rows of both. {ways}"
     if key.startswith("versions."):
         name = key.removeprefix("versions.")
         return (

@@ -183,9 +183,7 @@ def _travel(
     return reached.ravel().tolist(), used, combined
 
 
-def _static_loads(
-    system: System, rest: State | None, judged: Sequence[str], isolators: Mapping[int, Isolator]
-) -> list[float]:
+def _static_loads(system: System, rest: State | None, judged: Sequence[str], isolators: Mapping[int, Isolator]) -> list[float]:
     """Return the utilisation of the rated static load at rest of some mounts; NaN where it is not judged."""
     if rest is None or all(isolator.limits.static_load is None for isolator in isolators.values()):
         return [NAN] * len(judged)

@@ -84,9 +84,7 @@ class TriedPart:
 class Race:
     """Parts under load cases, stepped side by side with one step after the other, each half the last one."""
 
-    def __init__(
-        self, runs: Mapping[str, TriedPart], cases: Mapping[str, BaseMotion], initial: str, accuracy: float
-    ) -> None:
+    def __init__(self, runs: Mapping[str, TriedPart], cases: Mapping[str, BaseMotion], initial: str, accuracy: float) -> None:
         self._systems = {name: one.system for name, one in runs.items() if one.system is not None}
         self._periods = {name: slowest_period(one) for name, one in self._systems.items()}
         self._cases, self._initial, self._accuracy = cases, initial, accuracy

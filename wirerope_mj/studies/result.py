@@ -83,9 +83,7 @@ class StudyResult(Exportable, Summarised):
             return math.nan
         found = [0.0]
         for kind in ("acceleration/", "deflection/", "force/"):
-            pairs = [
-                (value, finer[name]) for name, value in self.nominal.items() if name.startswith(kind) and name in finer
-            ]
+            pairs = [(value, finer[name]) for name, value in self.nominal.items() if name.startswith(kind) and name in finer]
             largest = max((abs(fine) for _, fine in pairs), default=0.0)
             found += [abs(value - fine) / largest for value, fine in pairs if largest > 0.0]
         return max(found)

@@ -106,8 +106,7 @@ def print_table(table: Table) -> None:
         shown.add_column(
             _text(column.title("\n")),
             justify="right" if column.align == "right" else "left",
-            no_wrap=column.align == "left"
-            or (column.align == "right" and max(map(len, column.heading.split("\n"))) <= _LONG),
+            no_wrap=column.align == "left" or (column.align == "right" and max(map(len, column.heading.split("\n"))) <= _LONG),
             overflow="fold",
         )
     rows = table.marks()[: table.shown]

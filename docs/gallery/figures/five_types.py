@@ -62,8 +62,7 @@ TYPES = (
         gamma=0.5,
         condition="β + γ > 0 and β − γ = 0",
         behaviour="softening, unloading at the slope α",
-        reads="Loading softens to {loading:.3f} N/m. Unloading runs straight to zero force at {unloading:.3f} N/m, "
-        "which is α.",
+        reads="Loading softens to {loading:.3f} N/m. Unloading runs straight to zero force at {unloading:.3f} N/m, which is α.",
         origin="as in its figure 3.6",
     ),
     LoopType(

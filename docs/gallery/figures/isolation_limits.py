@@ -54,9 +54,7 @@ def efficiency(system: wr.System, *, velocity: float, seconds: float, timestep: 
     rising = run.time > START
     turn = int(np.argmax(np.diff(sunk[rising]) < 0.0)) + int(np.count_nonzero(~rising))
     before, at, after = sunk[turn - 1 : turn + 2]
-    travel = at + (after - before) ** 2 / (
-        8.0 * (2.0 * at - before - after)
-    )  # top of the parabola through three samples
+    travel = at + (after - before) ** 2 / (8.0 * (2.0 * at - before - after))  # top of the parabola through three samples
     peak = run.peaks.bodies["mass"].acceleration
     largest = peak.value
     if peak.time > run.time[turn + 1]:  # in the rebound: what stretches hardens

@@ -14,9 +14,7 @@ LAW = wr.AsymmetricBoucWen(
     alpha=2e5, beta=2000.0, gamma=500.0, n=1.0, k1=1.1e5, k2=-1.5e7, k3=1.5e9, b=2.0, c=200.0
 )  # fmt: skip
 """Our own isolator: 310 kN/m at first, a few hundred newtons at 4 mm, as wire-rope isolators for some tens of kilograms."""
-WITHOUT_F2 = wr.SymmetricBoucWen(
-    alpha=LAW.alpha, beta=LAW.beta, gamma=LAW.gamma, n=LAW.n, k1=LAW.k1, k2=LAW.k2, k3=LAW.k3
-)
+WITHOUT_F2 = wr.SymmetricBoucWen(alpha=LAW.alpha, beta=LAW.beta, gamma=LAW.gamma, n=LAW.n, k1=LAW.k1, k2=LAW.k2, k3=LAW.k3)
 AMPLITUDE = 0.004  # [m]
 MM = 1e3
 MOVING = (0.486, 0.9)  # shares of `motion` at which arrows stand: on the way down, and on the way up again

@@ -132,9 +132,7 @@ def _draw() -> Picture:
         over_time.plot(time[last], acceleration[last], color=colour, lw=1.6, label=case.label)
         lines.plot(*spectrum(time, acceleration), color=colour, lw=1.4, label=f"{case.label}, 10 Hz")
     lines.plot(*spectrum(*history(LARGE, BESIDE)), ":", color=COLOURS[3], lw=1.4, label=f"n = 10, {BESIDE:g} Hz")
-    over_time.plot(
-        time[last], LEVEL * np.sin(2.0 * np.pi * FREQUENCY * time[last]), color=GUIDE, lw=0.9, label="ground"
-    )
+    over_time.plot(time[last], LEVEL * np.sin(2.0 * np.pi * FREQUENCY * time[last]), color=GUIDE, lw=0.9, label="ground")
     over_time.set_xlim(END - 1.0, END)
     over_time.set_ylim(-13.0, 17.0)
     lines.set_yscale("log")

@@ -96,9 +96,7 @@ def stiff_enough(shock: str, case: Case) -> float:
     def surplus(frequency: float) -> float:
         return float(np.abs(np.array(peaks(framed(shock, frequency, case))) / reference - 1.0).max()) - WITHIN
 
-    return float(
-        brentq(surplus, FREQUENCIES[beyond[-1]], FREQUENCIES[beyond[-1] + 1], xtol=0.2)
-    )  # [Hz]: shown are whole ones
+    return float(brentq(surplus, FREQUENCIES[beyond[-1]], FREQUENCIES[beyond[-1] + 1], xtol=0.2))  # [Hz]: shown are whole ones
 
 
 @cache
@@ -189,9 +187,7 @@ def _histories(panel: Any) -> None:
     """Draw what table, frame and block do in the pulse, and the block on a rigid frame."""
     run, alone = framed("half-sine", SHOWN, CASES[1], 4000.0), rigid("half-sine")
     time = 1e3 * (run.time - 0.05)
-    panel.plot(
-        time, run.bodies["frame"].acceleration[:, 2] / G, color=COLOURS[1], lw=1.0, label=f"frame, {SHOWN:.0f} Hz, 2 %"
-    )
+    panel.plot(time, run.bodies["frame"].acceleration[:, 2] / G, color=COLOURS[1], lw=1.0, label=f"frame, {SHOWN:.0f} Hz, 2 %")
     panel.plot(time, run.base.acceleration[:, 2] / G, color=GUIDE, lw=1.4, label="table: what is measured")
     panel.plot(time, run.bodies["block"].acceleration[:, 2] / G, color=COLOURS[0], lw=1.8, label="mass")
     panel.plot(1e3 * (alone.time - 0.05), alone.bodies["block"].acceleration[:, 2] / G, color=INK, lw=1.0, ls="--",

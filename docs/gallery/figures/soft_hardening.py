@@ -149,8 +149,7 @@ def measure_overlap() -> dict[str, float]:
         "overlap_hardening": hardening_overlap(hardening),
         "overlap_saturating": hardening_overlap(saturating),
         "growth_ni": loading_gap(ni[0], ni[3], 1e-3) / loading_gap(ni[0], ni[3], 0.5e-3),
-        "growth_hardening": loading_gap(hardening[1], hardening[3], 1e-3)
-        / loading_gap(hardening[1], hardening[3], 0.5e-3),
+        "growth_hardening": loading_gap(hardening[1], hardening[3], 1e-3) / loading_gap(hardening[1], hardening[3], 0.5e-3),
     }
 
 
@@ -180,9 +179,7 @@ def _draw_overlap(n: Mapping[str, float]) -> Picture:
     picture, (left, right) = canvas(2, height=4.2)
     ni, hardening = overlap_loops()
     _draw_loading(left, ni)
-    inscribe(
-        left, f"Ni, asymmetric: overlap {n['overlap_ni']:.3f}", "deflection x [mm], tension positive", "force F [N]"
-    )
+    inscribe(left, f"Ni, asymmetric: overlap {n['overlap_ni']:.3f}", "deflection x [mm], tension positive", "force F [N]")
     _draw_loading(right, hardening)
     inscribe(right, f"Bouc-Wen, hardening: overlap {n['overlap_hardening']:.3f}", "deflection x [mm]", "force z [N]")
     return picture

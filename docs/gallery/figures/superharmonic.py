@@ -164,9 +164,7 @@ def _draw_responses(n: Mapping[str, float]) -> Picture:
     for panel, order, colour in zip(panels, (1, 2, 3), COLOURS, strict=False):
         frequency = n[f"frequency_{order}"]
         guess = found.orbit(int(np.argmin(np.abs(found.frequency - frequency)))).state
-        orbit = wr.periodic_orbit(
-            system, frequency=frequency, acceleration=LEVEL, direction="z", guess=guess, accuracy=1e-4
-        )
+        orbit = wr.periodic_orbit(system, frequency=frequency, acceleration=LEVEL, direction="z", guess=guess, accuracy=1e-4)
         time, acceleration = orbit.response.time, orbit.response.bodies["mass"].acceleration[:, 2]
         twice = np.concatenate([time, time[1:] + orbit.duration])
         panel.plot(1e3 * twice, np.concatenate([acceleration, acceleration[1:]]), color=colour, lw=1.6)

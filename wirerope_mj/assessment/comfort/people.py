@@ -97,9 +97,7 @@ def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float
     if kept < 2:
         text = f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s."
         raise ValueError(text)
-    horizontal, vertical = (
-        weighted(values[:, axes], rate, name) for axes, name in ((slice(2), "Wd"), (slice(2, 3), "Wk"))
-    )
+    horizontal, vertical = (weighted(values[:, axes], rate, name) for axes, name in ((slice(2), "Wd"), (slice(2, 3), "Wk")))
     felt = np.concatenate([horizontal, vertical], axis=1)[-kept:]
     sick = weighted(values[:, 2:], rate, "Wf")[-kept:]
     summed = np.cumsum(np.vstack([np.zeros(3), felt**2]), axis=0)

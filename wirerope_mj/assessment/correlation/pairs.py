@@ -162,9 +162,7 @@ def _summit(three: Array) -> float:
     return 0.5 * float((before - after) / bend) if bend else 0.0
 
 
-def pair_of(
-    response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float, clock: float = 1.0
-) -> Pair:
+def pair_of(response: Response, measured: Measured, channel: MeasuredChannel, *, delay: float, clock: float = 1.0) -> Pair:
     """Bring a channel and the model's history to the instants that both have, at the coarser of their rates.
 
     What is finer is filtered (0.8 of the coarser's Nyquist frequency passes), then evaluated on a cubic spline. Displacements,
@@ -206,9 +204,7 @@ def pair_of(
     return Pair(channel=channel, time=time, measured=own, model=said)
 
 
-def _at_one_rate(
-    response: Response, measured: Measured, channel: MeasuredChannel
-) -> tuple[Array, float, tuple[Array, float]]:
+def _at_one_rate(response: Response, measured: Measured, channel: MeasuredChannel) -> tuple[Array, float, tuple[Array, float]]:
     """Return the model's samples, the rate of both [Hz], and the channel's samples with the instant of the first [s]."""
     model = model_history(response, measured, channel)
     there, here = (response.time.size - 1) / float(response.time[-1] - response.time[0]), channel.rate

@@ -7,14 +7,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak
-from wirerope_mj.assessment.criteria.verdict import (
-    ACCELERATION,
-    Criterion,
-    Verdict,
-    limits_by_name,
-    one_each,
-    payload_bodies,
-)
+from wirerope_mj.assessment.criteria.verdict import ACCELERATION, Criterion, Verdict, limits_by_name, one_each, payload_bodies
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit

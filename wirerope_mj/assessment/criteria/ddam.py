@@ -86,6 +86,4 @@ def ddam_design_values(
         on_v *= 0.5
     acceleration, velocity = on_a * a * STANDARD_GRAVITY, on_v * v * _INCH
     design = max(min(acceleration, velocity * omega), LEAST)
-    return DesignValues(
-        weight=weight, reference_acceleration=acceleration, reference_velocity=velocity, acceleration=design
-    )
+    return DesignValues(weight=weight, reference_acceleration=acceleration, reference_velocity=velocity, acceleration=design)

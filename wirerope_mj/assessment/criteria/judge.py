@@ -61,9 +61,7 @@ def _clauses(verdicts: Sequence[Verdict], early: str, over: int, within: int) ->
     if early and within:
         yield f"{_several(within, 'check')} of the state at rest kept"
     elif over + within and left:
-        other = any(
-            row.note.startswith((TOO_EARLY, SAMPLED)) or GROWS in row.note for row in verdicts if not row.contact
-        )
+        other = any(row.note.startswith((TOO_EARLY, SAMPLED)) or GROWS in row.note for row in verdicts if not row.contact)
         plain = f"{_several(left, 'value')} {'has' if left == 1 else 'have'} no limit"
         yield f"{_several(left, 'value')} {'is' if left == 1 else 'are'} not judged" if other else plain
     grows = sum(row.note.startswith(GROWS) for row in verdicts)
@@ -95,9 +93,7 @@ class Verdicts(tuple[Verdict, ...]):
 
     def __repr__(self) -> str:
         judged = sorted((row for row in self if row.utilisation is not None), key=lambda row: -(row.utilisation or 0.0))
-        lines = [
-            f"  {row.criterion} of {row.subject}: {100.0 * (row.utilisation or 0.0):.0f} %" for row in judged[:_SHOWN]
-        ]
+        lines = [f"  {row.criterion} of {row.subject}: {100.0 * (row.utilisation or 0.0):.0f} %" for row in judged[:_SHOWN]]
         return "\n".join([f"{len(self)} verdicts. {headline(self)}", *lines])
 
 

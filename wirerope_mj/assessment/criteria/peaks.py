@@ -65,9 +65,7 @@ def body_peaks(response: Response) -> list[BodyPeak]:
     peaks += [("point", name, points[name].acceleration) for name in points]
     rows = []
     for kind, name, peak in peaks:
-        x, y, z = (
-            float(max(high, -low)) / STANDARD_GRAVITY for low, high in zip(peak.minimum, peak.maximum, strict=True)
-        )
+        x, y, z = (float(max(high, -low)) / STANDARD_GRAVITY for low, high in zip(peak.minimum, peak.maximum, strict=True))
         value = peak.value / STANDARD_GRAVITY
         rows.append(BodyPeak(name=name, kind=kind, value=value, time=peak.time, axes=(x, y, z)))
     return sorted(rows, key=lambda row: (row.kind != "base", -row.value))

@@ -10,15 +10,7 @@ import numpy.typing as npt
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
 from wirerope_mj.assessment.criteria.sampled import elements, read_columns, sampled_peak, sampled_text, steady_interval
-from wirerope_mj.assessment.criteria.verdict import (
-    LARGEST,
-    RMS,
-    SIGMA,
-    Criterion,
-    Verdict,
-    limits_by_name,
-    payload_bodies,
-)
+from wirerope_mj.assessment.criteria.verdict import LARGEST, RMS, SIGMA, Criterion, Verdict, limits_by_name, payload_bodies
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -140,9 +132,7 @@ def _if_enough(response: Response, verdicts: Sequence[Verdict]) -> tuple[Verdict
     if sample_rate(response.time) >= 2.0 * highest:
         return tuple(verdicts)
     note = f"{sampled_text(response.time)}, and the vibration reaches up to {highest:.4g} Hz"
-    return tuple(
-        replace(row, limit=None, note="; ".join(part for part in (note, row.note) if part)) for row in verdicts
-    )
+    return tuple(replace(row, limit=None, note="; ".join(part for part in (note, row.note) if part)) for row in verdicts)
 
 
 def _settled(time: Array, acceleration: Array, first: float, last: float) -> float:

@@ -7,14 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.between_samples import peak_between
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
-from wirerope_mj.assessment.criteria.verdict import (
-    RATTLE_SPACE,
-    Criterion,
-    Verdict,
-    limits_by_name,
-    one_each,
-    payload_bodies,
-)
+from wirerope_mj.assessment.criteria.verdict import RATTLE_SPACE, Criterion, Verdict, limits_by_name, one_each, payload_bodies
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
@@ -73,9 +66,7 @@ Side = tuple[float, float, float]
 
 def _sampled_sides(time: Array, moved: Array, rate: Array) -> list[Side]:
     """Return how far something that moves at a rate went along -x, +x, -y, +y, -z, +z."""
-    return [
-        peak_between(time, sign * moved[:, axis], sign * rate[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)
-    ]
+    return [peak_between(time, sign * moved[:, axis], sign * rate[:, axis]) for axis in range(3) for sign in (-1.0, 1.0)]
 
 
 def body_corners(body: SceneBody) -> Array:
@@ -113,9 +104,7 @@ def _judge_corners(response: Response, body: SceneBody, corners: Array, limit: P
         if reached > farthest:
             farthest, corner = reached, position
     if limit is not None:
-        motions = zip(
-            corner_displacements(response, body, corners), _corner_rates(response, body, corners), strict=True
-        )
+        motions = zip(corner_displacements(response, body, corners), _corner_rates(response, body, corners), strict=True)
         every = [_sampled_sides(time, moved, rate) for moved, rate in motions]
     sides = [_farthest(side) for side in zip(*every, strict=True)]
     offset = ", ".join(f"{1e3 * x:.4g}" for x in corner)
@@ -141,22 +130,14 @@ def _judge(
     if limit is None:
         note = "; ".join(part for part in (note, UNLIMITED) if part)
         return [
-            Verdict(
-                criterion=Criterion(RATTLE_SPACE), subject=name, value=value, limit=None, unit="m", time=when, note=note
-            )
+            Verdict(criterion=Criterion(RATTLE_SPACE), subject=name, value=value, limit=None, unit="m", time=when, note=note)
         ]
     allowed = limit.values if len(limit.values) == 6 else tuple(v for v in limit.values for _ in range(2))
     verdicts = []
     for side, room in enumerate(allowed):
         reached, then, above = sides[side]
         unknown = above > MISSED * room and reached <= room
-        why = (
-            f"{sampled}, too few to know it within {100.0 * MISSED:g} %"
-            if unknown and room
-            else ""
-            if room
-            else UNLIMITED
-        )
+        why = f"{sampled}, too few to know it within {100.0 * MISSED:g} %" if unknown and room else "" if room else UNLIMITED
         verdicts.append(Verdict(
             criterion=Criterion(RATTLE_SPACE, axis="xyz"[side // 2], sense="-+"[side % 2]), subject=name,
             value=max(reached, 0.0), limit=None if unknown else room or None, unit="m", time=then,

@@ -45,9 +45,7 @@ def samples_hold(response: Response) -> str:
             missed = 1.0 - reached / peak.acceleration.value if peak.acceleration.value > AT_REST else 0.0
             worst, of_what = max((worst, of_what), (missed, name))
     text = f"{rate:.4g} samples a second tell nothing above {0.5 * rate:.4g} Hz, and shapes up to a tenth of their rate"
-    return text + (
-        f"; they miss {100.0 * worst:.2g} % of the peak acceleration of {of_what}" if worst > _MISSED else ""
-    )
+    return text + (f"; they miss {100.0 * worst:.2g} % of the peak acceleration of {of_what}" if worst > _MISSED else "")
 
 
 AT_REST = 1e-3 * STANDARD_GRAVITY  # Acceleration below which something rests [m/s^2]

@@ -45,6 +45,4 @@ def falling_line(isolators: Mapping[str, Isolator], response: Response) -> str:
                 found.append(f"{name} {axis}: {text}")
     more = len(found) - _NAMED
     listed = "; ".join(found[:_NAMED]) + (f"; and {more} more" if more > 0 else "")
-    return (
-        listed and f"Mounts went where their force falls as the deflection grows, and pushes the load away: {listed}."
-    )
+    return listed and f"Mounts went where their force falls as the deflection grows, and pushes the load away: {listed}."

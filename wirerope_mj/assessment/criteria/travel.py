@@ -118,9 +118,7 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     one_way = next((rating for rating in missing if RATINGS[rating][1]), None)
     if one_way and value <= 1.0 and travel.judged is not None:
         length = _length(response.time, travel_in(one_way, deflection) > 0.0)
-        notes.append(
-            f"up to {1e3 * reached[one_way]:.3g} mm of {one_way} count nothing{f', {length}' if length else ''}"
-        )
+        notes.append(f"up to {1e3 * reached[one_way]:.3g} mm of {one_way} count nothing{f', {length}' if length else ''}")
     if missing:
         notes.append(f"no travel in {', '.join(missing)} is rated")
     if followed is None and (missed := _missed(response.time, mount, deflection, reached)):

@@ -55,9 +55,7 @@ def equivalent_vibration(response: Response, text: str, *, exponent: float) -> E
         q, duration = phrase.named.get("q", 10.0), phrase.one("time")
         history = known[subject] @ unit_vector(phrase.directions[0])
         # The outermost levels stand for what lies beyond them: they are found, and left out.
-        highest = max(
-            high, min(_BEYOND * high, (response.time.size - 1) / SAMPLES_PER_PERIOD / float(response.time[-1]))
-        )
+        highest = max(high, min(_BEYOND * high, (response.time.size - 1) / SAMPLES_PER_PERIOD / float(response.time[-1])))
         spectrum = fatigue_damage_spectrum(
             response.time, history, exponent=exponent, q=q,
             frequencies=octave_grid(low / _BEYOND, highest, per_octave=_PER_OCTAVE),

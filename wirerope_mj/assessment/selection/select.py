@@ -142,9 +142,7 @@ def select_isolators(
         worksheet=worksheet,
         candidates=tuple(sorted(candidates, key=lambda one: (len(one.unrated) > 0, _rank(one, worksheet)))),
         rejected=tuple(
-            sorted(
-                rejected, key=lambda one: (not one.undecided, -one.margin if math.isfinite(one.margin) else math.inf)
-            )
+            sorted(rejected, key=lambda one: (not one.undecided, -one.margin if math.isfinite(one.margin) else math.inf))
         ),
     )
 

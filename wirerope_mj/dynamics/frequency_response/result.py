@@ -81,9 +81,7 @@ class ResponseOptions:
         start, stop, range_from = _range(system, self.start, self.stop)
         periods = integer("periods", self.periods, least=1)
         if self.method == "sweep" and (self.smoothing is not None or periods != 1):
-            raise ValueError(
-                "`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out."
-            )
+            raise ValueError("`smoothing` and `periods` belong to the continuation: a sweep has neither. Leave them out.")
         largest, smallest = positive("largest_step", self.largest_step), positive("smallest_step", self.smallest_step)
         check_steps(smallest, largest)
         return ResponseOptions(
@@ -113,9 +111,7 @@ def _range(system: System, start: float | None, stop: float | None) -> tuple[flo
     source, natural = "given", natural_frequencies(system)
     if start is None or stop is None:
         if not natural:
-            raise ModelError(
-                "the system has no natural frequency that a range could be taken from; give `start` and `stop`."
-            )
+            raise ModelError("the system has no natural frequency that a range could be taken from; give `start` and `stop`.")
         several = f" to {natural[-1]:.3g}" if len(natural) > 1 else ""
         source = f"from the system's natural frequencies of {natural[0]:.3g}{several} Hz on its unloaded mounts"
         start = float(f"{natural[0] / BELOW:.2g}") if start is None else start

@@ -70,9 +70,7 @@ def _level(
     if options.method != "continuation":
         report(f"{acceleration:.4g} m/s^2: sweeping up and down")
         for first, last in ((start, stop), (stop, start)):  # down from the final state of the one up
-            sweep = Sweep(
-                start=first, stop=last, rate=options.rate, acceleration=acceleration, direction=options.direction
-            )
+            sweep = Sweep(start=first, stop=last, rate=options.rate, acceleration=acceleration, direction=options.direction)
             swept = frequency_sweep(
                 system, sweep, payload=payload, response_direction=along, initial=initial, progress=progress
             )

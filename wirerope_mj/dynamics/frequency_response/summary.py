@@ -121,9 +121,7 @@ def compare(sweep: FrequencySweep, branch: Branch | None, curve: BranchCurve | N
     if known.size:
         most, at, median = float(difference[largest]), float(f[largest]), float(np.median(difference[known]))
     jumps = () if branch is None else _jumps(sweep, branch)
-    return SweepComparison(
-        largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=jumps
-    )
+    return SweepComparison(largest=most, at=at, median=median, peak_frequency=float(f[top]), peak=float(a[top]), jumps=jumps)
 
 
 def _differences(f: Array, a: Array, branch: Branch, curve: BranchCurve) -> Array:
@@ -247,6 +245,4 @@ def order_statements(bands: Sequence[OrderBand], findings: Sequence[LevelSummary
             if band.low <= peak.frequency <= band.high and not peak.at_edge
         ]
         span = f"{band.low:.4g} Hz" if band.low == band.high else f"{band.low:.4g} to {band.high:.4g} Hz"
-        yield f"{band.label.capitalize()}, {span}: " + (
-            f"resonance at {', '.join(there)}." if there else "no resonance."
-        )
+        yield f"{band.label.capitalize()}, {span}: " + (f"resonance at {', '.join(there)}." if there else "no resonance.")

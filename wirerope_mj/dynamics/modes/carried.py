@@ -114,6 +114,4 @@ def reached_in(modes: Modes, mount: str) -> tuple[Array, Array]:
 def travel_utilisation(system: System, modes: Modes, mount: str) -> float:
     """Return the largest utilisation of a rated travel of a mount in any of the modes, sag included [-]; 0 if none is rated."""
     reached = travel.travel_reached(*reached_in(modes, mount))
-    return max(
-        travel.travel_utilisation(reached, system.mounts[mount].isolator.limits.travel.stated).values(), default=0.0
-    )
+    return max(travel.travel_utilisation(reached, system.mounts[mount].isolator.limits.travel.stated).values(), default=0.0)

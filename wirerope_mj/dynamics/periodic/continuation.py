@@ -14,15 +14,7 @@ from wirerope_mj.dynamics.arclength import corrected, crossing, unit_tangent
 from wirerope_mj.dynamics.periodic.branch import Kind, Parameter
 from wirerope_mj.dynamics.periodic.find import OrbitSearch
 from wirerope_mj.dynamics.periodic.motion import Drive, ranges, scales
-from wirerope_mj.dynamics.periodic.shooting import (
-    DIFFERENCE,
-    MARGIN,
-    FloquetStability,
-    Shot,
-    monodromy,
-    shot,
-    stability,
-)
+from wirerope_mj.dynamics.periodic.shooting import DIFFERENCE, MARGIN, FloquetStability, Shot, monodromy, shot, stability
 from wirerope_mj.foundation.arrays import Array
 
 CHANGE = 0.25  # change of the motion relative to its ranges that counts as one unit of arclength
@@ -76,9 +68,7 @@ class Continuation:
         drive = self.search.drive(frequency, acceleration, self.periods)
         return drive if steps is None else replace(drive, steps=steps)
 
-    def point(
-        self, motion: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0
-    ) -> Point:
+    def point(self, motion: Shot, value: float, *, before: Array | None, corrections: int = 0, sign: float = 1.0) -> Point:
         """Make the point of a motion that repeats itself, its tangent turned like the one `before` or to `sign`."""
         matrix, n = self._matrix(motion, value), motion.x.size
         return Point(
@@ -126,9 +116,7 @@ class Continuation:
         length = wanted / tangent[n] if abs(tangent[n]) > 1e-12 else 0.0
         return self._correct(last, np.append((length * tangent)[:n], wanted), np.append(np.zeros(n), 1.0), wanted)
 
-    def _correct(
-        self, last: Point, move: Array, row: Array, wanted: float, tolerance: float | None = None
-    ) -> Point | None:
+    def _correct(self, last: Point, move: Array, row: Array, wanted: float, tolerance: float | None = None) -> Point | None:
         """Correct a scaled `move` from the last point, under the constraint row . move = wanted."""
         steps = self.drive(last.parameter * math.exp(self.unit * move[-1])).steps
 

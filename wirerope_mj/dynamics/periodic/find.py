@@ -9,15 +9,7 @@ from wirerope_mj.dynamics.periodic.flow import Flow, KernelFlow, flow_of
 from wirerope_mj.dynamics.periodic.laws import ScaledStates, smoothed
 from wirerope_mj.dynamics.periodic.motion import Coordinates, Drive, deflection_rates, ranges, travel_exceeded
 from wirerope_mj.dynamics.periodic.orbit import PeriodicOrbit
-from wirerope_mj.dynamics.periodic.shooting import (
-    ACCEPTED,
-    Shot,
-    close,
-    monodromy,
-    shot,
-    stability,
-    wide_monodromy,
-)
+from wirerope_mj.dynamics.periodic.shooting import ACCEPTED, Shot, close, monodromy, shot, stability, wide_monodromy
 from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.simulation.stability import eigenvalues, stable_step, yield_rates

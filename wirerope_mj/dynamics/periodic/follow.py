@@ -77,9 +77,7 @@ def periodic_orbit(
     )
     search.require_budget(sine.frequency, periods, 1.0)
     with search.flow.ready():
-        return search.find(
-            sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance)
-        )
+        return search.find(sine.frequency, sine.amplitude, periods, guess=guess, tolerance=positive("tolerance", tolerance))
 
 
 def follow_branch(
@@ -147,15 +145,10 @@ def follow_branch(
         smallest_step=smallest_step, tolerance=tolerance, accuracy=accuracy,
         smoothing=smoothing,
     )  # fmt: skip
-    search = OrbitSearch(
-        system, direction=options.direction, history=history, accuracy=options.accuracy, smoothing=smoothing
-    )
+    search = OrbitSearch(system, direction=options.direction, history=history, accuracy=options.accuracy, smoothing=smoothing)
     apart = abs(math.log(options.stop / options.start)) / options.largest_step
     search.require_budget(
         frequency or max(options.start, options.stop), options.periods, min(max(apart, 1.0), options.most_points)
     )
-    with (
-        search.flow.ready(),
-        share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update,
-    ):
+    with search.flow.ready(), share_bar("following", "Hz" if frequency is None else "m/s^2", enabled=progress) as update:
         return GrowingBranch(search, options, None if out is None else Path(out)).go(guess, update)

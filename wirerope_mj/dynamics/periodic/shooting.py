@@ -173,9 +173,7 @@ def _repeats(flow: Flow, at: Shot, vectors: ComplexArray) -> list[bool]:
     """Return for every direction (columns) whether the motion shifted along it repeats itself."""
     if not vectors.shape[1]:
         return []
-    directions = np.real(
-        vectors * np.exp(-1j * np.angle(vectors[np.abs(vectors).argmax(axis=0), range(vectors.shape[1])]))
-    )
+    directions = np.real(vectors * np.exp(-1j * np.angle(vectors[np.abs(vectors).argmax(axis=0), range(vectors.shape[1])])))
     directions = directions / np.abs(directions).max(axis=0)
     starts = at.x + SHIFT * at.scale * directions.T
     ends = flow.ends(starts, at.track.drive)

@@ -92,14 +92,10 @@ def branch_options(
 ) -> BranchOptions:  # fmt: skip
     """Return the options of `follow_branch`; an argument that is out of range is a ValueError."""
     if (acceleration is None) == (frequency is None):
-        raise ValueError(
-            "give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration)."
-        )
+        raise ValueError("give either `acceleration` (to follow the frequency) or `frequency` (to follow the acceleration).")
     values = {name: positive(name, value) for name, value in numbers.items()}
     if values["start"] == values["stop"]:
-        raise ValueError(
-            f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead."
-        )
+        raise ValueError(f"`stop` must differ from `start`, got {values['start']!r} for both; use periodic_orbit instead.")
     check_steps(values["smallest_step"], values["largest_step"])
     one_of("payload", payload, observed_bodies(system))
     moved = checked_direction(direction)
@@ -118,9 +114,7 @@ def branch_options(
 def check_steps(smallest: float, largest: float) -> None:
     """Raise ValueError unless the steps along a branch go together."""
     if not smallest < largest < 1.0:
-        raise ValueError(
-            f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest!r} and {largest!r}."
-        )
+        raise ValueError(f"`smallest_step` must be below `largest_step`, and that below 1, got {smallest!r} and {largest!r}.")
 
 
 def require_motion(amplitude: float, acceleration: float, payload: str, along: Direction) -> None:
@@ -179,9 +173,7 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
     table = read_table(path, kind=_KIND, remedy=_REMEDY)
     for key, value in content.items():
         if key in stored and stored[key] != value and key not in PROGRESS:
-            raise RecordError(
-                f"{path} holds another branch: its {key} is {stored[key]!r}, not {value!r}. Give another folder."
-            )
+            raise RecordError(f"{path} holds another branch: its {key} is {stored[key]!r}, not {value!r}. Give another folder.")
     rows = [
         Row(
             **{name: record[name] for name in COLUMNS},
@@ -190,7 +182,5 @@ def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bi
         )
         for record in table.to_pylist()
     ]
-    events = [
-        Bifurcation(**{**event, "multiplier": complex(*event["multiplier"])}) for event in stored.pop("bifurcations")
-    ]
+    events = [Bifurcation(**{**event, "multiplier": complex(*event["multiplier"])}) for event in stored.pop("bifurcations")]
     return rows, events, stored

@@ -213,10 +213,7 @@ def harmonic_balance(
     balance = Balance(law, mass, gravity, checked_harmonics(harmonics, samples), samples)
     omega = 2.0 * np.pi * frequency
     if guess is None:
-        starts, tried = (
-            _estimates(balance, omega, acceleration),
-            "equivalent linearisation and from small accelerations",
-        )
+        starts, tried = (_estimates(balance, omega, acceleration), "equivalent linearisation and from small accelerations")
     else:
         starts, tried = [balance.from_coefficients(np.asarray(guess, dtype=np.complex128))], "the `guess`"
     best = np.inf

@@ -138,9 +138,7 @@ def follow_harmonic_balance(
         points.append(point)
         if is_fold:
             folds.append(len(points) - 1)
-    orbits = [
-        orbit_of(balance, Solution(point[:-1], 0.0, 0), float(np.exp(point[-1])), acceleration) for point in points
-    ]
+    orbits = [orbit_of(balance, Solution(point[:-1], 0.0, 0), float(np.exp(point[-1])), acceleration) for point in points]
     columns = ("frequency", "amplitude", "smallest_deflection", "largest_deflection", "coefficients")
     return HarmonicBranch(
         law=law, mass=mass, acceleration=acceleration, gravity=gravity, samples=samples,

@@ -75,9 +75,7 @@ def equivalent_linear(
         require_oscillator(law, mass=mass, frequency=frequency, acceleration=acceleration, gravity=gravity)
         for column, o in enumerate(_solutions(law, oscillator, mass, frequency, acceleration)[:3]):
             table[:, row, column] = o.amplitude, o.largest_force / mass, o.stiffness, o.damping_ratio
-    return EquivalentLinear(
-        frequency=f, deflection=table[0], amplitude=table[1], stiffness=table[2], damping_ratio=table[3]
-    )
+    return EquivalentLinear(frequency=f, deflection=table[0], amplitude=table[1], stiffness=table[2], damping_ratio=table[3])
 
 
 def linearised_orbits(

@@ -142,9 +142,7 @@ class Steady:
     settled: bool
 
 
-def settle(
-    system: System, motion: Sine, start: State, *, timestep: float, settled: float, largest_cycles: int
-) -> Steady:
+def settle(system: System, motion: Sine, start: State, *, timestep: float, settled: float, largest_cycles: int) -> Steady:
     """Shake a system by a sine until the amplitudes of all bodies are within `settled` of their limits, or `largest_cycles`."""
     bodies = Channels.of(system).bodies
     chunks: list[Extremes] = []

@@ -165,9 +165,7 @@ class FrequencySweep(Summarised):
         accelerations = {name: next(vectors) for name in content["bodies"]}
         return cls(
             **first | {"settled": first["settled"] != 0.0},
-            envelopes={
-                name: BodyEnvelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()
-            },
+            envelopes={name: BodyEnvelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()},
             mounts={name: MountEnvelope(minimum=next(vectors), maximum=next(vectors)) for name in content["mounts"]},
             **{name: content[name] for name in _PLAIN},
             initial_state=State.from_plain(content["initial_state"]),
@@ -228,9 +226,7 @@ class Collector:
         """Take a number of steps, and the largest of them [s]."""
         self._steps, self._largest_step = self._steps + steps, max(self._largest_step, largest_step)
 
-    def add(
-        self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool
-    ) -> None:
+    def add(self, frequency: Array, minimum: Array, maximum: Array, *, cycles: int, remaining: float, settled: bool) -> None:
         """Take extremes of all channels, (n, n_channels, 3), at frequencies [Hz], (n,), and what they have in common."""
         on = self._channels
         self._watch.add(frequency, minimum[:, on.mounts], maximum[:, on.mounts])

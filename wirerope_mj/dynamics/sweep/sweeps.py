@@ -45,9 +45,7 @@ def require_payload(system: System, payload: str) -> None:
     if payload not in names:
         others = [name for name in names if name not in system.payloads]
         more = f" Other bodies that move: {others}." if others else ""
-        raise ValueError(
-            f"`payload` must be a payload of the system, got {payload!r}. Payloads: {system.payloads}.{more}"
-        )
+        raise ValueError(f"`payload` must be a payload of the system, got {payload!r}. Payloads: {system.payloads}.{more}")
 
 
 def response_axis(response_direction: str | Sequence[float] | None, base: Direction) -> str:
@@ -280,10 +278,7 @@ def stepped_sine(
     tolerance, most = positive("settled", settled), integer("largest_cycles", largest_cycles, least=1)
     start = starting_state(system, history=history, initial=initial)
     pilot = _pilot(sines, quantity, level, base)
-    with (
-        Collector(system, direction=base, out=out) as collector,
-        share_bar("stepping", "Hz", enabled=progress) as update,
-    ):
+    with Collector(system, direction=base, out=out) as collector, share_bar("stepping", "Hz", enabled=progress) as update:
         step = chosen_step(system, pilot, start, duration=PILOT, timestep=timestep, accuracy=accuracy)
         steps = sum(max(STEPS_PER_CYCLE, 1.0 / (sine.frequency * step.timestep)) for sine in sines)
         remedy = "Take fewer `frequencies`, or a larger `timestep`."

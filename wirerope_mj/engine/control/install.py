@@ -15,14 +15,7 @@ import numpy as np
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact, track_stops
-from wirerope_mj.engine.control.mounts import (
-    apply_loads,
-    apply_mounts,
-    clear_loads,
-    copy_rates,
-    drive_base,
-    remove_overshoot,
-)
+from wirerope_mj.engine.control.mounts import apply_loads, apply_mounts, clear_loads, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.engine.control.native import ACCELERATION_STAGE, DATA_FIELDS, Callbacks, disagreement, native_callbacks
 from wirerope_mj.engine.control.observer import observe
 from wirerope_mj.foundation.arguments import one_of
@@ -64,9 +57,7 @@ def python_callbacks() -> Callbacks:
         v = views(model, data)
         if not v.is_system:
             return
-        drive_base(
-            v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_qfrc_applied, v.d_qfrc_bias, v.d_qfrc_passive
-        )
+        drive_base(v.numeric, v.layout, v.d_userdata, v.userdata, data.time, v.d_qfrc_applied, v.d_qfrc_bias, v.d_qfrc_passive)
         clear_loads(v.numeric, v.layout, v.d_xfrc_applied)
         apply_mounts(
             v.numeric, v.layout, v.numeric, v.parameters, v.d_userdata, v.userdata, v.d_act, v.states,

@@ -67,11 +67,7 @@ def righting_torque(lay, m, site_xquat):
 def righting(e0, e1, e2, e3, roll, shear, axial):
     """Return the torque [N m] of rotational stiffnesses that are turned by a unit quaternion."""
     k1, k2, k3 = roll * e1, shear * e2, axial * e3
-    return (
-        -2.0 * (e0 * k1 + e2 * k3 - e3 * k2),
-        -2.0 * (e0 * k2 + e3 * k1 - e1 * k3),
-        -2.0 * (e0 * k3 + e1 * k2 - e2 * k1),
-    )
+    return (-2.0 * (e0 * k1 + e2 * k3 - e3 * k2), -2.0 * (e0 * k2 + e3 * k1 - e1 * k3), -2.0 * (e0 * k3 + e1 * k2 - e2 * k1))
 
 
 @inlined

@@ -13,14 +13,7 @@ from numba.extending import intrinsic
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.contacts import absorbed_power, begin_contacts, normal_force, track_contact, track_stops
-from wirerope_mj.engine.control.mounts import (
-    apply_loads,
-    apply_mounts,
-    clear_loads,
-    copy_rates,
-    drive_base,
-    remove_overshoot,
-)
+from wirerope_mj.engine.control.mounts import apply_loads, apply_mounts, clear_loads, copy_rates, drive_base, remove_overshoot
 from wirerope_mj.engine.control.observer import observe
 from wirerope_mj.foundation.jit import address, inlined, njit
 

@@ -43,26 +43,19 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
             )
         matrix = np.asarray(found[names[0]])
         if np.iscomplexobj(matrix) or matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
-            raise RecordError(
-                f"{where}: {names[0].upper()} must be real and square, got {matrix.shape} of {matrix.dtype}."
-            )
+            raise RecordError(f"{where}: {names[0].upper()} must be real and square, got {matrix.shape} of {matrix.dtype}.")
         size = float(np.abs(matrix).max(initial=0.0))
         if not np.isfinite(size) or size == 0.0:
             raise RecordError(f"{where}: {names[0].upper()} holds no finite numbers but 0, or others.")
         if float(np.abs(matrix - matrix.T).max()) > _ROUND * size:
-            raise RecordError(
-                f"{where}: {names[0].upper()} is not symmetric; write the whole matrix, not one triangle."
-            )
+            raise RecordError(f"{where}: {names[0].upper()} is not symmetric; write the whole matrix, not one triangle.")
         pair.append(0.5 * (matrix + matrix.T))
     stiffness, mass = pair
     if stiffness.shape != mass.shape:
         raise RecordError(f"{where}: K has {len(stiffness)} rows and M {len(mass)}; both are of one reduction.")
     for width in (6, 3):
         n = width * n_points
-        if (
-            n <= len(stiffness)
-            and np.abs(stiffness[:n, n:]).max(initial=0.0) <= _ROUND * np.abs(stiffness[:n, :n]).max()
-        ):
+        if n <= len(stiffness) and np.abs(stiffness[:n, n:]).max(initial=0.0) <= _ROUND * np.abs(stiffness[:n, :n]).max():
             break
     else:
         raise RecordError(
@@ -80,9 +73,7 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
     return Reduced(stiffness=stiffness, mass=mass, width=width)
 
 
-def part_of_matrices(
-    paths: Sequence[Path], points: Path, units: Units, *, damping: float
-) -> tuple[FlexiblePart, Array]:
+def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, damping: float) -> tuple[FlexiblePart, Array]:
     """Build a part from Craig-Bampton matrices, and what of its mass can move against the held points along x, y, z [kg].
 
     Points whose column "held" says yes are fixed to the base; the modes are those of the rest, K phi = omega^2 M phi, and

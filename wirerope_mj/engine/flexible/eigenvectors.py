@@ -109,9 +109,7 @@ def _universal(path: Path) -> Eigenvectors:
     except OSError as error:
         raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None
     except Exception:  # the reader knows no other class, and does not say what it met
-        raise RecordError(
-            f"{path}: this universal file cannot be read, it has a damaged dataset. Write it again."
-        ) from None
+        raise RecordError(f"{path}: this universal file cannot be read, it has a damaged dataset. Write it again.") from None
     data = [one for one in sets if one["type"] == 55]
     if any(int(one["analysis_type"]) in _COMPLEX or np.iscomplexobj(one["r1"]) for one in data):
         raise RecordError(
@@ -128,15 +126,11 @@ def _universal(path: Path) -> Eigenvectors:
     nodes = [int(node) for node in data[0]["node_nums"]]
     for number, one in zip(numbers, data, strict=True):
         if int(one["spec_data_type"]) != _DISPLACEMENT:
-            raise RecordError(
-                f"{path}: mode {number} is no displacement (data type 8) but type {one['spec_data_type']}."
-            )
+            raise RecordError(f"{path}: mode {number} is no displacement (data type 8) but type {one['spec_data_type']}.")
         if numbers.count(number) > 1:
             raise RecordError(f"{path}: mode {number} stands there twice.")
         if list(map(int, one["node_nums"])) != nodes:
-            raise RecordError(
-                f"{path}: mode {number} is at other nodes than mode {numbers[0]}; write all at the same ones."
-            )
+            raise RecordError(f"{path}: mode {number} is at other nodes than mode {numbers[0]}; write all at the same ones.")
     values = np.array([[one["r1"], one["r2"], one["r3"]] for one in data])  # (m, 3, n)
     places = {
         int(node): np.array([one[axis][n] for axis in "xyz"])
@@ -183,9 +177,7 @@ def _punched(path: Path) -> Eigenvectors:
     nodes = set(shapes[0])
     other = next((n for n, shape in enumerate(shapes, 1) if set(shape) != nodes or not shape), 0)
     if other:
-        raise RecordError(
-            f"{path}: mode {other} is at other grid points than the first, or at none: is the file whole?"
-        )
+        raise RecordError(f"{path}: mode {other} is at other grid points than the first, or at none: is the file whole?")
     squares = np.array(eigenvalues)
     if not np.isfinite(squares).all() or not np.isfinite([*map(list, map(dict.values, shapes))]).all():
         raise RecordError(f"{path}: its modes hold numbers that are not finite. Punch them again.")

@@ -68,9 +68,7 @@ class FlexiblePart:
         """Return the part without its modes above a frequency [Hz]; ValueError if none is left."""
         kept = self.frequencies <= frequency
         if not kept.any():
-            raise ValueError(
-                f"the modes begin at {self.frequencies.min():.4g} Hz, and none is below {frequency:.4g} Hz."
-            )
+            raise ValueError(f"the modes begin at {self.frequencies.min():.4g} Hz, and none is below {frequency:.4g} Hz.")
         return replace(
             self, frequencies=self.frequencies[kept], damping=self.damping[kept], participation=self.participation[kept],
             shapes={name: shape[kept] for name, shape in self.shapes.items()},
@@ -88,9 +86,7 @@ class FlexiblePart:
         return name
 
 
-def add_part(
-    root: ET.Element, part: FlexiblePart, *, name: str, body: str, sites: Mapping[str, str], gravity: Array
-) -> None:
+def add_part(root: ET.Element, part: FlexiblePart, *, name: str, body: str, sites: Mapping[str, str], gravity: Array) -> None:
     """Add a flexible part to a model, in place: its modes as bodies of 1 kg on slides, its shapes as numbers.
 
     The shapes are in the axes of the `body` that bends, `sites` names the part's point for each site on it, and the slides are

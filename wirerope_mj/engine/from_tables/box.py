@@ -46,13 +46,10 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
     level = 0.5 * height if size is not None else centre[2]
     places = [(np.array([x, y, level]), np.array([0.0, 0.0, 1.0])) for x, y in _rows(below, *half[:2])]
     top = centre[2] + half[2]
-    places += [
-        (np.array([x, 0.5 * box[1] + 0.5 * height, top]), np.array([0.0, -1.0, 0.0])) for x in _row(behind, half[0])
-    ]
+    places += [(np.array([x, 0.5 * box[1] + 0.5 * height, top]), np.array([0.0, -1.0, 0.0])) for x in _row(behind, half[0])]
     names = [f"below_{n + 1}" for n in range(below)] + [f"behind_{n + 1}" for n in range(behind)]
     placed = [
-        Placed(name, place, axes_along(axial), part.name, mounts)
-        for name, (place, axial) in zip(names, places, strict=True)
+        Placed(name, place, axes_along(axial), part.name, mounts) for name, (place, axial) in zip(names, places, strict=True)
     ]
     signs = [np.array([x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     inertia = np.diag(mass / 12.0 * (box @ box - box**2))

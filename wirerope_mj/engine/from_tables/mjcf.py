@@ -43,9 +43,7 @@ def mjcf_of(layout: Layout, name: str | None = None) -> str:
 
 def _add_appearance(root: ET.Element, layout: Layout) -> None:
     low, high = _extent(layout)
-    ET.SubElement(
-        root, "statistic", center=_numbers(0.5 * (low + high)), extent=_numbers([float(np.linalg.norm(high - low))])
-    )
+    ET.SubElement(root, "statistic", center=_numbers(0.5 * (low + high)), extent=_numbers([float(np.linalg.norm(high - low))]))
     visual = ET.SubElement(root, "visual")
     ET.SubElement(visual, "headlight", ambient="0.4 0.4 0.4", diffuse="0.5 0.5 0.5")
     default = ET.SubElement(root, "default")

@@ -147,9 +147,7 @@ def _sprung(row: Row, name: str) -> Sprung | None:
 def _box(row: Row, name: str, mass: float, moments: Sequence[str]) -> Array:
     """Return the tensor of inertia of a box that is filled evenly [kg m^2]."""
     if moments:
-        raise row.error(
-            f'columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.'
-        )
+        raise row.error(f'columns "{moments[0]}" and "size_x" of "{short(name)}" both say the inertia; leave one empty.')
     sizes = np.array([row.number(column) for column in _SIZES])
     for column, size in zip(_SIZES, sizes, strict=True):
         if size < 0.0:
@@ -244,9 +242,7 @@ def _read_envelope(tables: Mapping[str, Path]) -> tuple[Box, ...]:
 def _site_name(row: Row) -> str:
     name = row.text("name")
     if "/" in name or any(character.isspace() for character in name):
-        raise row.error(
-            f'column "name": "{short(name)}" holds a space or "/", which names in a model cannot. Write "_".'
-        )
+        raise row.error(f'column "name": "{short(name)}" holds a space or "/", which names in a model cannot. Write "_".')
     return name
 
 

@@ -137,8 +137,7 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
     """Return header and rows of a sheet of an XLSX file, as texts; empty rows and those that begin with # are skipped."""
     filled = xlsx_rows(path, kind.split()[-1])
     header = first_header(
-        header_of_cells(path, number, cells[: 1 + max(n for n, cell in enumerate(cells) if cell)])
-        for number, cells in filled
+        header_of_cells(path, number, cells[: 1 + max(n for n, cell in enumerate(cells) if cell)]) for number, cells in filled
     )
     if header is None:
         raise RecordError(f"{path}: the sheet is empty. A {kind} has a header such as {example}.")
@@ -149,9 +148,7 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
             if number <= header.line:
                 continue
             location = f"{path}, row {number}"
-            row = (
-                cells[: len(names)] + [""] * (len(names) - len(cells)) + [cell for cell in cells[len(names) :] if cell]
-            )
+            row = cells[: len(names)] + [""] * (len(names) - len(cells)) + [cell for cell in cells[len(names) :] if cell]
             require_cells(header, location, row)
             yield location, row
 
@@ -172,10 +169,7 @@ def read_cad_text(path: Path, *, sign: float) -> MassProperties:
         raise RecordError(f"{path}: the mass properties cannot be read: {why_unread(error)}") from None
     mass, unit = _found(path, text, rf"^\s*Mass\s*=\s*{_NUMBER}\s*(\w+)", "the mass")
     centre = _block(path, text, r"Center of mass\s*:?\s*\(\s*(\w+)\s*\)", "the centre of mass")
-    place = [
-        float(_found(path, centre[1], rf"\b{axis}\s*=\s*{_NUMBER}", f"{axis} of the centre of mass")[0])
-        for axis in "XYZ"
-    ]
+    place = [float(_found(path, centre[1], rf"\b{axis}\s*=\s*{_NUMBER}", f"{axis} of the centre of mass")[0]) for axis in "XYZ"]
     inertia = _block(
         path, text, r"Moments of inertia\s*:?\s*\(\s*(\w+\s*\*\s*square\s+\w+)\s*\)\s*Taken at the center of mass",
         "the moments of inertia taken at the center of mass",

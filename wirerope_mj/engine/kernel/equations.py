@@ -314,9 +314,7 @@ def _frames(system: System, bodies: Bodies, places: dict[int, int], fix: Writer,
     for number, body in enumerate(assembly.subjects.bodies):
         pose = bodies.pose[body]
         centre = pose.then(model.body_ipos[body], model.body_iquat[body]).origin
-        rows.append(
-            [bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed), 0]
-        )
+        rows.append([bodies.link[body], num.put(centre), fix.put(pose.quaternion), 0, 0, 0, 0, int(number not in fixed), 0])
     points = assembly.subjects.points
     for site, row in zip(points, tables.rows(control.POINTS, control.POINT_COLUMNS, len(points)), strict=True):
         link, pose = bodies.site(site)

@@ -34,11 +34,7 @@ def measure(lay, fix, num, y, work, whole):
             if shapes:
                 rate = turned(work, k + at.KIN_R, bent(lay, shapes, num, y, lay[at.NQ], 0))
                 grow(work, o + control.ACCELERATION, times(2.0, cross(w, rate)))
-                grow(
-                    work,
-                    o + control.ACCELERATION,
-                    turned(work, k + at.KIN_R, bent(lay, shapes, num, work, lay[at.RHS], 0)),
-                )
+                grow(work, o + control.ACCELERATION, turned(work, k + at.KIN_R, bent(lay, shapes, num, work, lay[at.RHS], 0)))
             if whole:
                 keep(work, o, position)
                 q = orientation(lay, lay[row], lay[row + 2], fix, work)
@@ -147,9 +143,7 @@ def update_travel(work, m, judged, refine, t0, t1, y2, t2):
         time, value = extreme(t0, y0, t1, y1, t2, y2)
         top = (y1 >= y0) & (y1 >= y2)
         higher(work, m + control.FARTHEST, m + control.FARTHEST_TIME, value, time, top)
-        higher(
-            work, m + control.JUDGED, m + control.JUDGED_TIME, value, time, top & (work[m + control.WAS_JUDGED] > 0.0)
-        )
+        higher(work, m + control.JUDGED, m + control.JUDGED_TIME, value, time, top & (work[m + control.WAS_JUDGED] > 0.0))
 
 
 @inlined

@@ -173,9 +173,7 @@ def place_base(lay, fix, y, which, positions, rates, segment):
         if driven >= 0:
             for number in range(WIDTH):
                 motion = which[number]
-                y[lay[d + at.DOF_QPOS], number] = (
-                    fix[lay[d + at.DOF_FIX] + at.ORIGIN] + positions[motion, segment, driven]
-                )
+                y[lay[d + at.DOF_QPOS], number] = fix[lay[d + at.DOF_FIX] + at.ORIGIN] + positions[motion, segment, driven]
                 y[lay[at.NQ] + dof, number] = rates[motion, segment, driven]
 
 
@@ -194,9 +192,7 @@ def observe(lay, fix, num, y, work, clock, time, out, sample):
 
 
 @njit
-def advance(
-    structure, shared, numbers, states, memory, clock, which, grid, positions, rates, motion, ends, out, sample
-):
+def advance(structure, shared, numbers, states, memory, clock, which, grid, positions, rates, motion, ends, out, sample):
     """Step all lanes through the segments of a grid and return the number of samples so far.
 
     Args:

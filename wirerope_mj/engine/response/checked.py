@@ -153,9 +153,7 @@ def _state_name(key: str, name: Any) -> None:
         raise ValueError(f"`{key}` must begin with {', '.join(AXES)}, got {name!r}.")
 
 
-def _table(
-    key: str, value: Any, needed: Collection[str] = (), *, known: Collection[str] | None = None
-) -> dict[str, Any]:
+def _table(key: str, value: Any, needed: Collection[str] = (), *, known: Collection[str] | None = None) -> dict[str, Any]:
     """Check the keys of a table: those it needs, and, unless None, those it may have; returns it."""
     if not isinstance(value, dict):
         raise ValueError(f"`{key}` must be a table, got {_shown(value)}.")

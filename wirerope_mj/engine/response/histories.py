@@ -108,9 +108,7 @@ class BodyResponse(_Columns):
 class PointResponse(BodyResponse):
     """Motion of a site, world frame."""
 
-    relative_displacement = _columns(
-        19, 3, "Displacement from the modelled geometry relative to the base [m], (n_t, 3)."
-    )
+    relative_displacement = _columns(19, 3, "Displacement from the modelled geometry relative to the base [m], (n_t, 3).")
 
 
 @dataclass(frozen=True, repr=False)

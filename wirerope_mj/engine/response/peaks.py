@@ -205,8 +205,7 @@ class Peaks(Brief):
         contacts, travels = self.contacts, self.travels
         return {
             group: {
-                name: {key: peak.to_list() for key, peak in vars(entry).items()}
-                for name, entry in getattr(self, group).items()
+                name: {key: peak.to_list() for key, peak in vars(entry).items()} for name, entry in getattr(self, group).items()
             }
             for group in KINDS
         } | {

@@ -60,9 +60,7 @@ class Response(Exportable, Summarised):
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         peaks, last = self.peaks, float(self.time[-1])
-        heading = (
-            f"Response: {last:.4g} s in {self.time.size} samples, {len(self.bodies)} bodies, {len(self.mounts)} mounts"
-        )
+        heading = f"Response: {last:.4g} s in {self.time.size} samples, {len(self.bodies)} bodies, {len(self.mounts)} mounts"
         lines = {
             name: f"peak {quantity(body.acceleration.value, 'm/s^2')} at {body.acceleration.time:.4f} s"
             for name, body in peaks.bodies.items()
@@ -108,9 +106,7 @@ class Response(Exportable, Summarised):
     def plan(self) -> ColumnPlan:
         """What the samples' columns mean."""
         mounts = [(name, mount.state_names) for name, mount in self.mounts.items()]
-        return ColumnPlan(
-            bodies=list(self.bodies), points=list(self.points), mounts=mounts, contacts=list(self.contacts)
-        )
+        return ColumnPlan(bodies=list(self.bodies), points=list(self.points), mounts=mounts, contacts=list(self.contacts))
 
     def save(self, folder: str | Path) -> None:
         """Write `response.parquet` into `folder` (made if missing), atomically; one that is there is replaced."""

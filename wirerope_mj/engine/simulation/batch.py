@@ -21,13 +21,7 @@ from wirerope_mj.engine.simulation.grid import TimeGrid, joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import go_in_lanes, moving
 from wirerope_mj.engine.simulation.lockstep import Lockstep, check_same_layout
 from wirerope_mj.engine.simulation.recorder import Recorder
-from wirerope_mj.engine.simulation.run import (
-    RunResult,
-    require_lawful,
-    run,
-    warn_of_aliasing,
-    warn_of_given_step,
-)
+from wirerope_mj.engine.simulation.run import RunResult, require_lawful, run, warn_of_aliasing, warn_of_given_step
 from wirerope_mj.engine.simulation.simulate import (
     check_arguments,
     check_direction,
@@ -175,9 +169,7 @@ def simulate_batch(
 
 
 def _variants(
-    systems: System | Sequence[System],
-    motions: BaseMotion | Sequence[BaseMotion],
-    initial: str | State | Sequence[str | State],
+    systems: System | Sequence[System], motions: BaseMotion | Sequence[BaseMotion], initial: str | State | Sequence[str | State]
 ) -> tuple[list[System], list[BaseMotion], list[str | State]]:
     """Return one system, motion and start for each variant."""
     given: dict[str, list[Any]] = {

@@ -160,9 +160,7 @@ def _run_apart(system: System, qvel: Array, step: float) -> float:
 
     start = state_of(model, data)
     run(replace(system, model=model), motion, grid, start, callback="native", sink=lambda i, rows: sink(0, i, rows))
-    go_in_lanes(
-        [equations(system)], tables.drive, [motion], state[np.newaxis], grid, sink=lambda _, i, rows: sink(1, i, rows)
-    )
+    go_in_lanes([equations(system)], tables.drive, [motion], state[np.newaxis], grid, sink=lambda _, i, rows: sink(1, i, rows))
     expected, got = (one.reshape(-1, channels.size // 3, 3) for one in samples)
     n_mounts = len(system.mounts)
     kinds = np.array(["motion"] * (channels.shape[0] - 2 * n_mounts) + ["deflection", "force"] * n_mounts)
@@ -249,9 +247,7 @@ def _by_kernel(
     return failure(group, 0) or result_of(system, start, grid, done, group, 0, 0)
 
 
-def result_of(
-    system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int
-) -> RunResult:
+def result_of(system: System, start: State, grid: TimeGrid, done: InLanes, group: Group, lane: int, variant: int) -> RunResult:
     """Read the result of one variant, in a lane of its group."""
     final = final_state(system, start, group.states[:, lane], grid.stop)
     peaks = peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]])

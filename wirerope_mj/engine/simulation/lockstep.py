@@ -189,9 +189,7 @@ class Lockstep:
                 self._jump(events[segment], start)
             self._place_base(positions[segment], rates[segment])
             self._user[:, at.EVENT] = events[segment][self._which]
-            self._set_table(
-                accelerations[:, 3 * ends[segment] : 3 * ends[segment + 1]], start, 2.0 * steps / (stop - start)
-            )
+            self._set_table(accelerations[:, 3 * ends[segment] : 3 * ends[segment + 1]], start, 2.0 * steps / (stop - start))
             self._set_loads([own.forces[ends[segment] : ends[segment + 1]] for own in stages])
             self._batch.state[:, 0] = start  # so that rounding does not add up over the steps
             self._timestep[:] = (stop - start) / steps

@@ -13,15 +13,7 @@ from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import Kind
 from wirerope_mj.engine.response.histories import SENSITIVE
-from wirerope_mj.engine.response.peaks import (
-    BodyPeaks,
-    CombinedTravel,
-    ContactPeak,
-    MountPeaks,
-    Peak,
-    Peaks,
-    PointPeaks,
-)
+from wirerope_mj.engine.response.peaks import BodyPeaks, CombinedTravel, ContactPeak, MountPeaks, Peak, Peaks, PointPeaks
 from wirerope_mj.engine.response.response import Response
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.simulation.stages import StageTables
@@ -212,9 +204,7 @@ def require_lawful(system: System, peaks: Peaks) -> None:
             continue
         peak = peaks.mounts[name].deflection
         if beyond := beyond_law(mount.isolator.axes, peak.minimum, peak.maximum):
-            raise SimulationError(
-                f"mount {name!r} was {beyond}: shake it more gently, or take an isolator with more travel."
-            )
+            raise SimulationError(f"mount {name!r} was {beyond}: shake it more gently, or take an isolator with more travel.")
 
 
 def warn_of_uncertainty(response: Response) -> None:

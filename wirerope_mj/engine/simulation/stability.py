@@ -175,9 +175,7 @@ class StepBound:
         joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
         pairs = zip((stiffness, damping), joints, strict=True)
         k, c = (
-            _largest(
-                inertia, np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1])
-            )
+            _largest(inertia, np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1]))
             for values, own in pairs
         )
         fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))

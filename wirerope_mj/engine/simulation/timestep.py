@@ -203,9 +203,7 @@ def _coarsest(tried: list[ChosenStep]) -> ChosenStep:
     return replace(tried[first], error=max(step.error for step in tried[first:]))
 
 
-def _step_between_corners(
-    motion: BaseMotion, windows: list[tuple[float, float]], sample_rate: float, step: float
-) -> float:
+def _step_between_corners(motion: BaseMotion, windows: list[tuple[float, float]], sample_rate: float, step: float) -> float:
     """Return the usual step of a motion whose corners cut most of its steps short, as a record's samples do, or `step`.
 
     To halve a longer one would change nothing, and the error would be taken for none.

@@ -152,9 +152,7 @@ def settle_together(systems: Sequence[System], history: History) -> None:
                     _known.setdefault(one, {})[history] = found
 
 
-def _confirmed(
-    system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int
-) -> Equilibrium | None:
+def _confirmed(system: System, history: History, data: mujoco.MjData, rests: Equilibria, number: int) -> Equilibrium | None:
     """Return one of some equilibria if MuJoCo's own accelerations vanish there; else None."""
     if not rests.found[number]:
         return None

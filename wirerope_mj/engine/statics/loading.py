@@ -146,9 +146,7 @@ class Loading:
         mujoco.mj_forward(model, data)  # sensors too
         rows = self._mounts().copy()
         if found := beyond_laws(self.system, rows[:, 0]):
-            raise ConvergenceError(
-                f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}"
-            )
+            raise ConvergenceError(f"there is no equilibrium: mount {found[0]!r} would stand {found[1]}. {self._loads()}")
         state = state_of(model, data)
         return Equilibrium.of(self.system, state, rows, self.history, residual, self._unresisted(qpos))
 

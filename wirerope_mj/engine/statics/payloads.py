@@ -178,9 +178,7 @@ def _extent(model: mujoco.MjModel, data: mujoco.MjData, payload: Payload, centre
     return float((np.linalg.norm(data.geom_xpos[own] - centre, axis=1) + model.geom_rbound[own]).max())
 
 
-def unresisted(
-    system: System, data: mujoco.MjData, free: Integers, accelerations: Callable[[Array], Array]
-) -> tuple[str, ...]:
+def unresisted(system: System, data: mujoco.MjData, free: Integers, accelerations: Callable[[Array], Array]) -> tuple[str, ...]:
     """Return a message for each motion of a body on mounts that no mount, joint, stop or weight brings back.
 
     Mounts count as resisting in all three directions here: an axis without a law is the isolator's own property.

@@ -11,14 +11,7 @@ from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.modal import declared_modes
-from wirerope_mj.engine.system.tables import (
-    DRIVE_ARMATURE,
-    Subjects,
-    Tables,
-    declared_contacts,
-    declared_pairs,
-    make_tables,
-)
+from wirerope_mj.engine.system.tables import DRIVE_ARMATURE, Subjects, Tables, declared_contacts, declared_pairs, make_tables
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 

@@ -143,9 +143,7 @@ def refused(reason: str, text: str) -> str:
     name, line = element.groups() if element else ("", None)
     included = " of it or of a file that it includes" if "<include" in text else ""
     location = ", ".join(filter(None, [name and f"element {name!r}", line and f"line {line}{included}"]))
-    problem = (
-        _LEAD.sub("", _ELEMENT.sub("", reason)).rstrip(". ").replace("mjMINVAL", f"{mujoco.mjMINVAL:g} kg and kg m^2")
-    )
+    problem = _LEAD.sub("", _ELEMENT.sub("", reason)).rstrip(". ").replace("mjMINVAL", f"{mujoco.mjMINVAL:g} kg and kg m^2")
     remedy = next((remedy for key, remedy in _REMEDIES if key in reason), _ELSEWHERE)
     return f"MuJoCo cannot compile the model: {': '.join(filter(None, [location, problem]))}. {remedy}"
 

@@ -106,9 +106,7 @@ def _elements(model: mujoco.MjModel, t: int, name: str) -> tuple[int, int, int]:
     wanted = [mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_SITE, mujoco.mjtObj.mjOBJ_TEXT]
     if kinds != wanted:
         held = [kind.name.removeprefix("mjOBJ_").lower() for kind in kinds]
-        raise ModelError(
-            f"tuple {name!r} must hold a payload site, a base site and a text, in this order; it has {held}."
-        )
+        raise ModelError(f"tuple {name!r} must hold a payload site, a base site and a text, in this order; it has {held}.")
     payload_site, base_site, text = model.tuple_objid[start : start + size]
     return int(payload_site), int(base_site), int(text)
 
@@ -131,9 +129,7 @@ def _check(model: mujoco.MjModel, mounts: list[DeclaredMount]) -> None:
             )
         bodies = [int(model.site_bodyid[site]) for site in (mount.payload_site, mount.base_site)]
         if model.body_weldid[bodies[0]] == model.body_weldid[bodies[1]]:
-            raise ModelError(
-                f"mount {mount.name!r}: sites {sites[0]!r} and {sites[1]!r} belong to the same rigid body."
-            )
+            raise ModelError(f"mount {mount.name!r}: sites {sites[0]!r} and {sites[1]!r} belong to the same rigid body.")
         key = (mount.payload_site, mount.base_site, mount.isolator_name)
         if key in seen:
             raise ModelError(
@@ -196,9 +192,7 @@ def declared_areas(spec: mujoco.MjSpec, mounts: Collection[str]) -> dict[str, tu
         area, patterns = name.replace(AREA, "", 1), text.data.split()
         for pattern in patterns:
             if not any(fnmatchcase(mount, pattern) for mount in mounts):
-                raise ModelError(
-                    f"text {name!r}: there is no mount {pattern!r}. There are {', '.join(mounts) or 'none'}."
-                )
+                raise ModelError(f"text {name!r}: there is no mount {pattern!r}. There are {', '.join(mounts) or 'none'}.")
         areas[area] = tuple(mount for mount in mounts if any(fnmatchcase(mount, pattern) for pattern in patterns))
         for mount in areas[area]:
             if mount in taken:

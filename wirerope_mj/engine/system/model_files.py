@@ -73,9 +73,7 @@ def write_whole(system: System, folder: Path) -> Path:
     texts: dict[str, Isolator] = {}
     for name in {name: None for one in system.changes for name in one.isolators}:
         isolator = system.mounts[name].written
-        key = next(
-            (key for key, one in texts.items() if one == isolator), f"{system.mounts[name].isolator_name}-{name}"
-        )
+        key = next((key for key, one in texts.items() if one == isolator), f"{system.mounts[name].isolator_name}-{name}")
         if key not in texts:
             texts[key] = isolator
             isolator.save(folder / "isolators" / f"{key}.toml")

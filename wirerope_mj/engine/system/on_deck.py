@@ -71,9 +71,7 @@ def _text_of(system: System, part: FlexiblePart, *, body: str, name: str) -> str
     model = system.model
     number = mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, body)
     if number < 0:
-        raise ModelError(
-            f"there is no body {body!r}. Bodies of this model: {list(system.assembly.subjects.body_names)}."
-        )
+        raise ModelError(f"there is no body {body!r}. Bodies of this model: {list(system.assembly.subjects.body_names)}.")
     if any(mode.part == name for mode in system.assembly.subjects.modes):
         raise ModelError(f"the body {body!r} bends already.")
     sites: dict[str, str] = {}

@@ -198,9 +198,7 @@ def _read(source: str | Path) -> tuple[str, Path | None]:
     if not text.lstrip("\ufeff").lstrip().startswith("<"):
         raise ModelError(f"{path}: this is not a model; an MJCF file is XML and begins with <mujoco>.")
     if "\\" in path.resolve().as_posix():
-        raise ModelError(
-            f"{path.resolve()}: MuJoCo takes the backslash in this path for a slash; rename the folder or file."
-        )
+        raise ModelError(f"{path.resolve()}: MuJoCo takes the backslash in this path for a slash; rename the folder or file.")
     return text, path.resolve()
 
 

@@ -279,9 +279,7 @@ def _as_modelled(data: mujoco.MjData, mount: DeclaredMount) -> Array:
     return relative
 
 
-def _axis_rows(
-    isolators: Mapping[str, Isolator],
-) -> tuple[list[list[int]], list[Array], dict[str, tuple[slice, slice, slice]]]:
+def _axis_rows(isolators: Mapping[str, Isolator]) -> tuple[list[list[int]], list[Array], dict[str, tuple[slice, slice, slice]]]:
     """Return the axes table, the laws' parameters in its order, and every mount's states."""
     rows: list[list[int]] = []
     parameters: list[Array] = []

@@ -111,8 +111,7 @@ def with_other_laws(system: System, change: Callable[[Isolator], Isolator]) -> S
     """Return `system` with every isolator replaced by what `change` makes of it; compiled anew, so that all fit."""
     isolators = {name: change(isolator) for name, isolator in system.isolators.items()}
     changes = [
-        replace(one, isolators={mount: change(isolator) for mount, isolator in one.isolators.items()})
-        for one in system.changes
+        replace(one, isolators={mount: change(isolator) for mount, isolator in one.isolators.items()}) for one in system.changes
     ]
     return with_changes(load_system(system.path or system.mjcf, isolators=isolators), changes)
 
@@ -226,9 +225,7 @@ def _in_body(data: mujoco.MjData, body: int, shift: Vector) -> Array:
     return np.asarray(np.array(shift) @ data.xmat[body].reshape(3, 3), dtype=np.float64)
 
 
-def _moved_tables(
-    model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]
-) -> Tables:
+def _moved_tables(model: mujoco.MjModel, data: mujoco.MjData, system: System, isolators: Mapping[str, Isolator]) -> Tables:
     """Make the tables of a model whose bodies and sites have changed, and its geometry in `data`, lent by another model's."""
     old = system.assembly
     declared = [

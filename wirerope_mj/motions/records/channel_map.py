@@ -65,9 +65,7 @@ def parse_channel(column: str, phrase: str) -> ChannelPhrase:
         raise _refused(column, phrase, "does not say what the column is") from None
     kind, _, name = subject.partition("/")
     if subject != "base" and not (kind in _KINDS and name):
-        raise _refused(
-            column, phrase, f"begins with {subject!r}, which is neither base nor body/, point/ or mount/NAME"
-        )
+        raise _refused(column, phrase, f"begins with {subject!r}, which is neither base nor body/, point/ or mount/NAME")
     is_mount = kind == "mount"
     found: dict[str, str] = {}
     for word in words:

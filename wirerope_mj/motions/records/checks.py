@@ -81,9 +81,7 @@ def motion_warnings(time: Array, samples: Array, baseline: str = "none") -> Iter
             drifts = abs(gained) > max(_SLOW, _DRIFT * own) and not large
             yield from _strays(course, gained / length if drifts else 0.0, speed, travel)
             continue
-        rms = (
-            float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP
-        )  # four deviations of what white noise adds up to
+        rms = float(np.median(np.abs(np.diff(a[:100_000])))) / _MEDIAN_STEP  # four deviations of what white noise adds up to
         if abs(gained) > max(_SLOW, _GAIN * own, 4.0 * rms * step * float(np.sqrt(a.size))):
             if baseline in ("mean", "velocity"):
                 constant = "mean" if baseline == "mean" else "final velocity"

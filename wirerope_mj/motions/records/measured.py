@@ -153,17 +153,13 @@ def load_measured(
     one_of("baseline", baseline, BASELINES)
     one_of("gaps", gaps, ("refuse", "fill"))
     if not channels:
-        raise ValueError(
-            '`channels` must say what at least one column is, such as {"A1": "point/rack_top z g"}, got none.'
-        )
+        raise ValueError('`channels` must say what at least one column is, such as {"A1": "point/rack_top z g"}, got none.')
     phrases = {column: parse_channel(column, phrase) for column, phrase in channels.items()}
     file = Path(path).absolute()
     names = list(channels)
     reading, units = read_uff_columns(file, names) if is_uff(file) else read_columns(file, names, fill=gaps == "fill")
     if reading.time.size < _FEWEST:
-        raise RecordError(
-            f"{file}: a measured response needs at least {_FEWEST} samples, this one has {reading.time.size}."
-        )
+        raise RecordError(f"{file}: a measured response needs at least {_FEWEST} samples, this one has {reading.time.size}.")
     reading = even(file, reading, gaps=gaps)
     time = (reading.time - reading.time[0]) * clock + start
     if not (np.diff(time) > 0.0).all():

@@ -138,8 +138,7 @@ def resampled(reading: Reading, rate: float) -> Reading:
     ratio = Fraction(rate * step).limit_denominator(_LARGEST_FACTOR)
     if ratio.numerator == 0 or ratio.numerator > _LARGEST_FACTOR or abs(float(ratio) / (rate * step) - 1.0) > 1e-6:
         raise ValueError(
-            f"`resample` must be a simple fraction of the record's {1.0 / step:.9g} Hz, such as "
-            f"{0.5 / step:.9g}, got {rate!r}."
+            f"`resample` must be a simple fraction of the record's {1.0 / step:.9g} Hz, such as {0.5 / step:.9g}, got {rate!r}."
         )
     if ratio == 1:
         return reading

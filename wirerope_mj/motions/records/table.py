@@ -90,9 +90,7 @@ def name_bad_line(header: Header, columns: Sequence[int], *, missing: bool = Fal
                 elif not missing or column == columns[0]:
                     remedy = "its time is needed"
                     if column != columns[0]:
-                        remedy = (
-                            'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies '
-                        )
+                        remedy = 'have such samples filled with straight lines, gaps="fill" (--gaps fill), or use what lies '
                         remedy += "before or behind"
                     found = f'{cell or "an empty cell"} in column "{header.names[column]}"'
                     raise RecordError(f"{location}: {found}; {remedy}.")
@@ -119,9 +117,7 @@ def table_channels(path: Path) -> tuple[str, ...]:
     return _opened(path)[0].names[1:]
 
 
-def read_record_table(
-    path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False
-) -> Reading:
+def read_record_table(path: Path, channels: Mapping[str, Direction] | None, unit: str | None, *, fill: bool = False) -> Reading:
     """Return the accelerations in the columns of a table: a CSV, MATLAB, XLSX or Parquet file.
 
     Without `channels` they are in the columns named x, y and z, without a `unit` in the header's. With `fill` empty cells and

@@ -240,8 +240,7 @@ def _values(path: Path, number: int, name: str) -> tuple[Array, Array]:
     factor = TIME_UNITS.get(_label(content, "abscissa") or "s")
     if factor is None:
         raise RecordError(
-            f'{path}: the time of {name} has the unknown unit "{_label(content, "abscissa")}"; known: '
-            f"{', '.join(TIME_UNITS)}."
+            f'{path}: the time of {name} has the unknown unit "{_label(content, "abscissa")}"; known: {", ".join(TIME_UNITS)}.'
         )
     return time * factor, values
 

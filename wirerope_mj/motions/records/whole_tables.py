@@ -96,11 +96,7 @@ def _mat(path: Path) -> tuple[Header, Array]:
         raise RecordError(f"{path}: this is no MATLAB file that can be read. {_REMEDY}") from None
     columns = {}
     for name, values in content.items():
-        if (
-            isinstance(values, np.ndarray)
-            and values.dtype.kind in "fiu"
-            and values.size == max(values.shape, default=0)
-        ):
+        if isinstance(values, np.ndarray) and values.dtype.kind in "fiu" and values.size == max(values.shape, default=0):
             columns[name] = values.ravel().astype(np.float64)
     return _of_columns(path, columns)
 

@@ -156,9 +156,7 @@ def _integrals(points: Points, natural: float, q: float) -> Array:
         ends = [f1, *(f for f in near if f1 < f < f2), f2]
         for low, high in zip(ends[:-1], ends[1:], strict=True):
             total += [
-                scipy.integrate.quad(
-                    lambda f, k: parts(f)[k], low, high, args=(k,), limit=200, epsabs=0.0, epsrel=1e-10
-                )[0]
+                scipy.integrate.quad(lambda f, k: parts(f)[k], low, high, args=(k,), limit=200, epsabs=0.0, epsrel=1e-10)[0]
                 for k in range(total.size)
             ]
     return total

@@ -223,9 +223,7 @@ def compare_methods(loops: Sequence[Loop], *, starts: Mapping[str, Law], weights
     rows = []
     for (name, start), method in product(starts.items(), get_args(Method)):
         try:
-            fit = identify(
-                loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False
-            )
+            fit = identify(loops, law=type(start), start=start, method=method, weights=weights, grid=False, profiles=False)
         except ValueError as failure:
             rows.append(MethodRow(method=method, start=name, message=str(failure)))
         else:

@@ -235,9 +235,7 @@ FAMILIES: dict[type[Law], Family] = {
             *_hysteresis(s),
             *_elastic(s, "k1", "k2", "k3"),
             # exp(10) between the ends of the travel is beyond any isolator.
-            Coordinate(
-                "c_ln_b", "1/m", -5.0 / s.deflection, 5.0 / s.deflection, scale=1.0 / s.deflection, stiffness=True
-            ),
+            Coordinate("c_ln_b", "1/m", -5.0 / s.deflection, 5.0 / s.deflection, scale=1.0 / s.deflection, stiffness=True),
         ],
         make=lambda values: AsymmetricBoucWen.from_normalised(
             **{key: value for key, value in values.items() if key != "c_ln_b"}, b=math.e, c=values["c_ln_b"]

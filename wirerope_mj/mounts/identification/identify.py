@@ -183,9 +183,7 @@ def _best(
     return best, around, evaluations
 
 
-def _result(
-    unknowns: Unknowns, loops: list[MeasuredLoop], best: _End, around: Survey, evaluations: int
-) -> Identification:
+def _result(unknowns: Unknowns, loops: list[MeasuredLoop], best: _End, around: Survey, evaluations: int) -> Identification:
     minimum, uncertainty = best.minimum, around.uncertainty
     law = unknowns.law(minimum.numbers)
     differences = [(loop.model_force(law) - loop.force) / (0.5 * float(np.ptp(loop.force))) for loop in loops]

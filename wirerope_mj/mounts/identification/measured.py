@@ -115,9 +115,7 @@ class MeasuredLoop:
 def require_loops(loops: Any, name: str = "loops") -> None:
     """Raise ValueError unless `loops` is a sequence of loops, at least one."""
     if isinstance(loops, str | Path):
-        raise ValueError(
-            f"`{name}` must be loops, got the path {str(loops)!r}; load_cycles({str(loops)!r}) reads them."
-        )
+        raise ValueError(f"`{name}` must be loops, got the path {str(loops)!r}; load_cycles({str(loops)!r}) reads them.")
     if isinstance(loops, Loop):
         raise ValueError(f"`{name}` must be a sequence of loops, got a single one; put it into brackets.")
     if not isinstance(loops, Sequence):

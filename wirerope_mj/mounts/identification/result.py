@@ -27,10 +27,7 @@ def measured_range(loops: Sequence[MeasuredLoop]) -> MeasuredRange:
     rates = [rate for loop in loops if (rate := largest_rate(loop)) is not None]
     return MeasuredRange(
         amplitude=(min(loop.amplitude for loop in loops), max(loop.amplitude for loop in loops)),
-        deflection=(
-            min(float(loop.deflection.min()) for loop in loops),
-            max(float(loop.deflection.max()) for loop in loops),
-        ),
+        deflection=(min(float(loop.deflection.min()) for loop in loops), max(float(loop.deflection.max()) for loop in loops)),
         frequency=(1.0 / max(periods), 1.0 / min(periods)) if periods else None,
         rate=(min(rates), max(rates)) if rates else None,
     )

@@ -206,9 +206,7 @@ class _Residuals:
             raise _StalledError
 
 
-def run_search(
-    unknowns: Unknowns, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS
-) -> Minimum:
+def run_search(unknowns: Unknowns, residual: Residual, start: Mapping[str, float], *, most: int = EVALUATIONS) -> Minimum:
     """Return the end of a trust-region Levenberg-Marquardt search with bounds (SciPy's `least_squares`, "trf").
 
     What counts as an end is measured by the noise, the variance of a residual as it is left: a relative change of the cost
@@ -254,15 +252,11 @@ def run_stages(
     """
     stages: list[Stage] = []
 
-    def stage(
-        name: str, part: Unknowns, residual: Residual, begin: Mapping[str, float]
-    ) -> tuple[Minimum, dict[str, float]]:
+    def stage(name: str, part: Unknowns, residual: Residual, begin: Mapping[str, float]) -> tuple[Minimum, dict[str, float]]:
         end = run_search(part, residual, begin)
         ended = part.values(end.numbers)
         error = rms(full(part.law(end.numbers)))
-        stages.append(
-            Stage(name=name, iterations=end.iterations, evaluations=end.evaluations, error=error, values=ended)
-        )
+        stages.append(Stage(name=name, iterations=end.iterations, evaluations=end.evaluations, error=error, values=ended))
         return end, ended
 
     if method == "frequency":

@@ -65,9 +65,7 @@ class SpecimenFits(Brief):
         lines = [f"{'parameter':16s}{'nominal':>13s}{'mean':>13s}{'deviation':>13s}{'of mean':>9s}{'of the fits':>13s}"]
         for row in self.rows:
             relative = abs(row.deviation / row.mean) if row.mean else np.inf
-            sizes = (
-                f"{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * relative:7.1f} %{row.fit_error:13.2g}"
-            )
+            sizes = f"{row.nominal:13.5g}{row.mean:13.5g}{row.deviation:13.3g}{100 * relative:7.1f} %{row.fit_error:13.2g}"
             lines.append(f"{row.parameter:16s}{sizes}")
         return "\n".join(lines)
 
@@ -99,9 +97,7 @@ def identify_specimens(
         raise ValueError(f"`specimens` must be the loops of each specimen, got {specimens!r}.")
     for index, loops in enumerate(specimens):
         if isinstance(loops, Loop):
-            raise ValueError(
-                "`specimens` must be a sequence of loops for each specimen, got loops: [loops_1, loops_2, ...]."
-            )
+            raise ValueError("`specimens` must be a sequence of loops for each specimen, got loops: [loops_1, loops_2, ...].")
         require_loops(loops, f"specimens[{index}]")
     if isinstance(shared, str):
         raise ValueError(f"`shared` must be a sequence of names, got the string {shared!r}; put it into brackets.")
@@ -125,9 +121,7 @@ def identify_specimens(
             raise ValueError(f"specimen {number}: {failure}") from failure
         each.append(one)
     if len({tuple(own_parameters(fit.law).values()) for fit in each}) == 1:
-        raise ValueError(
-            "`specimens` do not differ: all give the same law to the last digit. Is one given several times?"
-        )
+        raise ValueError("`specimens` do not differ: all give the same law to the last digit. Is one given several times?")
     family = scales_family(law, nominal.scales) if nominal.scales else family_of(law, elements)
     return _scatter(nominal, each, family)
 

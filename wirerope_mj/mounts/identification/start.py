@@ -77,9 +77,7 @@ def _grid_values(c: Coordinate, amplitudes: Array) -> list[float]:
     return [min(max(float(v), c.lower), c.upper) for v in by_name[c.name]]
 
 
-def _stretched(
-    unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]
-) -> tuple[dict[str, float], float]:
+def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:
     """Return all values with the best linear ones, and the mean square that is left."""
     linear = [c for c in unknowns.free if c.linear]
     multiplied, fixed = [c for c in unknowns.coordinates if c.linear], unknowns.fixed
@@ -131,9 +129,7 @@ def scale_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], names: Seque
     return [values | dict(fixed) for _, values in sorted(best, key=lambda point: point[0])]
 
 
-def _with_bend(
-    unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float
-) -> list[_Point]:
+def _with_bend(unknowns: Unknowns, loops: Sequence[ScaleLoop], names: Sequence[str], n: float, sigma: float) -> list[_Point]:
     """Return the points of one n and one sigma: every choice of yield deflections apart, every asymmetry."""
     amplitudes = [loop.amplitude for loop in loops]
     yields = np.geomspace(2.0 * SEEN * min(amplitudes), max(amplitudes), _YIELD)

@@ -55,9 +55,7 @@ def unknowns_of(
     for option, named in (("fixed", fixed), ("free", free)):
         for name in named:
             if name not in names:
-                raise ValueError(
-                    f"`{option}` names {name!r}, which {law.name} does not have; it has {', '.join(names)}."
-                )
+                raise ValueError(f"`{option}` names {name!r}, which {law.name} does not have; it has {', '.join(names)}.")
     if both := [name for name in free if name in fixed]:
         raise ValueError(f"`fixed` and `free` both name {', '.join(both)}.")
     begun = family.read(start) if start is not None else {}
@@ -65,18 +63,14 @@ def unknowns_of(
     usual = {name: value for name, value in kept if name not in free}
     fixed = {**usual, **fixed}
     if start is not None and (missing := [n for n in names if n not in fixed and n not in begun]):
-        raise ValueError(
-            f"`start` must give {', '.join(missing)}, which the loops show and the search moves, got {start!r}."
-        )
+        raise ValueError(f"`start` must give {', '.join(missing)}, which the loops show and the search moves, got {start!r}.")
     if set(names) <= set(fixed):
         raise ValueError(f"`fixed` names all parameters, {', '.join(names)}: nothing is left to search for.")
     if constraint is not None:
         if "sigma" not in names:
             raise ValueError(f"`constraint` is between beta and gamma, and {law.name} does not have both.")
         if "sigma" in fixed:
-            raise ValueError(
-                "`constraint` and `fixed` both say what sigma = beta / (beta + gamma) may be; give one of them."
-            )
+            raise ValueError("`constraint` and `fixed` both say what sigma = beta / (beta + gamma) may be; give one of them.")
         ends = {"beta>gamma": (0.5, math.inf), "beta<gamma": (0.0, 0.5)}.get(constraint, (0.0, math.inf))
         coordinates = [
             replace(c, lower=max(c.lower, ends[0]), upper=min(c.upper, ends[1])) if c.name == "sigma" else c

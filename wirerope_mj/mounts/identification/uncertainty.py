@@ -120,9 +120,7 @@ def _message(names: Sequence[str], combination: Array, error: float) -> str:
 BANDS = (1, 4, 9, 19, 41)
 
 
-def with_noise_of_each(
-    uncertainty: Uncertainty, unknowns: Unknowns, minimum: Minimum, sizes: Sequence[int]
-) -> Uncertainty:
+def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Minimum, sizes: Sequence[int]) -> Uncertainty:
     """Return the uncertainty where every loop has a noise of its own, as left by the fit, and its samples are correlated.
 
     With J_i the rows of the Jacobian of a loop, V_i the covariance of its noise and H = (J^T J)^-1 the covariance is H (sum
@@ -149,8 +147,7 @@ def with_noise_of_each(
         grown = dict(zip(uncertainty.free, np.where(felt, after / before, 1.0), strict=True))
         correlation = np.nan_to_num(covariance / np.outer(after, after), nan=0.0)
     parameters = {
-        name: replace(p, standard_error=p.standard_error * grown.get(name, 1.0))
-        for name, p in uncertainty.parameters.items()
+        name: replace(p, standard_error=p.standard_error * grown.get(name, 1.0)) for name, p in uncertainty.parameters.items()
     }
     return replace(uncertainty, parameters=parameters, covariance=covariance, correlation=correlation)
 

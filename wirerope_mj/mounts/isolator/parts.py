@@ -173,9 +173,7 @@ class Geometry(Part):
         _require_positive(self, "bolts", *lengths)
         _require_metres(self, *lengths)
         if self.bar is not None and (self.height is None or 2.0 * self.bar >= self.height):
-            raise ValueError(
-                f"`bar`, the thickness of one bar, must be less than half the `height`, got {self.bar:g} m."
-            )
+            raise ValueError(f"`bar`, the thickness of one bar, must be less than half the `height`, got {self.bar:g} m.")
         if self.bolts not in (None, 1, 2, 4):
             raise ValueError(f"`bolts` must be 1, 2 (in a line) or 4 (in a rectangle), got {self.bolts:g}.")
         if self.bolts is None and (self.bolts_along_roll or self.bolts_along_shear):

@@ -14,16 +14,7 @@ from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
-from wirerope_mj.mounts.isolator.parts import (
-    Bracket,
-    Geometry,
-    Limits,
-    Provenance,
-    Rotation,
-    Spread,
-    Stiffening,
-    Travel,
-)
+from wirerope_mj.mounts.isolator.parts import Bracket, Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel
 from wirerope_mj.mounts.isolator.validity import MeasuredRange, Validity
 from wirerope_mj.mounts.laws import LAWS, Law, LoopCoupling, Parallel, Tabulated
 
@@ -46,18 +37,14 @@ def curve_in_si(table: Mapping[str, Any], location: str, folder: Path | None) ->
         name, _, unit = key.rpartition("_")
         factor = _UNITS.get(name, {}).get(unit)
         if factor is None and name in _UNITS and unit:
-            raise ModelError(
-                f"{location} `{key}` has the unknown unit {unit!r}. Known units: {', '.join(_UNITS[name])}."
-            )
+            raise ModelError(f"{location} `{key}` has the unknown unit {unit!r}. Known units: {', '.join(_UNITS[name])}.")
         _set_once(values, key if factor is None else name, _scaled(value, factor), location)
     if (file := values.pop("points", None)) is None:
         return values
     if not isinstance(file, str):
         raise ModelError(f"{location} `points` must be the name of a CSV file beside this one, got {file!r}.")
     if folder is None:
-        raise ModelError(
-            f"{location} `points` names a file, but this isolator was not read from a file: give the numbers."
-        )
+        raise ModelError(f"{location} `points` names a file, but this isolator was not read from a file: give the numbers.")
     try:
         columns = read_curve(folder / file)
     except RecordError as error:

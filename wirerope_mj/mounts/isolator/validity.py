@@ -87,9 +87,7 @@ class Validity(Part):
             if not isinstance(getattr(self, item.name), MeasuredRange | None):
                 raise ValueError(f"`{item.name}` must be a MeasuredRange or None, got {getattr(self, item.name)!r}.")
 
-    def outside(
-        self, lowest: Sequence[float] | Array, highest: Sequence[float] | Array, *, small: bool
-    ) -> dict[str, str]:
+    def outside(self, lowest: Sequence[float] | Array, highest: Sequence[float] | Array, *, small: bool) -> dict[str, str]:
         """Return how a mount's motion leaves the ranges, as text by axis; nothing of the axes that stay inside.
 
         Deflections are those along roll, shear and axial [m], (3,). If `small`, small motions count along axes that move at

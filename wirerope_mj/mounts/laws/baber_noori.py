@@ -63,9 +63,7 @@ class BoucWenBaberNoori(Hysteresis):
         if anywhere(self.zeta >= 1.0):
             raise ValueError(f"`zeta` must be < 1, got {self.zeta}: at 1 the pinched branch has no stiffness left.")
         if anywhere((self.zeta > 0.0) & ((self.psi == 0.0) | (self.lam + self.p == 0.0))):
-            raise ValueError(
-                "`psi` and one of `lam` and `p` must be > 0 if `zeta` is: the pinching would have no width."
-            )
+            raise ValueError("`psi` and one of `lam` and `p` must be > 0 if `zeta` is: the pinching would have no width.")
 
     @property
     def force_powers(self) -> Mapping[str, float]:  # type: ignore[override]

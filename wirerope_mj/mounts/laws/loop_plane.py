@@ -15,15 +15,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
-from wirerope_mj.mounts.laws.plane import (
-    ODD,
-    SAME,
-    PlaneLaw,
-    asymmetry_of,
-    elastic_of,
-    require_alike,
-    require_couplable,
-)
+from wirerope_mj.mounts.laws.plane import ODD, SAME, PlaneLaw, asymmetry_of, elastic_of, require_alike, require_couplable
 from wirerope_mj.mounts.laws.plane_kernels import LOOP
 
 LARGEST = 100.0  # Largest end of a box [m]: no loop of rope is larger, and powers of the ends stay numbers

@@ -76,18 +76,14 @@ class OwnLaw(Law):
     def _require_shape(self) -> None:
         """Raise ValueError unless the function takes, writes and returns what it should."""
         if not self.state_names or isinstance(self.state_names, str):
-            raise ValueError(
-                f"`state_names` must name at least one state, got {self.state_names!r}; a curve is `Tabulated`."
-            )
+            raise ValueError(f"`state_names` must name at least one state, got {self.state_names!r}; a curve is `Tabulated`.")
         for x, v in ((0.0, RATE), (self.travel, -RATE), (-self.travel, RATE)):
             force, rates = self._tried(x, v, np.zeros(self.n_states))
             again, _ = self._tried(x, v, np.zeros(self.n_states))
             if force != again:
                 raise ValueError(f"`force` must depend on its arguments alone, got {force:.6g} N, then {again:.6g} N.")
             slower, half = self._tried(x, 0.5 * v, np.zeros(self.n_states))
-            if not np.allclose(2.0 * half, rates, rtol=ROUNDING, atol=0.0) or abs(slower - force) > ROUNDING * abs(
-                force
-            ):
+            if not np.allclose(2.0 * half, rates, rtol=ROUNDING, atol=0.0) or abs(slower - force) > ROUNDING * abs(force):
                 raise ValueError("`force` must not depend on the rate v, and `zdot` must be proportional to it.")
         force, _ = self._tried(0.0, RATE, np.zeros(self.n_states))
         if force != 0.0:
@@ -116,9 +112,7 @@ class OwnLaw(Law):
             force, _, work = follow_path(OWN, self.kernel_parameters(), path, np.zeros(self.n_states), self.n_states)
             if not np.isfinite(work).all():
                 end = abs(path[np.argmin(np.isfinite(work))])
-                raise ValueError(
-                    f"the force must be finite up to `travel` = {self.travel:g} m, got none at {end:.3g} m."
-                )
+                raise ValueError(f"the force must be finite up to `travel` = {self.travel:g} m, got none at {end:.3g} m.")
             generated = work[-21] - work[-1]
             if generated > ROUNDING * amplitude * float(np.ptp(force)):
                 raise ValueError(f"a closed cycle of {amplitude:g} m must not generate energy, got {generated:.6g} J.")

@@ -51,9 +51,7 @@ class Parallel(Law):
     def __post_init__(self) -> None:
         laws = tuple(self.laws) if isinstance(self.laws, list | tuple) else ()
         if not laws or not all(isinstance(law, Law) and not isinstance(law, Parallel) for law in laws):
-            raise ValueError(
-                f"`laws` must be a list of one law or more, none of them parallel itself, got {self.laws!r}."
-            )
+            raise ValueError(f"`laws` must be a list of one law or more, none of them parallel itself, got {self.laws!r}.")
         object.__setattr__(self, "laws", laws)
 
     def kernel_parameters(self) -> Array:

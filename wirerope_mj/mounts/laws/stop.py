@@ -119,9 +119,7 @@ class Stop(Law):
         if not 0.0 <= counted < 0.5 * self.rounding:
             return counted + 0.5 * self.rounding
         return float(
-            scipy.optimize.brentq(
-                lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300
-            )
+            scipy.optimize.brentq(lambda depth: seated(depth, self.rounding)[0] - counted, 0.0, self.rounding, xtol=1e-300)
         )
 
     def pressed(self, depth: float) -> float:

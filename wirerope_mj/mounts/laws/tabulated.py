@@ -89,9 +89,7 @@ class Tabulated(AsCall, Law):
                 raise ValueError(f"`{name}` must have one entry for each `deflection`, {x.size}, got {count}.")
         self._validate_width()
         if self.initial_stiffness < 0.0:
-            raise ValueError(
-                f"the force must not fall at zero deflection, got a slope of {self.initial_stiffness:.6g} N/m."
-            )
+            raise ValueError(f"the force must not fall at zero deflection, got a slope of {self.initial_stiffness:.6g} N/m.")
 
     def _validate_width(self) -> None:
         """Raise ValueError unless the width of the loop is well stated."""
@@ -121,9 +119,7 @@ class Tabulated(AsCall, Law):
         if self.yield_deflection < 0.0 or (self.yield_deflection == 0.0 and (self.areas or half.any())):
             raise ValueError(f"`yield_deflection` must be > 0 for a law with hysteresis, got {self.yield_deflection}.")
         if self.force and self.curve == "virgin" and (0.0, 0.0) not in zip(self.deflection, self.force, strict=True):
-            raise ValueError(
-                'the points of a "virgin" curve must contain `deflection` 0 with `force` 0: it begins at rest.'
-            )
+            raise ValueError('the points of a "virgin" curve must contain `deflection` 0 with `force` 0: it begins at rest.')
 
     @cached_property
     def _curves(self) -> "tuple[scipy.interpolate.PPoly, scipy.interpolate.PPoly, float]":

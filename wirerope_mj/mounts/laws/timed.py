@@ -162,11 +162,7 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
             cubic, one, two = reversals(deflection[t - 1], deflection[t], rate[t - 1], rate[t], h)
             work[t], start = work[t - 1], 0.0
             for end in (one, two, h):
-                if (
-                    end > start
-                    and law not in (KELVIN_VOIGT, ZENER)
-                    and position(cubic, start) * position(cubic, end) < 0.0
-                ):
+                if end > start and law not in (KELVIN_VOIGT, ZENER) and position(cubic, start) * position(cubic, end) < 0.0:
                     middle = zero_between(cubic, start, end)  # friction or a polynomial may have a kink there
                     work[t] += work_of_all(law, p, cubic, start, middle, z, n_states, trial, unused)
                     start = middle

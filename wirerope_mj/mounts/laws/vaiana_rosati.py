@@ -78,9 +78,7 @@ class VaianaRosati(Law):
                 raise ValueError(f"`{name}` must be > 0, got {getattr(self, name)}: the law would not dissipate.")
         gap = np.min(self._gap(0.0))
         if gap <= 0.0:
-            raise ValueError(
-                f"the upper limit curve must lie above the lower one, but at zero it lies {-gap:.6g} N below."
-            )
+            raise ValueError(f"the upper limit curve must lie above the lower one, but at zero it lies {-gap:.6g} N below.")
 
     def kernel_parameters(self) -> Array:
         """Return the parameters of the upper curve, of the lower curve, and the mean of both at zero."""

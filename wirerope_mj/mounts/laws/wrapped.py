@@ -97,9 +97,7 @@ class Smoothed(_Wrapped):
 
     def to_dict(self) -> dict[str, Any]:
         """Raise ValueError: an isolator file holds the law itself."""
-        raise ValueError(
-            "a smoothed law is not written to a file: save the isolator with its `law`, and smooth it in memory."
-        )
+        raise ValueError("a smoothed law is not written to a file: save the isolator with its `law`, and smooth it in memory.")
 
 
 def smoothable(law: Law) -> bool:

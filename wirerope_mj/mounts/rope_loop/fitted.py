@@ -122,9 +122,7 @@ class AxisCurves:
     roll_stiffness: float
 
 
-def axis_curves(
-    *, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None
-) -> AxisCurves:
+def axis_curves(*, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None) -> AxisCurves:
     """Return the curves of an isolator's loop from its envelope and its rated travels [m].
 
     The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not

@@ -32,12 +32,8 @@ class LoopShape:
     arm: float = 0.0  # distance of the clamped ends from the middle of their bars [m]
 
     def __post_init__(self) -> None:
-        if not self.segments or not all(
-            0.0 < length < math.inf and math.isfinite(bend) for length, bend in self.segments
-        ):
-            raise ValueError(
-                f"`segments` must be pairs of a length > 0 [m] and a finite curvature, got {self.segments!r}."
-            )
+        if not self.segments or not all(0.0 < length < math.inf and math.isfinite(bend) for length, bend in self.segments):
+            raise ValueError(f"`segments` must be pairs of a length > 0 [m] and a finite curvature, got {self.segments!r}.")
         not_negative("arm", self.arm)
         finite("start", self.start)
 
@@ -82,16 +78,12 @@ def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopS
     """
     for name, value in {"height": height, "width": width, "bar": bar, "rope": rope}.items():
         if positive(name, value) > LARGEST_LOOP * rope:
-            raise ValueError(
-                f"`{name}` must be at most {LARGEST_LOOP:g} times the `rope` of {rope:g} m, got {value:g} m."
-            )
+            raise ValueError(f"`{name}` must be at most {LARGEST_LOOP:g} times the `rope` of {rope:g} m, got {value:g} m.")
     if bar < rope:
         raise ValueError(f"`bar` must be at least as thick as the `rope` that it holds, {rope:g} m, got {bar:g} m.")
     rise, reach = height - bar, 0.5 * (width - rope)
     if rise <= rope or bar >= 0.5 * height:
-        raise ValueError(
-            f"`height` of {height:g} m leaves no loop between two bars of {bar:g} m and {rope:g} m of rope."
-        )
+        raise ValueError(f"`height` of {height:g} m leaves no loop between two bars of {bar:g} m and {rope:g} m of rope.")
     if reach <= rope:
         raise ValueError(f"`width` of {width:g} m leaves no loop of a rope of {rope:g} m.")
     radius = min(0.5 * rise, reach)

@@ -167,9 +167,7 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
     fewest = min(cycle.samples.size for cycle in cycles[:KEPT])
     if fewest < _FEWEST:
         at = cycles[0].samples
-        raise ValueError(
-            f"{locate(int(at[0]), int(at[-1]))}: the cycle has {fewest} samples; it needs at least {_FEWEST}."
-        )
+        raise ValueError(f"{locate(int(at[0]), int(at[-1]))}: the cycle has {fewest} samples; it needs at least {_FEWEST}.")
     kept, latest = [cycles[0]], cycles[0].of(trace.deflection)
     for cycle in cycles[1:KEPT]:
         apart = np.sqrt(np.mean((cycle.of(trace.deflection) - latest) ** 2))

@@ -19,9 +19,7 @@ _STANDS_OUT = 3.0  # times that a line is above the largest of its neighbours: h
 _LEAST = 1e-3  # of half of the force range, below which hum changes no parameter
 _DRIFTS = 0.02  # of half of the force range over the record, from which a drift is named
 _LAGS = 0.0009  # of the period: a lag is named from 0.1 %, which is told to a tenth
-_HIDDEN = (
-    0.3  # of the period, times noise over half of the force range: a bend that noise hides is taken for as much lag
-)
+_HIDDEN = 0.3  # of the period, times noise over half of the force range: a bend that noise hides is taken for as much lag
 _NOISY = 0.03  # of half of the force range, from which noise is named
 _SURE = 4.0  # standard errors of a drift or a lag
 _LIKE = 0.1  # ratio by which strokes may differ and count as alike

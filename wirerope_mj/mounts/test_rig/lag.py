@@ -119,9 +119,7 @@ def _corner(since: Array, values: Array) -> tuple[float, Array]:
     grid = np.linspace(-0.3, 0.3, 13)
     best = int(np.clip(np.argmin([fitted(at)[0] for at in grid]), 1, grid.size - 2))
     ends = (grid[best - 1], grid[best + 1])
-    found = scipy.optimize.minimize_scalar(
-        lambda at: fitted(at)[0], bounds=ends, method="bounded", options={"xatol": 1e-7}
-    )
+    found = scipy.optimize.minimize_scalar(lambda at: fitted(at)[0], bounds=ends, method="bounded", options={"xatol": 1e-7})
     return float(found.x), fitted(found.x)[1][1:]
 
 
@@ -140,9 +138,7 @@ def _of_run(alike: _Reversals, time: Array, force: Array) -> Lag | None:
         # What fits that bend more freely differ by, over a window no wider, may be this one's bias, beyond what noise makes:
         # the variance of such a fit less that of this one, which is efficient if it has no bias (Hausman 1978).
         bias = max(
-            abs(delay - freer) - np.sqrt(max(its**2 - error**2, 0.0))
-            for w, n, freer, its in fits
-            if w <= width and n >= degree
+            abs(delay - freer) - np.sqrt(max(its**2 - error**2, 0.0)) for w, n, freer, its in fits if w <= width and n >= degree
         )
         total = float(np.hypot(error, bias))
         if best is None or total < best.error:
@@ -229,9 +225,7 @@ class _Window:
     def _fit(self, delay: float) -> tuple[Array, Array, Array]:
         """Return the matrix, what is left, and the fitted factors."""
         matrix = self._matrix(delay)
-        factors = np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0].astype(
-            np.float64, copy=False
-        )
+        factors = np.linalg.lstsq(matrix.T @ matrix, matrix.T @ self._measured, rcond=None)[0].astype(np.float64, copy=False)
         return matrix, matrix @ factors - self._measured, factors
 
     def error(self, delay: float) -> float:

@@ -54,9 +54,7 @@ def hardening_overlap(loops: Sequence[Loop]) -> float:
         gap += float(np.abs(bins).mean()) * (stop - start)
         thickness += float((up - _force_on(largest, x, rising=False)).mean()) * (stop - start)
     if thickness <= _ROUNDING * float(np.ptp(largest.force)) * largest.amplitude:
-        raise ValueError(
-            "`loops`: the largest has no area in tension, so that there is nothing to measure a gap against."
-        )
+        raise ValueError("`loops`: the largest has no area in tension, so that there is nothing to measure a gap against.")
     return gap / thickness
 
 

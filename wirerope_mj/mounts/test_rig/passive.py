@@ -185,9 +185,7 @@ def require_area(loop: Loop, location: str) -> None:
     cycle = f"{location}: the cycle of +-{1e3 * loop.amplitude:.4g} mm"
     if loop.secant_stiffness < 0.0 or (loop.dissipated_energy <= 0.0 and area_in_noise(loop)):
         lack = "shows no stiffness" if loop.secant_stiffness < 0.0 else "encloses no area"
-        raise ValueError(
-            f"{cycle} {lack} beside its noise ({noise_text(loop)}); leave it out, or measure more cycles of it."
-        )
+        raise ValueError(f"{cycle} {lack} beside its noise ({noise_text(loop)}); leave it out, or measure more cycles of it.")
     if loop.dissipated_energy <= 0.0:
         raise ValueError(
             f"{cycle} encloses no area: it gives {-loop.dissipated_energy:.3g} J away, so little that one channel lagging "

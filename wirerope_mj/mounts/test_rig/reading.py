@@ -158,9 +158,7 @@ def _group(header: Header, columns: dict[str, int]) -> list[Samples]:
                 )
             samples = groups[label] = Samples(label, values.get("amplitude"))
         if "time" in values and samples.time and values["time"] <= samples.time[-1]:
-            raise RecordError(
-                f"{location}: time must increase from row to row of a loop, got {cells[columns['time']]}."
-            )
+            raise RecordError(f"{location}: time must increase from row to row of a loop, got {cells[columns['time']]}.")
         samples.lines.append(line)
         for name in ("time", "deflection", "force"):
             if name in values:

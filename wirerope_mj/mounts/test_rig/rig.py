@@ -65,9 +65,7 @@ def cyclic_test(
     return [_test_one(law, float(size), operating_point, frequency, cycles, points_per_cycle) for size in sizes]
 
 
-def _test_one(
-    law: Law, amplitude: float, operating_point: float, frequency: float, cycles: int | None, points: int
-) -> Loop:
+def _test_one(law: Law, amplitude: float, operating_point: float, frequency: float, cycles: int | None, points: int) -> Loop:
     """Return the loop of one amplitude."""
     sine, cosine = _quarters(points)
     path = operating_point + amplitude * sine

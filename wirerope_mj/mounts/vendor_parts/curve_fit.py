@@ -68,9 +68,7 @@ def read_curve_sheet(content: Mapping[str, Any], path: Path) -> CurveSheet:
     sides = {name: _side(one, path.parent) for name, one in tables.items()}
     for name, side in sides.items():
         if curve not in side.curves:
-            raise ModelError(
-                f"{path}: [{name}] states no {curve} curve, which `curve` asks for: `{curve}_mm_N` is missing."
-            )
+            raise ModelError(f"{path}: [{name}] states no {curve} curve, which `curve` asks for: `{curve}_mm_N` is missing.")
     if not {"compression", "shear", "roll"} & set(sides):
         raise ModelError(f"{path}: a table of curves is missing: [compression], [shear] or [roll].")
     if "tension" in sides and ("compression" not in sides or sides["tension"].areas or sides["tension"].damping):
@@ -115,9 +113,7 @@ def _points(table: TomlTable, kind: str, folder: Path) -> Pairs:
         raise ModelError(f"{location}: {file} must have the columns deflection and force.")
     rows = [row for row in zip(columns["deflection"], columns["force"], strict=True) if row != (0.0, 0.0)]
     if any(min(row) <= 0.0 for row in rows):
-        raise ModelError(
-            f"{location}: {file}: points must be > 0, those of compression too: the table names the direction."
-        )
+        raise ModelError(f"{location}: {file}: points must be > 0, those of compression too: the table names the direction.")
     return rows
 
 

@@ -97,16 +97,13 @@ def read_table(path: Path, series: Series) -> list[VendorPart]:
         raise ModelError(str(error)) from None
 
 
-def _part(
-    location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series
-) -> VendorPart:
+def _part(location: str, cells: Sequence[str], names: Sequence[str], factors: Sequence[float], series: Series) -> VendorPart:
     """Return the part of one row."""
     columns = [column for column in zip(names, cells, factors, strict=True) if column[0] != "part"]
     values = {name: _stated(location, name, cell, factor) for name, cell, factor in columns}
     loops = values["loops"]
     modes = {
-        mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)})
-        for mode in MODES
+        mode: ModeValues(**{item.name: values.get(f"{mode} {item.name}") for item in fields(ModeValues)}) for mode in MODES
     }
     return VendorPart(
         name=cells[names.index("part")], series=series, loops=None if loops is None else round(loops), modes=modes,

@@ -122,9 +122,7 @@ class DataSheet:
         return {name: values for name, values in one.items() if values is not None}
 
 
-def two_stiffnesses(
-    travel: float, vibration: float, shock: float, amplitude: float | None = None
-) -> tuple[StatedValue, ...]:
+def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: float | None = None) -> tuple[StatedValue, ...]:
     """Return a vibration stiffness and a shock stiffness [N/m] as stated values of an axis with a rated travel [m].
 
     They are the secants of the steady loop of an amplitude [m], `VIBRATION_AMPLITUDE` of the travel by default, and of the
@@ -182,9 +180,7 @@ def _roll_of_loop(table: TomlTable) -> bool:
     if "roll" not in table.entries:
         return False
     if (value := table.entries.pop("roll")) != "rope loop":
-        raise ModelError(
-            f'{table.location} `roll` must be a table [roll], "rope loop", or absent (as shear), got {value!r}.'
-        )
+        raise ModelError(f'{table.location} `roll` must be a table [roll], "rope loop", or absent (as shear), got {value!r}.')
     return True
 
 

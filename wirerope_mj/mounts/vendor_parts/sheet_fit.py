@@ -14,14 +14,7 @@ from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
 from wirerope_mj.mounts.laws import LoopCoupling, Parallel
-from wirerope_mj.mounts.rope_loop import (
-    AxisCurves,
-    axis_curves,
-    fit_coupling,
-    loop_positions,
-    loop_shape,
-    rotational_stiffness,
-)
+from wirerope_mj.mounts.rope_loop import AxisCurves, axis_curves, fit_coupling, loop_positions, loop_shape, rotational_stiffness
 from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
@@ -117,9 +110,7 @@ def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves
     return {"shear": law, "roll": roll, "coupling": "loop", "loop": loop}
 
 
-def _fit(
-    stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float, rule: FitRule
-) -> NiLaw | Parallel:
+def _fit(stated: AxisValues, curve: ElasticShape, yielding: float | None, amplitude: float, rule: FitRule) -> NiLaw | Parallel:
     """Return the law of one axis; a damping ratio that is aimed at comes before a yield deflection."""
     if stated.damping is not None:
         return fit_damped(stated.fitted, curve, damping=stated.damping, amplitude=amplitude, rule=rule)
@@ -128,9 +119,7 @@ def _fit(
     return fit_secants(stated.fitted, curve, yielding, rule)
 
 
-def _rotation(
-    sheet: DataSheet, axial: NiLaw | Parallel, roll: NiLaw | Parallel | None, curves: AxisCurves
-) -> Rotation | None:
+def _rotation(sheet: DataSheet, axial: NiLaw | Parallel, roll: NiLaw | Parallel | None, curves: AxisCurves) -> Rotation | None:
     """Return the rotational stiffness of the loops, spread over the bars; None where their length is not stated."""
     if sheet.bar_length is None or sheet.loops is None:
         return None
@@ -204,9 +193,7 @@ def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
     if sheet.bar_length is not None:
         texts.append("turning: the elastic part of loops that are spread evenly over the bars")
     if sheet.roll_of_loop:
-        texts.append(
-            "roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's"
-        )
+        texts.append("roll: what the rope loop has beside the axial stiffness, with friction in the proportion of shear's")
     if sheet.shear is not None and sheet.shear.damping is None:
         part = "" if sheet.scales == 1 else "three quarters of "
         texts.append(f"shear and roll: friction yields at {part}the deflection of the axial law")
@@ -245,9 +232,7 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
     """
     compression = _axis(part, "compression", part.series.damping)
     if compression is None:
-        raise ModelError(
-            f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit."
-        )
+        raise ModelError(f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit.")
     measures = {"height": part.height, "width": part.width, "rope": part.rope}
     for name, value in measures.items():
         if value is None:

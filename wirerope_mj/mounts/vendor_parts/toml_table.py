@@ -7,12 +7,7 @@ from typing import Any
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STIFFNESS_UNITS, in_si
 
-_UNITS = {
-    **LENGTH_UNITS,
-    **FORCE_UNITS,
-    **{unit.replace("/", "_per_"): n for unit, n in STIFFNESS_UNITS.items()},
-    "Hz": 1.0,
-}
+_UNITS = {**LENGTH_UNITS, **FORCE_UNITS, **{unit.replace("/", "_per_"): n for unit, n in STIFFNESS_UNITS.items()}, "Hz": 1.0}
 LENGTH, FORCE, STIFFNESS, FREQUENCY = ("mm", "in"), ("N", "daN", "kN"), ("N_per_mm", "lb_per_in"), ("Hz",)
 Pairs = list[tuple[float, float]]
 

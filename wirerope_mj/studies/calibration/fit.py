@@ -156,9 +156,7 @@ def _starts(problem: Problem, noises: Sequence[Noise], seed: int) -> Array:
     return np.asarray(normals[good][np.argsort(costs)[:STARTS]])
 
 
-def _searched(
-    problem: Problem, noises: Sequence[Noise], start: Array, tolerance: float
-) -> scipy.optimize.OptimizeResult:
+def _searched(problem: Problem, noises: Sequence[Noise], start: Array, tolerance: float) -> scipy.optimize.OptimizeResult:
     """Return the end of a search by least squares over the whitened residual and the prior."""
     roots = problem.roots(noises)
 

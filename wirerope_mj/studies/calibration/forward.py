@@ -54,9 +54,7 @@ class SystemForward:
         own = {name: one for name, one in vary.items() if not name.startswith("channel/")}
         for name, one in vary.items():
             if isinstance(one, Choice | Isotropic):
-                raise ValueError(
-                    f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}."
-                )
+                raise ValueError(f"`vary`: {name!r} must be a Normal, a Uniform or Specimens to be calibrated, got {one!r}.")
         resolved = quantities(own, system, [test.motion for test in tests if isinstance(test, MeasuredTest)])
         self.columns = tuple(column for quantity in resolved for column in quantity.columns)
         self._runs = [_runs_of(system, test, self.columns, domain) for test in tests]
@@ -115,9 +113,7 @@ class SystemForward:
 def _runs_of(system: System, test: Test, columns: tuple[InputColumn, ...], domain: Domain) -> Runs:
     if isinstance(test, FrequencyTest):
         return FrequencyRuns(system, test, columns)
-    return (
-        LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
-    )
+    return LoopRuns(system, test, columns) if isinstance(test, LoopTest) else TransientRuns(system, test, columns, domain)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,9 +142,7 @@ def nuisances(vary: Mapping[str, Distribution], channels: Sequence[str]) -> list
             raise ModelError(f"`vary`: there is no quantity {name!r} of a channel; there is {FORM}.")
         pattern, kind = match.groups()
         matched = [
-            k
-            for k, one in enumerate(channels)
-            if fnmatchcase(one, pattern) or fnmatchcase(one.partition("/")[2], pattern)
+            k for k, one in enumerate(channels) if fnmatchcase(one, pattern) or fnmatchcase(one.partition("/")[2], pattern)
         ]
         if not matched:
             raise ModelError(f"`vary`: {name!r}: there is no channel {pattern!r}. There is: {', '.join(channels)}.")

@@ -130,10 +130,7 @@ def read_frequency_tests(path: Path, phrase: str) -> list[FrequencyTest]:
     factors = (header.factor(places[0], {"Hz": 1.0}), header.factor(places[1], ACCELERATION_UNITS), 1.0)
     rows = np.array(
         [
-            [
-                number_in(location, name, cells[k]) * factor
-                for name, k, factor in zip(_COLUMNS, places, factors, strict=True)
-            ]
+            [number_in(location, name, cells[k]) * factor for name, k, factor in zip(_COLUMNS, places, factors, strict=True)]
             for _, location, cells in rows_below(header)
         ]
     ).reshape(-1, 3)

@@ -66,9 +66,7 @@ class LoopRuns:
             law = isolator.conditioned.axes[self.test.axis]
             assert law is not None  # a variant has the laws of its system
             forces = [loop.model_force(law) for loop in self._loops]
-            found.append(
-                [one - one.mean() for one in forces] if all(np.isfinite(one).all() for one in forces) else None
-            )
+            found.append([one - one.mean() for one in forces] if all(np.isfinite(one).all() for one in forces) else None)
         self._maker.forget()
         return found
 

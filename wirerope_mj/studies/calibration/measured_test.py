@@ -151,9 +151,7 @@ class Comparable:
 
     def of_column(self, values: Array, base: Array) -> Array:
         """Return what the channel measures of its column (n_t,); `base`: displacement of the base [m], (n_t, 3)."""
-        moved = (
-            values - values[0] if self.channel.counts_from_start or self.channel.quantity == "displacement" else values
-        )
+        moved = values - values[0] if self.channel.counts_from_start or self.channel.quantity == "displacement" else values
         if self.channel.quantity != "displacement" or self.channel.absolute:
             return moved
         return moved - base[:, _XYZ.index(self.channel.axis)]

@@ -113,9 +113,7 @@ def predict(
     ]
     reached = [k for k, name in enumerate(measures) if name.startswith("deflection/")]
     beyond = (
-        float(np.median(samples[:, reached].max(axis=1)) / max(np.max(one[:, reached]) for one in tested))
-        if tested
-        else 1.0
+        float(np.median(samples[:, reached].max(axis=1)) / max(np.max(one[:, reached]) for one in tested)) if tested else 1.0
     )
     beyond = max(beyond, 1.0)
     size, peaks = calibration.peak_error
@@ -123,9 +121,7 @@ def predict(
     samples = np.repeat(samples, ERRORS, axis=0)
     error = np.maximum(1.0 + size * beyond * generator.standard_t(peaks, len(samples)), 0.0)
     samples[:, [name not in UNSCALED for name in measures]] *= error[:, np.newaxis]
-    return Prediction(
-        names=measures, samples=samples, peak_error=size * beyond, beyond=beyond, motion=motion.description
-    )
+    return Prediction(names=measures, samples=samples, peak_error=size * beyond, beyond=beyond, motion=motion.description)
 
 
 def _measures(work: Work, values: Array) -> Array:

@@ -61,9 +61,7 @@ class Calibrated(Summarised):
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {
             name: f"{value:.5g} ({low:.5g} to {high:.5g}) {unit}".rstrip()
-            for name, unit, value, (low, high) in zip(
-                self.names, self.units, self.values, self.intervals(), strict=True
-            )
+            for name, unit, value, (low, high) in zip(self.names, self.units, self.values, self.intervals(), strict=True)
         }
         return f"{type(self).__name__}: {self.message}", lines
 
@@ -97,11 +95,7 @@ class Calibrated(Summarised):
         series, fit = self.problem.series, self.fit
         own, moved, slopes = 0.0, np.zeros(len(self.names)), []
         for one, noise, model, slope in zip(
-            series,
-            fit.noises,
-            self.problem.split(fit.model),
-            np.split(fit.jacobian, self.problem.ends[:-1]),
-            strict=True,
+            series, fit.noises, self.problem.split(fit.model), np.split(fit.jacobian, self.problem.ends[:-1]), strict=True
         ):
             own += float(np.mean((noise.deviation(one) / one.rms) ** 2))
             moved += np.mean((slope / one.rms) ** 2, axis=0)
@@ -181,9 +175,7 @@ class Calibrated(Summarised):
         logarithms the difference at the largest value.
         """
         squares: list[float] = []
-        for one, own, noise in zip(
-            self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True
-        ):
+        for one, own, noise in zip(self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True):
             noisy = noise.white / (1.0 if one.across == LOGARITHMS else one.largest)
             squares += ((_peaks(one, own) - _peaks(one, one.values)) ** 2 - noisy**2).tolist()
         return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
@@ -213,9 +205,7 @@ def _peaks(series: Series, values: Array) -> Array:
     if series.across != "time":
         return np.array([values.max(), values.min()]) / np.abs(series.values).max()
     step = float(np.diff(series.at).min())
-    time = np.arange(
-        series.at[0], series.at[-1] + 0.5 * step, step
-    )  # saturated samples are bridged straight, in all values
+    time = np.arange(series.at[0], series.at[-1] + 0.5 * step, step)  # saturated samples are bridged straight, in all values
     frequencies = series.frequency * 2.0 ** np.arange(-OCTAVES, OCTAVES + 1)
     frequencies = frequencies[frequencies <= max(0.1 / step, frequencies[0])]
     even = np.interp(time, series.at, values)

@@ -84,9 +84,7 @@ def _together(work: Work, chunk: Chunk) -> Together:
 
 def died(work: Work, chunk: Chunk, message: str) -> Part:
     """Return what there is of a chunk whose process died each time."""
-    return Part(
-        number=chunk.number, table=_table(work, chunk, dict.fromkeys(range(len(chunk.rows)), message)), died=True
-    )
+    return Part(number=chunk.number, table=_table(work, chunk, dict.fromkeys(range(len(chunk.rows)), message)), died=True)
 
 
 class Accident(str):
@@ -119,9 +117,7 @@ def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, b
             motions.append(motion)
             indices.append(index)
     try:
-        results = go_alone(
-            work, systems, motions, threads=1, responses=responses is not None or needs_samples(work.system)
-        )
+        results = go_alone(work, systems, motions, threads=1, responses=responses is not None or needs_samples(work.system))
     except Exception as error:  # whatever one variant does must not cost the others their results
         if len(rows) > 1:
             return [outcome for row in rows for outcome in _outcomes(work, [row], responses)]

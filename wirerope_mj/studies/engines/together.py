@@ -233,9 +233,7 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             parameters, rates[:, 3 * number + place], forms[place] = laws[key]
             writer.write_law(numbers, mount, place, parameters)
         if isolator.coupled_axes and any(place in isolator.coupled_axes for place in forms):
-            one, other = (
-                forms.get(place) or _form(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes
-            )
+            one, other = (forms.get(place) or _form(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
             writer.write_coupling(numbers, mount, np.array([one[0], one[1], one[2], other[2], one[3], other[3]]))
 
 

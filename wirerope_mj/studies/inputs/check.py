@@ -75,9 +75,7 @@ def _law_valid(system: System, mount: str, axis: str, parameters: dict[str, Any]
     isolator = system.mounts[mount].written
     law = isolator.axes[axis]
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too
-    if coupled and (
-        isolator.coupling != "loop" or {name.rpartition(".")[2] for name in parameters} & _SHARED_IN_A_LOOP
-    ):
+    if coupled and (isolator.coupling != "loop" or {name.rpartition(".")[2] for name in parameters} & _SHARED_IN_A_LOOP):
         return False
     if isinstance(law, Parallel):
         return law.certainly_valid(parameters)

@@ -26,9 +26,7 @@ class Normal:
     deviation: float  #: standard deviation, > 0
     _: KW_ONLY
     relative: bool = False  #: whether its values are factors on what the model says, and not values themselves
-    each: bool = (
-        False  #: whether every mount or body that the name matches has a sample of its own; else they share one
-    )
+    each: bool = False  #: whether every mount or body that the name matches has a sample of its own; else they share one
     #: factor of Sobol's indices that it belongs to, together with all of the same group; None: one of its own
     group: str | None = None
     low: float | None = None  #: bounds of the values; None = unbounded

@@ -143,9 +143,7 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
     if not isinstance(distribution, Distribution):
         text = f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
         raise ValueError(text)
-    kind, parts = next(
-        ((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ())
-    )
+    kind, parts = next(((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ()))
     if isinstance(distribution, Isotropic) and kind is not Elevation:
         raise ValueError(f"`vary`: {name!r} cannot be Isotropic; it is for {Elevation.form}.")
     if isinstance(distribution, Specimens) and kind is not Spread:

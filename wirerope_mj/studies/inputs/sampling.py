@@ -73,9 +73,7 @@ def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
             '"latin-hypercube" or "random".'
         )
     # Sobol points are balanced in powers of two, and every shorter series is the beginning of them.
-    points = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2(
-        max(variants - 1, 0).bit_length()
-    )
+    points = scipy.stats.qmc.Sobol(dimensions, scramble=True, rng=generator).random_base2(max(variants - 1, 0).bit_length())
     return np.asarray(points[:variants])
 
 

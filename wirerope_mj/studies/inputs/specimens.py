@@ -43,19 +43,14 @@ def deviation_bounds(specimens: int, *, confidence: float = 0.95) -> tuple[float
 def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
     """Return for every isolator whose specimens vary how well their scatter is known at all."""
     isolators = {
-        one.name: one
-        for quantity in quantities
-        if isinstance(quantity.distribution, Specimens)
-        for one in quantity.isolators
+        one.name: one for quantity in quantities if isinstance(quantity.distribution, Specimens) for one in quantity.isolators
     }
     return [text for one in isolators.values() if one.spread is not None and (text := _message(one.name, one.spread))]
 
 
 def _message(name: str, spread: Spread) -> str:
     if spread.calibrated:
-        return (
-            f"Specimens of {name}: drawn from what its calibration leaves open; specimens of one make scatter besides."
-        )
+        return f"Specimens of {name}: drawn from what its calibration leaves open; specimens of one make scatter besides."
     specimens = known_specimens(spread)
     if specimens is None or specimens < 2:
         return ""
@@ -99,9 +94,5 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
     return replace(
         isolator,
         spread=replace(isolator.spread, covariance=tuple(tuple(float(one) for one in row) for row in covariance)),
-        **{
-            axis: replace(law, **law.completed(laws[axis]))
-            for axis, law in isolator.axes.items()
-            if law and axis in laws
-        },  # type: ignore[arg-type]
+        **{axis: replace(law, **law.completed(laws[axis])) for axis, law in isolator.axes.items() if law and axis in laws},  # type: ignore[arg-type]
     )

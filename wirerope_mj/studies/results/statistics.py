@@ -62,8 +62,7 @@ def quantiles(values: Array, probabilities: Sequence[float]) -> list[float]:
     beyond = [known.size * min(q, 1.0 - q) for q in probabilities]
     # 50 (1 - 0.9) is a little less than 5 in floating point.
     return [
-        float(np.quantile(known, q)) if n >= _BEYOND - 1e-9 else math.nan
-        for q, n in zip(probabilities, beyond, strict=True)
+        float(np.quantile(known, q)) if n >= _BEYOND - 1e-9 else math.nan for q, n in zip(probabilities, beyond, strict=True)
     ]
 
 

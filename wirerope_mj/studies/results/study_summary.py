@@ -123,10 +123,7 @@ class StudySummary:
     def worst(self, count: int) -> list[dict[str, Any]]:
         """Return the rows of the variants with the largest values of `by`; for Sobol's indices, of independent ones."""
         table = self.result.independent
-        every = {
-            name: values_of(table, name).tolist()
-            for name in {one.name for one in self.measures} - {*table.column_names}
-        }
+        every = {name: values_of(table, name).tolist() for name in {one.name for one in self.measures} - {*table.column_names}}
         rows = table["variant"].to_pylist()
         return [
             row_of(table, number) | {name: values[rows.index(number)] for name, values in every.items()}

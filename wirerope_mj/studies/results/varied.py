@@ -73,11 +73,7 @@ def _varied(quantity: Quantity, study: StudyDefinition) -> Varied:
 def distribution_text(distribution: Distribution) -> str:
     """Return a distribution as text: "normal, mean 0.35, standard deviation 0.03"."""
     if isinstance(distribution, Normal):
-        ends = [
-            f"{bound} {end:g}"
-            for bound, end in (("from", distribution.low), ("to", distribution.high))
-            if end is not None
-        ]
+        ends = [f"{bound} {end:g}" for bound, end in (("from", distribution.low), ("to", distribution.high)) if end is not None]
         bounds = f", {' '.join(ends)}" if ends else ""
         return f"normal, mean {distribution.mean:g}, standard deviation {distribution.deviation:g}{bounds}"
     if isinstance(distribution, Uniform):

@@ -136,9 +136,7 @@ def violations(table: pa.Table, limits: Mapping[str, float]) -> Array:
 
 def feasible(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> Mask:
     """Return the mask of the designs that were simulated, have a value of all that is minimised, and keep all limits, (n,)."""
-    return np.asarray(
-        np.isfinite(objectives(table, names)).all(axis=1) & (violations(table, limits) <= 0.0).all(axis=1)
-    )
+    return np.asarray(np.isfinite(objectives(table, names)).all(axis=1) & (violations(table, limits) <= 0.0).all(axis=1))
 
 
 def front(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> list[int]:

@@ -125,9 +125,7 @@ class SearchResult(StudyResult):
         if closest is None:
             first = min(self.failed, default=None)
             why = why_early(self.table) or (
-                "nothing is rated or stated by which the designs would be judged"
-                if first is None
-                else self.failed[first]
+                "nothing is rated or stated by which the designs would be judged" if first is None else self.failed[first]
             )
             return f"None has values of all that is minimised or limited: {why.rstrip('.')}."
         row, name, over = closest

@@ -305,9 +305,7 @@ class Search(SearchDefinition):
         with computed_alone(folder, identity):
             parts = 0
             if not (folder / TABLE).is_file():
-                with share_bar(
-                    "search", "designs/s", total=self.generations, parts="generations", enabled=progress
-                ) as update:
+                with share_bar("search", "designs/s", total=self.generations, parts="generations", enabled=progress) as update:
                     evolving = Evolving(self, folder, keep, run, {"workers": workers, "address": address}, update)
                     with closing(evolving):  # so that no process goes on if this one is interrupted
                         evolving.evolve()

@@ -35,9 +35,7 @@ _POINTS = 1500  # Points of a curve on the page: two for every pixel of its widt
 def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = ()) -> dict[str, Any]:
     """Return verdict, tables and curves of a run beside those of the one before it and of tests, as JSON takes them."""
     runs = [now] if before is None else [before, now]
-    comparison = compare_runs(
-        {run.name: run.response for run in runs}, verdicts={run.name: run.verdicts for run in runs}
-    )
+    comparison = compare_runs({run.name: run.response for run in runs}, verdicts={run.name: run.verdicts for run in runs})
     tables = chain([figures_table(comparison), accelerations_table(comparison)], travel_tables(comparison))
     told, agreeing = _told(now), [[correlate(run.response, test) for test in tests] for run in runs]
     told["lines"] += [f"{one.name}: {one.statement}" for one in agreeing[-1]]
@@ -87,13 +85,9 @@ def _panels(comparison: Comparison, runs: list[ShownRun]) -> list[Panel]:
     mount = _worst_mount(mount_peaks(now))
     if mount is not None:
         axis = (
-            RATINGS[mount.governing][0]
-            if mount.governing
-            else int(np.abs([mount.minimum, mount.maximum]).max(axis=0).argmax())
+            RATINGS[mount.governing][0] if mount.governing else int(np.abs([mount.minimum, mount.maximum]).max(axis=0).argmax())
         )
-        lines = [
-            Line(response=run.response, subject=mount.name, name=run.name, kind=rank) for rank, run in enumerate(runs)
-        ]
+        lines = [Line(response=run.response, subject=mount.name, name=run.name, kind=rank) for rank, run in enumerate(runs)]
         panels.append(history_panel("deflection", AXES[axis], lines, window, part=mount.name))
     judged = [row for row in runs[-1].verdicts if row.criterion.kind == ACCELERATION and row.utilisation is not None]
     worst: Verdict | None = max(judged, key=lambda row: row.utilisation or 0.0, default=None)

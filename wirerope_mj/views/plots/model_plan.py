@@ -22,9 +22,7 @@ def plan_figure(layout: Layout) -> Figure:
     figure = PlainFigure(figsize=(11.7, 8.3), layout="constrained")  # A4, lying
     payload = layout.payload
     figure.suptitle(f"{layout.name}: {payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm")
-    panels: dict[str, Any] = figure.subplot_mosaic(
-        [["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0)
-    )
+    panels: dict[str, Any] = figure.subplot_mosaic([["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0))
     labels = {title: _draw(panels[title], layout, across, up) for title, across, up in _VIEWS}
     for title in labels:
         panels[title].set_title(title)

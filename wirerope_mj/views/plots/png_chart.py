@@ -134,9 +134,7 @@ def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
         axes.barh(curve.y, curve.x, height=curve.bars, **look)
         if curve.ends is not None:
             reach = np.abs(np.maximum([curve.x - curve.ends[:, 0], curve.ends[:, 1] - curve.x], 0.0))
-            axes.errorbar(
-                curve.x, curve.y, xerr=reach, fmt="none", ecolor="0.25", elinewidth=0.9, capsize=2.0, zorder=4.0
-            )
+            axes.errorbar(curve.x, curve.y, xerr=reach, fmt="none", ecolor="0.25", elinewidth=0.9, capsize=2.0, zorder=4.0)
         return
     if curve.marks:
         axes.plot(curve.x, curve.y, ".", ms=4.0 * curve.weight, **look)

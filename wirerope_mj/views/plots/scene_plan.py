@@ -38,9 +38,7 @@ def save_scenes(views: Sequence[SceneView], path: str | Path, *, title: str = ""
             _draw_view(panel, view, number)
         panels[2 * row, column].set_title("\n".join(wrap(view.caption, 60)), fontsize=8)
         panels[2 * row + 1, column].set_title("")
-    labels = {
-        label: mark for panel in panels.ravel() for mark, label in zip(*panel.get_legend_handles_labels(), strict=True)
-    }
+    labels = {label: mark for panel in panels.ravel() for mark, label in zip(*panel.get_legend_handles_labels(), strict=True)}
     figure.legend(labels.values(), labels.keys(), loc="outside lower center", ncols=4, frameon=False)
     figure.savefig(path, format="png")
 
@@ -50,9 +48,7 @@ def save_still(view: SceneView, path: str | Path, *, title: str = "") -> None:
     figure = PlainFigure(figsize=(11.0, 6.5), layout="constrained", dpi=_DPI)
     figure.suptitle(title, fontsize=12, fontweight="bold")
     drawn = [drawn_scene(one) for one in (view.scene, view.moved) if one is not None]
-    whole = replace(
-        drawn[0], low=np.min([one.low for one in drawn], axis=0), high=np.max([one.high for one in drawn], axis=0)
-    )
+    whole = replace(drawn[0], low=np.min([one.low for one in drawn], axis=0), high=np.max([one.high for one in drawn], axis=0))
     for number, panel in enumerate(figure.subplots(1, 2)):
         _draw_view(panel, view, number)
         side = drawn[0].views[number]
@@ -78,9 +74,7 @@ def _draw_view(panel: Any, block: SceneView, number: int) -> None:
     for one, opacity in ((scene, 1.0),) if block.moved is None else ((scene, 0.3), (block.moved, 1.0)):
         shapes = outlines(drawn_scene(one), view)
         corners, colours = [shape.corners for shape in shapes], [shape.colour for shape in shapes]
-        panel.add_collection(
-            PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35, alpha=opacity)
-        )
+        panel.add_collection(PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35, alpha=opacity))
     if block.ring is not None:
         at = block.ring[1]
         panel.plot(at[view.right], at[view.up], "o", ms=12, mfc="none", color=_RATED if block.exceeded else "0.25")

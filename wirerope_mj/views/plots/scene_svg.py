@@ -111,9 +111,7 @@ def _axes(view: View, size: tuple[float, float], place: Place) -> Iterator[str]:
     across = linear_ticks(-zero[0] / scale, (size[0] - zero[0]) / scale, most=min(8, max(2, int(size[0] / 28.0))))
     upward = linear_ticks((zero[1] - size[1]) / scale, zero[1] / scale, most=max(int(size[1] / 30.0), 2))
     columns, rows = zero[0] + scale * across, zero[1] - scale * upward
-    lines = "".join(f"M{at:.1f} 0V{size[1]:.1f}" for at in columns) + "".join(
-        f"M0 {at:.1f}H{size[0]:.1f}" for at in rows
-    )
+    lines = "".join(f"M{at:.1f} 0V{size[1]:.1f}" for at in columns) + "".join(f"M0 {at:.1f}H{size[0]:.1f}" for at in rows)
     yield f'<path class="grid" d="{lines}" fill="none" stroke="{_GRID}"/>'
     yield f'<path class="frame" d="M0 0V{size[1]:.1f}H{size[0]:.1f}" fill="none" stroke="{_FRAME}"/>'
     name = f"{view.title}: {'xyz'[view.up]} [m] over {'xyz'[view.right]} [m]"
@@ -168,9 +166,7 @@ def _labels(scene: Scene, view: View, place: Place) -> Iterator[str]:
 
 
 def _overlap(box: tuple[float, float, float, float], other: tuple[float, float, float, float]) -> float:
-    return max(min(box[2], other[2]) - max(box[0], other[0]), 0.0) * max(
-        min(box[3], other[3]) - max(box[1], other[1]), 0.0
-    )
+    return max(min(box[2], other[2]) - max(box[0], other[0]), 0.0) * max(min(box[3], other[3]) - max(box[1], other[1]), 0.0)
 
 
 def _stretched(scene: Scene, view: View, place: Place) -> Iterator[str]:

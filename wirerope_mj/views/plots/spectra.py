@@ -129,9 +129,7 @@ def _diagonals(panel: Any) -> None:
 
 
 def _label(panel: Any, x: float, y: float, text: str, angle: float, end: str, colour: str) -> None:
-    panel.text(
-        x, y, text, rotation=angle, rotation_mode="anchor", ha=end, va="bottom", fontsize=7, color=colour, zorder=5
-    )
+    panel.text(x, y, text, rotation=angle, rotation_mode="anchor", ha=end, va="bottom", fontsize=7, color=colour, zorder=5)
 
 
 def _round_numbers(low: float, high: float, *, scale: float) -> Sequence[float]:

@@ -86,22 +86,16 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
         if curve.bars:
             drawn.append(_bars(curve, across, upward))
             continue
-        drawn += [
-            f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in _paths(curve, across, upward)
-        ]
+        drawn += [f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in _paths(curve, across, upward)]
     parts += reversed(drawn)  # the first in front
     for name, level in panel.limits:
         if y0 <= level <= y1:
-            parts.append(
-                f'<path {_LIMIT} data-name="{safe_text(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>'
-            )
+            parts.append(f'<path {_LIMIT} data-name="{safe_text(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>')
     for name, level in panel.xlimits:
         if x0 <= level <= x1:
             at = f"M{across(level):.1f} {top:.1f}v{height:.1f}"
             parts.append(f'<path {_LIMIT} data-name="{safe_text(name)}" d="{at}"/>')
-    parts += [
-        f'<circle class="dot" fill="#333" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots
-    ]
+    parts += [f'<circle class="dot" fill="#333" cx="{across(x):.1f}" cy="{upward(y):.1f}" r="3"/>' for x, y in panel.dots]
     for x, y, note, on_left in panel.notes:
         aside = -6.0 if on_left else 6.0
         parts.append(_text(across(x) + aside, upward(y) + 4.0, note, anchor="end" if on_left else "start", halo=True))

@@ -34,9 +34,7 @@ def bending_below(response: Response, mount: SceneMount, rows: Rows) -> Array:
 
 def see_through(body: SceneBody) -> Sequence[Geom]:
     """Return the geoms of a body, faint if it bends."""
-    return (
-        [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, _FAINT]) for geom in body.geoms] if body.bends else body.geoms
-    )
+    return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, _FAINT]) for geom in body.geoms] if body.bends else body.geoms
 
 
 def log_bending(rec: Any, path: str, response: Response, rows: Rows, factor: float) -> None:

@@ -67,15 +67,12 @@ def _scenes(drawn: Drawn, factor: float) -> list[Any]:
             scenes.append(rrb.Spatial2DView(origin=entity(PLAN), name=name, background=GROUND, visual_bounds=bounds))
         if factor > 1.0:
             camera = whole_scene(run.response, mount=run.selection.governing)
-            scenes.append(
-                scene_view(below + _origin(run), [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera)
-            )
+            scenes.append(scene_view(below + _origin(run), [f"+ {below}/**"], f"Motion drawn {factor:g} times larger", camera))
         return scenes
     columns = 1 if len(drawn.runs) <= 3 else 2
     aspect = _SCENES[0] / columns / (_SCENES[1] / -(-len(drawn.runs) // columns))
     whole = [
-        _scene(run, f"{run.name}: {run.response.scene.name}", whole_scene(run.response, aspect=aspect))
-        for run in drawn.runs
+        _scene(run, f"{run.name}: {run.response.scene.name}", whole_scene(run.response, aspect=aspect)) for run in drawn.runs
     ]
     names = " and ".join(run.name for run in drawn.runs)
     camera = whole_scene(largest.response)

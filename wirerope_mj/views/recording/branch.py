@@ -64,9 +64,7 @@ _TIMELINES = (
 )
 
 
-def record_branches(
-    result: FrequencyResponse, findings: list[LevelSummary], content: Content, path: str | Path
-) -> Path:
+def record_branches(result: FrequencyResponse, findings: list[LevelSummary], content: Content, path: str | Path) -> Path:
     """Write the branches of a frequency response as a recording, a file or `run.rrd` of a folder, and return its path.
 
     ValueError if no level has a branch; RecordError if the environment variable RERUN switches recordings off.
@@ -125,8 +123,7 @@ def loop_grid(loops: int) -> tuple[int, float]:
 def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
     """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
     texts = rrb.Tabs(
-        rrb.TextDocumentView(origin=entity(MOTION), name="Motion"),
-        rrb.TextDocumentView(origin=entity(ABOUT), name="Levels"),
+        rrb.TextDocumentView(origin=entity(MOTION), name="Motion"), rrb.TextDocumentView(origin=entity(ABOUT), name="Levels")
     )
     multipliers = _plane(entity(MULTIPLIERS), f"Floquet multipliers at {animation.strip.level:.4g} m/s²", SQUARE)
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
@@ -268,6 +265,4 @@ def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:
     drawn = values * np.minimum(1.0, _LARGEST / np.maximum(modulus, 1e-12))
     colors: list[Color] = [_OUTSIDE if size > 1.0 + 1e-4 else _INSIDE for size in modulus]
     columns = rr.Points2D.columns(positions=np.column_stack([drawn.real, drawn.imag]), colors=colors)
-    rec.send_columns(
-        child(data, "here"), at_points(animation, animation.strip), columns.partition([row.size for row in rows])
-    )
+    rec.send_columns(child(data, "here"), at_points(animation, animation.strip), columns.partition([row.size for row in rows]))

@@ -8,15 +8,7 @@ import numpy as np
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
 from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
 from wirerope_mj.assessment.criteria import Verdict
-from wirerope_mj.content.histories import (
-    TOTAL,
-    USED,
-    Histories,
-    difference_key,
-    differing,
-    overlay_histories,
-    run_histories,
-)
+from wirerope_mj.content.histories import TOTAL, USED, Histories, difference_key, differing, overlay_histories, run_histories
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.content.panels import Panel
 from wirerope_mj.content.selection import Selection, main_direction, select

@@ -79,9 +79,7 @@ def log_frame(
     frame = rr.LineStrips2D(lines, colors=colors, radii=rr.Radius.ui_points(0.6), draw_order=-10.0)
     below = plot.points(across, y0) + [0.0, 1.0]
     beside = plot.points(x0, upward) + [-7.5, -lift]
-    labels = (
-        [f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0] if names is None else [*names[0], *names[1]]
-    )
+    labels = [f"{value:g}" for value in np.round((*across, *upward), 9) + 0.0] if names is None else [*names[0], *names[1]]
     numbers = rr.Points2D(
         np.concatenate([below, beside]), labels=labels, colors=_TICK, radii=rr.Radius.ui_points(0.0), show_labels=True
     )

@@ -57,9 +57,7 @@ def log_ghosts(rec: Any, drawn: Drawn, factor: float) -> None:
             if drawn.alone and not frame.fixed:
                 began = frame.path + "_at_rest"
                 log_pose(below, began, time, start[0][None], start[1][None], rows)
-                draw_geoms(
-                    below, began, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent
-                )
+                draw_geoms(below, began, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent)
         if not drawn.alone:
             _log_name(below, run, number, extent)
 

@@ -43,9 +43,7 @@ def log_lanes(rec: Any, response: Response, selection: Selection) -> None:
     for used in selection.used:
         if used.subject in names:
             state = (used.course >= NEAR).astype(int) + (used.course > 1.0)
-            _log_lane(
-                rec, used.subject, [(float(response.time[row]), int(state[row])) for row in changes(state)], _USED, end
-            )
+            _log_lane(rec, used.subject, [(float(response.time[row]), int(state[row])) for row in changes(state)], _USED, end)
 
 
 def _subjects(selection: Selection) -> list[str]:
@@ -78,9 +76,7 @@ def _phases(response: Response) -> list[tuple[float, int]]:
     return [phase for phase in phases if response.reaches(phase[0])]
 
 
-def _log_lane(
-    rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...], end: float
-) -> None:
+def _log_lane(rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...], end: float) -> None:
     """Log a lane, seen until an instant `end` [s]; what is too short for its name is drawn in its colour alone."""
     labels, colors = zip(*states, strict=True)
     blanks = [" " * (number + 1) for number in range(len(labels))]

@@ -109,9 +109,7 @@ def drawn_loops(runs: Sequence[DrawnRun], shared: Selection) -> list[tuple[Drawn
     return [(run, loop) for run in runs for loop in loops_of(run.response, shared.among(run.selection.mounts))]
 
 
-def loop_plots(
-    drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, widths: Mapping[str, float]
-) -> list[LoopPlot]:
+def loop_plots(drawn: Sequence[tuple[DrawnRun, DrawnLoop]], shared: Selection, widths: Mapping[str, float]) -> list[LoopPlot]:
     """Return a plot for every mount and axis that is shown; `widths` of the frames by axis."""
     loops: dict[tuple[str, str], list[tuple[DrawnRun, DrawnLoop]]] = {}
     for run, loop in drawn:
@@ -169,10 +167,7 @@ def _cycles(values: Array, line: Rows) -> list[Rows]:
     # all.
     if line.size <= MOST_TRAIL_ROWS:
         return [line]
-    middles = {
-        int(np.abs(values[line, 0]).argmax()),
-        *np.linspace(0, line.size, _STRETCHES + 2).astype(int)[1:-1].tolist(),
-    }
+    middles = {int(np.abs(values[line, 0]).argmax()), *np.linspace(0, line.size, _STRETCHES + 2).astype(int)[1:-1].tolist()}
     return [line[max(0, middle - _STRETCH // 2) : middle + _STRETCH // 2] for middle in sorted(middles)]
 
 

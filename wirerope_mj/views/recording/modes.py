@@ -72,7 +72,5 @@ def _blueprint(animation: ModeAnimation, frames: dict[str, Frame], title: str) -
         rrb.TextDocumentView(origin=entity(ALL), name="All modes"),
         row_shares=[3, 2],
     )
-    panel = rrb.TimePanel(
-        state="collapsed", timeline=TIMELINE, playback_speed=1.0, play_state="paused", loop_mode="all"
-    )
+    panel = rrb.TimePanel(state="collapsed", timeline=TIMELINE, playback_speed=1.0, play_state="paused", loop_mode="all")
     return opening(rrb.Horizontal(scene, texts, column_shares=[5, 3]), panel)

@@ -108,9 +108,7 @@ def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], r
     rec.send_columns(path, at(response.time[rows]), poses.partition(np.full(rows.size, len(devices))))
 
 
-def _log_bars(
-    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]
-) -> None:
+def _log_bars(rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]) -> None:
     """Log the two bars of every mount, fixed to the bodies; of a run alone in the colour of what it uses of its limits."""
     bodies = {body.name: body for body in response.scene.bodies}
     bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
@@ -177,9 +175,7 @@ def _log_worst(rec: Any, path: str, response: Response, selection: Selection, de
     rec.log(child(path, "ring"), ring, static=True)
     name = mount.name if used is None else f"{mount.name} {in_unit(used.largest, '%'):.0f} %"
     spot = {"labels": [name], "colors": color, "radii": rr.Radius.ui_points(0.0), "show_labels": True}
-    rec.log(
-        child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True
-    )
+    rec.log(child(path, "worst"), rr.Points3D([mount.base_point + [0.0, 0.0, 0.8 * device.height]], **spot), static=True)
 
 
 def _log_forces(
@@ -193,9 +189,7 @@ def _log_forces(
         return
     feet = [d.mount.base_point + 0.5 * d.height * d.mount.axes[:, AXIAL] for d in devices]
     colors = [colour_of(selection, device.mount.name) for device in devices]
-    rec.log(
-        child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True
-    )
+    rec.log(child(path, "forces"), rr.Arrows3D.from_fields(origins=feet, colors=colors, radii=0.0015 * extent), static=True)
     rec.send_columns(
         child(path, "forces"),
         at(response.time[rows]),

@@ -74,13 +74,9 @@ def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float
     """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
     dense = is_dense(curve.x, curve.y[:, None], tolerance)
     name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
-    rows = (
-        rows_of_extremes(curve.y[:, None], _BAND_ROWS) if dense else rows_of_line(curve.x, curve.y[:, None], tolerance)
-    )
+    rows = rows_of_extremes(curve.y[:, None], _BAND_ROWS) if dense else rows_of_line(curve.x, curve.y[:, None], tolerance)
     # The viewer averages what falls into one pixel unless it is told to keep the extremes: a sweep would vanish.
-    look = rr.SeriesLines(
-        names=name, colors=color_of(curve), widths=1.0 if dense else width, aggregation_policy="MinMax"
-    )
+    look = rr.SeriesLines(names=name, colors=color_of(curve), widths=1.0 if dense else width, aggregation_policy="MinMax")
     rec.log(path, look, static=True)
     rec.send_columns(path, at(curve.x[rows]), rr.Scalars.columns(scalars=curve.y[rows]))
     return name

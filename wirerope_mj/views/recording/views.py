@@ -90,7 +90,5 @@ def event_view(origin: str) -> Any:
     # Instants stand in the texts: the viewer writes nanoseconds, and cuts them off.
     times = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]
     return rrb.TextLogView(
-        origin=origin,
-        name="Events",
-        columns=rrb.TextLogColumns(timeline_columns=times, text_log_columns=["loglevel", "body"]),
+        origin=origin, name="Events", columns=rrb.TextLogColumns(timeline_columns=times, text_log_columns=["loglevel", "body"])
     )

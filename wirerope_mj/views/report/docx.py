@@ -211,14 +211,10 @@ def _widths(columns: Sequence[Column], heads: list[str], rows: list[list[str]]) 
         letter = _LETTER * size
         room = (_WIDTH * _TWIPS - _CELL * len(columns)) / letter
         over = sum(letters) - room
-        give = [
-            max(count - _LEAST - word, 0.0) if b else 0.0 for count, word, b in zip(letters, words, breaks, strict=True)
-        ]
+        give = [max(count - _LEAST - word, 0.0) if b else 0.0 for count, word, b in zip(letters, words, breaks, strict=True)]
         if over <= 0.0 or over <= sum(give):
             part = max(over, 0.0) / (sum(give) or 1.0)
-            return size, [
-                round(letter * (count - part * less) + _CELL) for count, less in zip(letters, give, strict=True)
-            ]
+            return size, [round(letter * (count - part * less) + _CELL) for count, less in zip(letters, give, strict=True)]
     scale = room / sum(letters)
     return size, [round(letter * scale * count + _CELL) for count in letters]
 
