@@ -159,7 +159,7 @@ def test_an_amplitude_table_is_passed_frequency_by_frequency(tmp_path, text, lin
         ("to [Hz], from [Hz], displacement [mm]\n5, 6, 1\n", "an amplitude table has the columns"),
         ("frequency [Hz], displacement [g]\n5, 1\n", 'unknown unit "g"'),
         ("from [Hz], to [Hz], displacement [mm]\n9, 6, 1\n", "must end above its start"),
-        ("from [Hz], to [Hz], displacement [mm]\n4, 15, 1\n15, 25, 1\n", "must increase"),
+        ("from [Hz], to [Hz], displacement [mm]\n4, 15, 1\n15, 25, 1\n", "begin it at 16 Hz"),
         ("frequency [Hz], displacement [mm]\n5, 0\n", "> 0"),
     ],
 )

@@ -78,8 +78,8 @@ def test_bands_of_constant_amplitude_become_lines_at_every_step():
     [
         ([(4, 15)], "`bands` must hold a first frequency, a last frequency and an amplitude"),
         ([4, 15, 1.0], "`bands` must hold a first frequency, a last frequency and an amplitude"),
-        ([(15, 4, 1.0)], "a band of `bands` must end above its start, got 15 to 4 Hz"),
-        ([(4, 15, 1.0), (15, 20, 0.5)], "frequencies of `bands` must increase, got 15 Hz after 15 Hz"),
+        ([(15, 4, 1.0)], "a band must end above its start, got 15 to 4 Hz"),
+        ([(4, 15, 1.0), (15, 20, 0.5)], "the band from 15 to 20 Hz begins within the one before, which ends at 15 Hz"),
         ([], "`bands` must have at least 1 point, got 0"),
     ],
 )

@@ -49,7 +49,7 @@ class EnhancedDryFriction(Law):
         return np.array([self.d / self.u_c, 1.0 / self.u_c, 0.0, 1.0, self.k])
 
     @property
-    def z_max(self) -> float:  # type: ignore[override]
+    def z_max(self) -> float:
         """Bound d of the friction force [N]."""
         return self.d
 
@@ -119,7 +119,7 @@ class Masing(Law):
         return tuple(f"z{e + 1}" for e in range(len(self.stiffness)))
 
     @property
-    def z_max(self) -> float:  # type: ignore[override]
+    def z_max(self) -> float:
         """Bound of the sliders' force, the sum of the slip forces [N]."""
         return float(sum(self.slip_force))
 

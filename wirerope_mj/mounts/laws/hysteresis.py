@@ -123,7 +123,7 @@ class Hysteresis(Law):
         return {name: -1.0 for name in ("alpha", "beta", "gamma") if hasattr(self, name)}
 
     @property
-    def z_max(self) -> float:  # type: ignore[override]
+    def z_max(self) -> float:
         """Bound of z, (alpha / (beta + gamma))^(1/n) [N], thesis (3.19); infinite if beta + gamma <= 0."""
         return (self.alpha / self._total) ** (1.0 / self.n) if self._total > 0.0 else math.inf
 

@@ -35,7 +35,6 @@ class Law(ABC):
     relaxation_rate: ClassVar[float] = 0.0  # at which internal states decay at rest [1/s]
     # Parameters of an elastic part without which `z_max`, the bound of the hysteretic force [N], is all that a law bears.
     elastic: ClassVar[tuple[str, ...]] = ()
-    z_max: ClassVar[float] = 0.0
     # Deflection up to which the law holds [m], for the reason in `travel_rule`; infinite if it holds everywhere.
     finite_travel: ClassVar[float] = math.inf
     travel_rule: ClassVar[str] = "its force becomes infinite"
@@ -110,7 +109,8 @@ class Law(ABC):
     @property
     def largest_force(self) -> float:
         """Largest force at rest of a law without an elastic part [N]; infinite for every other."""
-        return self.z_max if self.elastic and not any(getattr(self, name) for name in self.elastic) else math.inf
+        bound = getattr(self, "z_max", 0.0)
+        return float(bound) if self.elastic and not any(getattr(self, name) for name in self.elastic) else math.inf
 
     @property
     def travel_ends(self) -> tuple[float, float]:

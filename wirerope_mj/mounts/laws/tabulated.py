@@ -186,7 +186,7 @@ class Tabulated(AsCall, Law):
         return {"law": self.name, **{key: list(v) if isinstance(v, tuple) else v for key, v in stated.items()}}
 
     @property
-    def z_max(self) -> float:  # type: ignore[override]
+    def z_max(self) -> float:
         """Largest half distance of the limit curves [N], the bound of z; 0 without hysteresis."""
         return self._curves[2]
 

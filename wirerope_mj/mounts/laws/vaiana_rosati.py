@@ -108,7 +108,7 @@ class VaianaRosati(Law):
             return upper + p[1] - (lower - p[9])
 
     @property
-    def z_max(self) -> float:  # type: ignore[override]
+    def z_max(self) -> float:
         """Half the distance of the limit curves at zero [N], the bound of z if both have the same shape."""
         return 0.5 * float(self._gap(0.0))
 
