@@ -133,7 +133,7 @@ class Race:
         return simulate_batch(
             systems, motion, duration=motion.end + _SWINGS * max(self._periods[name] for name in names), timestep=step,
             initial=self._initial, sample_rate=_RATE if samples else _SAMPLES, threads=1,
-            engine="kernel" if kernel else "auto", responses=samples,
+            engine="kernel" if kernel else "auto", responses=samples, judged=False,
         )  # fmt: skip
 
 

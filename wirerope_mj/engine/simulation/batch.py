@@ -92,6 +92,7 @@ def simulate_batch(
     threads: int | None = None,
     responses: bool = False,
     engine: Engine = "auto",
+    judged: bool = True,
 ) -> list[BatchResult | BatchFailure]:
     """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
 
@@ -112,6 +113,7 @@ def simulate_batch(
         threads: number of threads; None for one per processor.
         responses: whether whole responses are kept, too: in memory, those of all variants at once.
         engine: as `simulate` takes it, for each variant by itself.
+        judged: whether a step that is too long for friction is looked for, by one more run.
 
     Raises:
         ValueError: an argument is out of range.
@@ -151,11 +153,15 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
-        decays = [
-            (decay_over_step(v.system, one.peaks, one.timestep), v)
-            for v in variants
-            if isinstance(one := results[v.number], BatchResult)
-        ]
+        decays = (
+            []
+            if not judged
+            else [
+                (decay_over_step(v.system, one.peaks, one.timestep), v)
+                for v in variants
+                if isinstance(one := results[v.number], BatchResult)
+            ]
+        )
         if decays:
             decay, worst = max(decays, key=lambda pair: pair[0])
             half = error_of_given(
@@ -296,6 +302,6 @@ def peaks_on_decks(
     systems = [varied(first, tunings={NAME: panel.frequency / panels[0].frequency}) for panel in panels]
     step = min(timestep, *map(stable_step, systems))
     results = simulate_batch(
-        systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1
-    )
+        systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1, judged=False,
+    )  # fmt: skip
     return [one.peaks if isinstance(one, BatchResult) else one.message for one in results]

@@ -346,5 +346,5 @@ def go_alone(
     with warnings.catch_warnings(action="ignore", category=AccuracyWarning):
         return simulate_batch(
             systems, motions, duration=work.duration, timestep=work.timestep, initial=work.initial,
-            sample_rate=work.sample_rate, corners=work.corners, threads=threads, responses=responses,
+            sample_rate=work.sample_rate, corners=work.corners, threads=threads, responses=responses, judged=False,
         )  # fmt: skip
