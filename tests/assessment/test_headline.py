@@ -9,6 +9,7 @@ from commands import wirerope
 from recordings import column, entities
 
 from wirerope_mj.assessment.criteria import CLEAR, STRUCK, TOUCHING, Criterion, Verdict, headline
+from wirerope_mj.content.verdicts import headline as verdicts_headline
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.runs.summary import read_summary
 
@@ -86,6 +87,14 @@ def test_every_verdict_that_the_headline_counts_stands_in_the_summary(tmp_path):
 )
 def test_the_sentence_counts_what_is_exceeded_struck_and_not_judged(rows, said):
     assert headline(rows) == said
+
+
+@pytest.mark.quick
+def test_what_passes_is_not_set_as_what_fails():
+    struck = row(limit=None, contact=STRUCK)
+    assert [verdicts_headline(rows).tone for rows in ([row()], [row(), struck], [row(3.0), struck], [struck])] == [
+        "within", "near", "exceeded", "near",
+    ]  # fmt: skip
 
 
 @pytest.mark.quick

@@ -24,7 +24,7 @@ from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 
-TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
+TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "near", TOUCHING: "", CLEAR: ""}
 NEAR = 0.9  # Utilisation from which it is set as a warning
 _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _COLUMNS = (
