@@ -223,7 +223,7 @@ def test_hours_are_of_what_goes_on_and_not_of_shocks(tmp_path):
         ('exponent = 4\n[[stage]]\nrun = "a"\nhours = -1', "`hours`"),
         ('exponent = 4\nlife = 2\n[[stage]]\nrun = "a"\nhours = 1', "`life` is not known"),
         ("exponent = ", "this is not TOML"),
-        ('exponent = 4\n[[stage]]\nrun = "nothing"\nhours = 1', "there is no response.parquet here"),
+        ('exponent = 4\n[[stage]]\nrun = "nothing"\nhours = 1', "there is no such folder"),
     ],
 )
 def test_a_service_life_that_cannot_be_is_one_message(text, said, tmp_path, capsys):

@@ -105,6 +105,16 @@ def test_less_than_a_second_has_no_running_rms_and_roundoff_no_crest():
     assert felt.crest[2] > 1.0
 
 
+@pytest.mark.parametrize(
+    ("folder", "message"),
+    [("nowhere", "there is no such folder"), ("job", "the runs of this job are cases/down"), (".", "a run folder holds one.")],
+)
+def test_a_folder_that_is_no_run_says_what_it_is(here, capsys, folder, message):
+    Path("job/cases/down").mkdir(parents=True)
+    Path("job/cases/down/response.parquet").write_bytes(b"")
+    assert message in said(capsys, "comfort", folder, "top")
+
+
 def test_a_blow_is_stored_and_read_back():
     blow = wr.Blow(site="anvil", impulse=3300.0, duration=1e-3, direction=(0.0, 0.0, -1.0), start=0.1)
     assert motion_from_dict(blow.to_dict()) == blow

@@ -175,7 +175,7 @@ def test_a_streamed_response_is_the_one_in_memory(system, tmp_path):
     assert not isinstance(streamed.samples, MemorySamples)
     same(memory, streamed)
     assert [path.name for path in (tmp_path / "run").iterdir()] == ["response.parquet"]
-    with pytest.raises(wr.RecordError, match=r"elsewhere: there is no response\.parquet here"):
+    with pytest.raises(wr.RecordError, match="elsewhere: there is no such folder"):
         wr.load_response(tmp_path / "elsewhere")
 
 

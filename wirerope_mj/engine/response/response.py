@@ -208,7 +208,11 @@ def load_response(folder: str | Path) -> Response:
     path = Path(folder)
     path = path if path.is_file() else path / FILE
     if not path.is_file():
-        raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one.")
+        if not path.parent.is_dir():
+            raise RecordError(f"{folder}: there is no such folder.")
+        inside = sorted(str(one.parent.relative_to(folder)) for one in path.parent.glob(f"cases/*/{FILE}"))
+        runs = f"; the runs of this job are {', '.join(inside[:5])}" if inside else ""
+        raise RecordError(f"{folder}: there is no {FILE} here; a run folder holds one{runs}.")
     names, content = _read(path)
     plan = ColumnPlan.of(content)
     initial, final = (State.from_plain(state) for state in content["states"])
