@@ -84,7 +84,8 @@ class GrowingBranch:
                 return None
             motion = self.path.closed(x, value)
             if motion is not None:
-                if leap > LEAPS[0]:
+                # The shortest is a step like others, but where the branch has turned back, as at a needle, and is left.
+                if leap > LEAPS[0] or any((options.followed(row) - last.parameter) * options.sign > 0.0 for row in self.rows):
                     self.gaps.append((last.parameter, value))
                 return self.path.point(motion, value, before=None, sign=towards)
         return None
