@@ -20,7 +20,7 @@ from wirerope_mj.foundation.errors import ConvergenceError
 
 CLOSE = 1e-6  # relative distance of eigenvalues whose shapes may turn into one another
 # Relative change of the eigenvalue at which an iterated mode is found, and at which it leads on to the next amplitude.
-TOLERANCE, LEADING = 1e-9, 1e-3
+TOLERANCE, LEADING = 1e-9, 1e-5
 # Iterations of a mode, those in which its shape may change, and those that are not damped.
 ROUNDS, DISTINCT, DIRECT = 100, 40, 15
 # Share of the largest eigenvalue below which one is rounding: nothing holds that motion.
