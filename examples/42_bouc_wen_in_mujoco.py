@@ -15,7 +15,7 @@ import wirerope_mj as wr
 # %%
 # A block on a driven base. The state z is the activation of an actuator that itself exerts nothing.
 law = wr.BoucWen(alpha=6e4, beta=300.0, gamma=100.0, n=0.7, k=3e4)
-text = """<mujoco><option timestep="2e-4" integrator="RK4"/><default><geom contype="0" conaffinity="0"/></default><worldbody>
+text = """<mujoco><option timestep="1e-4" integrator="RK4"/><default><geom contype="0" conaffinity="0"/></default><worldbody>
 <body name="base"><joint name="b" type="slide" axis="0 0 1" armature="1e10"/><geom size=".1" mass="5"/><site name="s"/></body>
 <body name="block"><joint name="p" type="slide" axis="0 0 1"/><geom size=".1" mass="10"/><site name="t"/></body></worldbody>"""
 own = '<actuator><general joint="p" dyntype="user" actdim="1" gainprm="0"/></actuator></mujoco>'
@@ -38,7 +38,7 @@ def _rate(model, data, actuator):  # dz/dt, thesis (3.7)
 
 mujoco.set_mjcb_control(control)
 mujoco.set_mjcb_act_dyn(_rate)
-for _ in range(7500):
+for _ in range(15000):
     rows.append((data.qpos[1] - data.qpos[0], data.act[0]))
     log.set_time("time", duration=data.time)
     log.log("z", rr.Scalars(data.act[0]))
@@ -53,7 +53,7 @@ mount = """<custom><text name="isolator/a" data="a"/><tuple name="mount/m1"><ele
 system = wr.load_system(text + mount, isolators={"a": wr.Isolator(name="a", axial=law)})
 sweep = wr.Sweep(start=5.0, stop=20.0, rate=60.0, acceleration=3.0, direction="z")
 motion = sweep + wr.HalfSine(peak=80.0, duration=0.011, direction="z", start=1.0)
-run = wr.simulate(system, motion, duration=1.5, initial="unloaded", timestep=2e-4, sample_rate=5000, engine="mujoco")
+run = wr.simulate(system, motion, duration=1.5, initial="unloaded", timestep=1e-4, sample_rate=10000, engine="mujoco")
 assert np.abs(run.mounts["m1"].deflection[:-1, 2] - x).max() < 1e-6 * np.abs(x).max()
 plt.plot(1e3 * x, law.k * x + z)[0].axes.set(xlabel="deflection [mm]", ylabel="force [N]")
 plt.show()
