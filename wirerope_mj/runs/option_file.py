@@ -69,7 +69,7 @@ class OptionFile:
         return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
 
     def made(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
-        """Return what the function makes of some options, and all of them, the others with their defaults.
+        """Call the function with some options; return its result, and all options with their values or defaults.
 
         ModelError if an option is unknown or of another kind, or the function fails; says in which line.
         """

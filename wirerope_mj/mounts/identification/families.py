@@ -179,7 +179,7 @@ def _make_stop(values: dict[str, float]) -> Law:
 
 
 def _reader(*names: str) -> Callable[[Law], dict[str, float]]:
-    """Return what reads these parameters of a law, those that it has."""
+    """Return a function that reads these parameters of a law, as far as it has them."""
     return lambda law: {name: value for name in names if (value := getattr(law, name)) is not None}
 
 
