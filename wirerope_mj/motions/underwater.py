@@ -25,11 +25,9 @@ class StruckPlate(StartedMotion):
 
         m v' + rho c v = 2 p0 e^(-t/theta),    v = 2 p0 theta/m (e^(-t/theta) - e^(-psi t/theta))/(psi - 1)
 
-    with psi = rho c theta/m,
-
-    until theta ln(psi)/(psi - 1). There the pressure on the plate has fallen to zero, water bears no tension, and the plate is
-    at its largest velocity, 2 p0/(rho c) psi^(1/(1 - psi)). Later loads, those of the bubble too, are left out. Pressure and
-    decay come from the charge by a law of similitude of your source.
+    with psi = rho c theta/m until theta ln(psi)/(psi - 1). There the pressure on the plate has fallen to zero, water bears no
+    tension, and the plate is at its largest velocity, 2 p0/(rho c) psi^(1/(1 - psi)). Later loads, those of the bubble too, are
+    left out. Pressure and decay come from the charge by a law of similitude of your source.
 
     Source: G. I. Taylor, 1941, The pressure and impulse of submarine explosion waves on plates.
     """
@@ -69,7 +67,7 @@ class StruckPlate(StartedMotion):
 
     @property
     def description(self) -> str:
-        """For instance `plate of 320 kg/m^2 struck by 14 MPa decaying in 0.9 ms: 12.3 m/s along z`."""
+        """For instance `plate of 320 kg/m^2 struck by 14 MPa decaying in 0.9 ms: 11.72 m/s along z`."""
         wave = f"struck by {self.pressure / 1e6:.4g} MPa decaying in {1e3 * self.decay:.4g} ms"
         return f"plate of {self.areal_mass:.4g} kg/m^2 {wave}: {self.velocity_change:.4g} m/s {self._line_text}"
 

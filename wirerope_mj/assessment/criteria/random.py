@@ -153,7 +153,7 @@ def _uncertainty(density: PowerSpectralDensity, rms: float) -> str:
 
 
 def _expected(density: PowerSpectralDensity, rms: float, largest: float) -> str:
-    """Return how many sigma the largest value is, and how many a Gaussian process of this length leads to expect."""
+    """Return in words the largest value over its rms, and the ratio expected of a Gaussian process of this length."""
     # Its zeros are crossed upward sqrt(int f^2 G df / int G df) times a second (Rice 1944), and the largest size of N = twice
     # as many half waves has the mean c + 0.577 / c in sigma, c = sqrt(2 ln N) (Davenport 1964).
     if not rms > 0.0:

@@ -153,25 +153,26 @@ def simulate_batch(
             motion=motions[0], corners=joined(checked_corners(corners), *own.values()),
         )  # fmt: skip
         results |= _together(variants, grid, threads, responses, engine)
-        decays = (
-            []
-            if not judged
-            else [
-                (decay_over_step(v.system, one.peaks, one.timestep), v)
-                for v in variants
-                if isinstance(one := results[v.number], BatchResult)
-            ]
-        )
-        if decays:
-            decay, worst = max(decays, key=lambda pair: pair[0])
-            half = error_of_given(
-                worst.system, worst.motion, worst.start, decay=decay, timestep=timestep, duration=duration,
-                sample_rate=sample_rate, engine=engine,
-            )  # fmt: skip
-            warn_of_given_step(timestep, half)
+        if judged:
+            came = [(one, v) for v in variants if isinstance(one := results[v.number], BatchResult)]
+            _judge_step(came, timestep=timestep, duration=duration, sample_rate=sample_rate, engine=engine)
     if responses:
         warn_of_aliasing({id(motion): motion for motion in motions}.values(), sample_rate)
     return [results[number] for number in range(len(systems))]
+
+
+def _judge_step(
+    came: Sequence[tuple[BatchResult, _Variant]], *, timestep: float, duration: float, sample_rate: float, engine: Engine
+) -> None:
+    """Warn of a given step [s] that is too long for friction in the variant in which it yields most."""
+    decays = [decay_over_step(variant.system, result.peaks, result.timestep) for result, variant in came]
+    if decays:
+        worst = came[int(np.argmax(decays))][1]
+        error = error_of_given(
+            worst.system, worst.motion, worst.start, decay=max(decays), timestep=timestep, duration=duration,
+            sample_rate=sample_rate, engine=engine,
+        )  # fmt: skip
+        warn_of_given_step(timestep, error, stacklevel=4)
 
 
 def _variants(
