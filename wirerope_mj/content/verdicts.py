@@ -24,7 +24,7 @@ from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.numbers import listed, shown, shown_unit
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 
-TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "near", TOUCHING: "", CLEAR: ""}
+TONE = {WITHIN: "within", EXCEEDED: "exceeded", NOT_JUDGED: "unjudged"} | {STRUCK: "exceeded", TOUCHING: "", CLEAR: ""}
 NEAR = 0.9  # Utilisation from which it is set as a warning
 _ORDER = (EXCEEDED, STRUCK, WITHIN, TOUCHING, CLEAR, NOT_JUDGED)
 _COLUMNS = (
@@ -39,7 +39,9 @@ def headline(verdicts: Sequence[Verdict]) -> Statement:
     """Return the answer in one sentence, in the tone of the worst that it says."""
     worst, present = most_used(verdicts), {row.verdict for row in verdicts}
     text = verdicts_headline(verdicts)
-    tone = next((TONE[verdict] for verdict in (EXCEEDED, STRUCK, WITHIN) if verdict in present), "unjudged")
+    # A stop that was struck is a warning: what fails alone has the colour of failure.
+    said = ((EXCEEDED, "exceeded"), (STRUCK, "near"), (WITHIN, "within"))
+    tone = next((tone for verdict, tone in said if verdict in present), "unjudged")
     tone = "unjudged" if tone == "within" and not text.startswith(PASS) else tone
     values: dict[str, float | str | None] = {"answer": text.partition(":")[0]}
     if worst is not None:
