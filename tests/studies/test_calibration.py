@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from house import sdof
+from virtual_tests import CASES, one_test
 
 import wirerope_mj as wr
 from wirerope_mj.content.blocks import Statement
@@ -129,6 +130,17 @@ def test_a_prediction_holds_what_another_shock_does(found):
     assert high / low < 1.1
     assert expected.exceedance("acceleration/mass", 0.5 * true) == 1.0
     assert expected.exceedance("acceleration/mass", 2.0 * true) == 0.0
+
+
+@pytest.mark.slow
+def test_a_stop_that_is_barely_reached_makes_accelerations_uncertain():
+    """Errors of a peak deflection of 2 % decide there whether a stop closes: the block sees 90 or 150 m/s^2."""
+    found, _, _, predictions = one_test(19, 23, CASES[1], other_law=True)
+    assert found.peak_error[0] < 0.1
+    *_, (name, inside, _, half), _, (_, _, _, of_deflection) = predictions
+    assert name == "acceleration/block"
+    assert inside
+    assert half > 0.4 > 5.0 * of_deflection
 
 
 @pytest.mark.slow

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arguments import integer
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.motions import BaseMotion
+from wirerope_mj.motions import BaseMotion, Scaled
 from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
 from wirerope_mj.studies.calibration.result import LEVEL, Calibration
 from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
@@ -26,6 +26,12 @@ ERRORS = 16
 
 SAMPLE_RATE = 1000.0
 """Samples at which steps end [Hz]."""
+
+STEPS = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
+"""Levels at which draws are run where stops close, as multiples of the model's own error about the motion's own level."""
+
+LEAST = 0.1
+"""Least of these levels over the motion's own."""
 
 UNSCALED = ("mounts", "struck", "static_load")
 """Measures on which the model's own error has no effect: counts, and loads at rest."""
@@ -86,8 +92,9 @@ def predict(
 
     Every draw is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom
     as errors of peaks in the tests are known, and of their size. Where the mounts deflect farther than in the tests, it
-    grows in proportion. The model's own error stands in these draws once: their values are those of the posterior, without the
-    part that `Calibration.samples` add for it.
+    grows in proportion. Where stops close, or would for an error of twice that size, peaks are not in proportion to each
+    other: e changes the level of the motion instead, and all peaks but forces are what follows from it. The model's own error
+    stands in these draws once: their values are those of the posterior, without the part that `Calibration.samples` add for it.
 
     Raises:
         ConvergenceError: no draw could be simulated.
@@ -113,23 +120,47 @@ def predict(
     ]
     reached = [k for k, name in enumerate(measures) if name.startswith("deflection/")]
     beyond = (
-        float(np.median(samples[:, reached].max(axis=1)) / max(np.max(one[:, reached]) for one in tested)) if tested else 1.0
+        float(np.nanmedian(samples[:, reached].max(axis=1)) / max(np.max(one[:, reached]) for one in tested)) if tested else 1.0
     )
     beyond = max(beyond, 1.0)
     size, peaks = calibration.peak_error
-    size = math.hypot(size, ACCURACY)  # of the peaks of runs and of those of tests alike
+    size = beyond * math.hypot(size, ACCURACY)  # of the peaks of runs and of those of tests alike
+    error = generator.standard_t(peaks, count * ERRORS)
+    scaled = [k for k, name in enumerate(measures) if name not in UNSCALED]
+    struck, farther = measures.index("struck"), _at_level(work, calibration.values[np.newaxis], 1.0 + size * STEPS[-1])
+    stopped = samples[:, struck].any() or farther[:, struck].any()
+    levels = [_at_level(work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS] if stopped else []
     samples = np.repeat(samples, ERRORS, axis=0)
-    error = np.maximum(1.0 + size * beyond * generator.standard_t(peaks, len(samples)), 0.0)
-    samples[:, [name not in UNSCALED for name in measures]] *= error[:, np.newaxis]
-    return Prediction(names=measures, samples=samples, peak_error=size * beyond, beyond=beyond, motion=motion.description)
+    samples[:, scaled] *= np.maximum(1.0 + size * error, 0.0)[:, np.newaxis]
+    if stopped:  # a mount's force is off by the error of its law at any deflection
+        followed = [k for k in scaled if not measures[k].startswith("force/")]
+        between = _between(np.array(levels), error.reshape(count, ERRORS)).reshape(-1, len(measures))
+        samples[:, followed] = between[:, followed]
+    samples = samples[~np.isnan(samples).all(axis=1)]
+    return Prediction(names=measures, samples=samples, peak_error=size, beyond=beyond, motion=motion.description)
+
+
+def _at_level(work: Work, values: Array, factor: float) -> Array:
+    """Return measures as `_measures` does, of the motion times a factor."""
+    return _measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
+
+
+def _between(levels: Array, errors: Array) -> Array:
+    """Return measures of draws (n_steps, n, n_measures) at multiples of the error (n, n_errors) between `STEPS`, and beyond."""
+    left = np.clip(np.searchsorted(STEPS, errors) - 1, 0, STEPS.size - 2)
+    draws = np.arange(len(errors))[:, np.newaxis]
+    low, high = levels[left, draws], levels[left + 1, draws]
+    return np.maximum(low + (high - low) * (errors - STEPS[left])[..., np.newaxis], 0.0)
 
 
 def _measures(work: Work, values: Array) -> Array:
-    """Return the measures of a study at values of the unknowns (n, d), of those that can be simulated, (n, n_measures)."""
+    """Return the measures of a study at values of the unknowns (n, d), NaN of those that fail, (n, n_measures)."""
     names = [column.name for column in work.columns]
     rows = [{"variant": k, **dict(zip(names, row.tolist(), strict=False))} for k, row in enumerate(values)]
     table = compute(work, Chunk(number=0, rows=rows)).table
     done = np.array(table["status"]) == DONE
     if not done.any():
         raise ConvergenceError(f"no draw of the posterior can be simulated: {table['message'][0]}")
-    return np.stack([table[name].to_numpy() for name in measure_names(work.system)], axis=1)[done]
+    return np.where(
+        done[:, np.newaxis], np.stack([table[name].to_numpy() for name in measure_names(work.system)], axis=1), np.nan
+    )
