@@ -1,11 +1,28 @@
-"""What tests of several wings stand on: an empty folder to stand in."""
+"""What tests of several wings stand on: kernels at hand, and an empty folder to stand in."""
 
+import hashlib
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 import pytest
 
 # Commands that tests start read compiled modules, which the first of them writes: a start takes half the time.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+PACKAGE = Path(__file__).parents[1] / "wirerope_mj"
+COMPILE = "from wirerope_mj.cli import main; main()"
+
+
+def pytest_sessionstart(session):
+    """Compile kernels once, in two processes, before each worker would compile them all; a state that was compiled is known."""
+    digest = hashlib.sha256(f"{sys.version} {os.environ.get('NUMBA_CACHE_DIR')}".encode())
+    for path in sorted(PACKAGE.rglob("*.py")):
+        digest.update(path.read_bytes())
+    cache, state = session.config.cache, digest.hexdigest()
+    if not hasattr(session.config, "workerinput") and cache.get("wirerope/compiled", "") != state:
+        subprocess.run([sys.executable, "-c", COMPILE, "compile"], check=True, stdout=subprocess.DEVNULL)
+        cache.set("wirerope/compiled", state)
 
 
 @pytest.fixture

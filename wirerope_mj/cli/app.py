@@ -26,6 +26,7 @@ from wirerope_mj.foundation.errors import (
     WireRopeError,
 )
 from wirerope_mj.foundation.plain_text import plain_lines
+from wirerope_mj.foundation.processes import allow_one_beside
 
 # The first line of each command's help.
 _SUMMARIES = {
@@ -155,6 +156,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         signal(SIGTERM, default_int_handler)
     if arguments is None:  # no Python that the command starts, libraries included, imports modules of the current folder
         os.environ["PYTHONSAFEPATH"] = "1"
+        allow_one_beside()
     _open_closed_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     try:

@@ -14,7 +14,8 @@ from numba import types
 from numba.core import event
 from numba.core.ccallback import CFunc
 
-from wirerope_mj.foundation.kernel_files import KernelFiles, cache_folder, where_kept
+from wirerope_mj.foundation.kernel_files import KernelFiles, cache_folder, where_kept, why_not_kept
+from wirerope_mj.foundation.processes import compile_beside
 
 # Time [s] that compiling takes before anything is said, and between two lines.
 PATIENCE, PACE = 2.0, 10.0
@@ -37,6 +38,8 @@ class Watch(event.Listener):
         """Note that a kernel, or one that it calls, is begun."""
         if self._depth == 0:
             self._began = perf_counter()
+            if not why_not_kept(self._folder):
+                compile_beside()
         self._depth += 1
 
     def on_end(self, event: Any) -> None:
@@ -49,7 +52,7 @@ class Watch(event.Listener):
         if self._last == 0.0:
             versions = f"Python {platform.python_version()}, Numba {numba.__version__} and this processor"
             say(
-                f"kernels are compiled for {versions}: up to two minutes, once; {where_kept(self._folder)}. "
+                f"kernels are compiled for {versions}: a minute or two, once; {where_kept(self._folder)}. "
                 "`wirerope compile` compiles all."
             )
         else:

@@ -8,6 +8,7 @@ cache is a folder of the user's that the environment names and no file does, and
 """
 
 import hashlib
+import itertools
 import os
 import pickle
 import stat
@@ -21,6 +22,7 @@ from typing import Any
 import llvmlite
 import llvmlite.binding as llvm
 import numba
+from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
 from numba.core.serialize import dumps
@@ -37,6 +39,9 @@ LEVELS = {"x86-64-v3": _V3, "x86-64-v2": _V2}
 # Whether the system has owners and modes; on Windows a folder of the user's profile is the user's by its access list.
 _KNOWN = hasattr(os, "geteuid")
 numba.core.config._config_fname = ""  # it looks for a file of settings in the current folder whenever it compiles
+# Names of compiled functions end in a number: processes that read each other's files count from numbers of their own, for LLVM
+# takes what it has read for what it is to compile where the names are one.
+FunctionIdentity._unique_ids = itertools.count(os.getpid() << 16)
 # Folder of the kernels that a built package brings along.
 SHIPPED = Path(__file__).resolve().parents[1] / "_kernels"
 # Files whose code this process uses.
@@ -117,12 +122,17 @@ def cache_folder() -> Path:
 
 def where_kept(folder: Path) -> str:
     """Return the end of a sentence on compiled kernels: that they are kept in `folder`, or why they are not."""
+    doubt = why_not_kept(folder)
+    return f"they are not kept: {doubt}" if doubt else f"they are kept in {folder}"
+
+
+def why_not_kept(folder: Path) -> str:
+    """Make a folder for compiled kernels, and say why they are not kept there; "" if they are."""
     try:
         folder.mkdir(parents=True, exist_ok=True, mode=0o700)
-        doubt = _doubt(folder)
+        return _doubt(folder)
     except OSError as error:
-        doubt = f"{folder} cannot be made ({error.strerror})"
-    return f"they are not kept: {doubt}" if doubt else f"they are kept in {folder}"
+        return f"{folder} cannot be made ({error.strerror})"
 
 
 @cache

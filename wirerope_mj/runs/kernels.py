@@ -1,7 +1,9 @@
 """All kernels, called once each by short computations, so that they are compiled before somebody waits for them."""
 
 import shutil
+from contextlib import suppress
 from pathlib import Path
+from signal import SIGTERM, default_int_handler, signal
 
 import numpy as np
 
@@ -9,7 +11,11 @@ from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.dynamics.periodic import follow_branch
 from wirerope_mj.dynamics.single_mass import equivalent_linear, harmonic_balance
 from wirerope_mj.dynamics.sweep import frequency_sweep
+from wirerope_mj.engine.control.native import native_sensor
+from wirerope_mj.engine.kernel.equations import equations
+from wirerope_mj.engine.kernel.variants import NOTHING, group_of
 from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.simulation.in_lanes import moving
 from wirerope_mj.engine.statics.loading import Loading
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.kernel_files import LOADED, cache_folder
@@ -26,6 +32,24 @@ def use_all_kernels() -> None:
     """Call every kernel that Python calls, by computations that are as brief as serves: what is not at hand is compiled."""
     _use_laws()
     _use_systems()
+
+
+def compile_beside_a_command() -> None:
+    """Call every kernel, first those that a command calls last: `wirerope_mj.foundation.processes` says what for."""
+    signal(SIGTERM, default_int_handler)  # no half-written file is left behind
+    with suppress(KeyboardInterrupt):
+        _step_through_nothing()
+        native_sensor()
+        use_all_kernels()
+
+
+def _step_through_nothing() -> None:
+    """Compile what steps, and all that it calls, without a position of rest to begin at."""
+    system = load_system("sdof_shaker")
+    group = group_of([equations(system)], np.zeros((1, moving(system).size)), [0])
+    drive = np.zeros((1, 1, len(system.assembly.tables.drive)))
+    group.go(np.zeros((5, 0)), drive[:, :0], drive[:, :0], np.zeros((1, 0, 3)), np.zeros(0, dtype=np.int64), NOTHING)
+    group.finish(0.0, drive, drive, np.zeros((1, 1, 3)), NOTHING, -1)
 
 
 def _use_laws() -> None:
@@ -75,3 +99,7 @@ def copy_kernels(folder: Path) -> None:
     folder.mkdir(parents=True, exist_ok=True)
     for path in LOADED:
         shutil.copyfile(path, folder / path.name)
+
+
+if __name__ == "__main__":
+    compile_beside_a_command()

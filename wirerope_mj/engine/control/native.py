@@ -227,38 +227,50 @@ def _sensor(m, d, system, field, time, in_data, in_contact):  # type: ignore[no-
     )  # fmt: skip
 
 
+_POINTER, _INTEGER = ctypes.c_void_p, ctypes.c_int
+_MODEL_AND_DATA = (types.intp, types.intp)  # addresses of mjModel and mjData
+
+
 @cache
 def native_callbacks() -> Callbacks:
     """Return the compiled callbacks; the offsets in the structs of this MuJoCo are constants of their code."""
-    model, data = offsets("mjModel"), offsets("mjData")
-    assert set(CONTROL_FIELDS + SENSOR_FIELDS) <= set(DATA_FIELDS)
-    system = (model["nu"], model["actuator_dynprm"], model["numeric_data"])
-    control_fields = tuple(data[name] for name in CONTROL_FIELDS)
-    sensor_fields = tuple(data[name] for name in SENSOR_FIELDS)
+    system, data = _system_offsets(), offsets("mjData")
+    fields = tuple(data[name] for name in CONTROL_FIELDS)
     time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
+
+    def control(m, d):  # type: ignore[no-untyped-def]
+        _control(m, d, system, fields, time)
+
+    def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
+        return _act_dyn(m, d, actuator, system, userdata, act_dot)
+
+    return Callbacks(
+        control=ctypes.CFUNCTYPE(None, _POINTER, _POINTER)(address(control, types.void(*_MODEL_AND_DATA))),
+        act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, _POINTER, _POINTER, _INTEGER)(
+            address(act_dyn, types.float64(*_MODEL_AND_DATA, types.int32))
+        ),
+        sensor=native_sensor(),
+    )
+
+
+@cache
+def native_sensor() -> object:
+    """Return the compiled sensor callback, which may be compiled before the others."""
+    system, data, contact = _system_offsets(), offsets("mjData"), offsets("mjContact")
+    fields, time = tuple(data[name] for name in SENSOR_FIELDS), data["time"]
     in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
-    contact = offsets("mjContact")
     in_contact = (
         *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
         _layout_of_fields(structs.STRUCTS["mjContact"].fields)[0],
     )
 
-    def control(m, d):  # type: ignore[no-untyped-def]
-        _control(m, d, system, control_fields, time)
-
-    def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
-        return _act_dyn(m, d, actuator, system, userdata, act_dot)
-
     def sensor(m, d, stage):  # type: ignore[no-untyped-def]
         if stage == ACCELERATION_STAGE:
-            _sensor(m, d, system, sensor_fields, time, in_data, in_contact)
+            _sensor(m, d, system, fields, time, in_data, in_contact)
 
-    pointer, integer = ctypes.c_void_p, ctypes.c_int
-    both = (types.intp, types.intp)  # addresses of mjModel and mjData
-    return Callbacks(
-        control=ctypes.CFUNCTYPE(None, pointer, pointer)(address(control, types.void(*both))),
-        act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, pointer, pointer, integer)(
-            address(act_dyn, types.float64(*both, types.int32))
-        ),
-        sensor=ctypes.CFUNCTYPE(None, pointer, pointer, integer)(address(sensor, types.void(*both, types.int32))),
-    )
+    return ctypes.CFUNCTYPE(None, _POINTER, _POINTER, _INTEGER)(address(sensor, types.void(*_MODEL_AND_DATA, types.int32)))
+
+
+def _system_offsets() -> tuple[int, int, int]:
+    model = offsets("mjModel")
+    return model["nu"], model["actuator_dynprm"], model["numeric_data"]

@@ -13,8 +13,8 @@ from importlib.util import find_spec
 from typing import TYPE_CHECKING, Any
 
 from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
+from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
-from wirerope_mj.studies.engines.local import environment_of_children, processors
 from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.versions import versions
 

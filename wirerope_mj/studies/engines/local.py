@@ -1,6 +1,5 @@
 """Processes side by side on one machine, each on one thread; with a lock-step batch in each, the engine of studies."""
 
-import os
 import pickle
 import queue
 import subprocess
@@ -9,10 +8,10 @@ import threading
 from collections.abc import Callable, Generator, Iterable
 from contextlib import suppress
 from functools import partial
-from pathlib import Path
 from typing import Any, Generic, TypeVar
 
 from wirerope_mj.foundation.errors import SimulationError
+from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
 from wirerope_mj.studies.inputs.variants import Work
 
@@ -57,20 +56,6 @@ def in_processes(
             yield function(question)
         return
     yield from _Pool(function, questions, lost, workers).results()
-
-
-def processors() -> int:
-    """Return how many processors this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def environment_of_children() -> dict[str, str]:
-    """Return the environment of processes that compute: they find the modules that this one does, and no others.
-
-    Python would look in the current folder first for what it runs with -m, which may be anybody's.
-    """
-    paths = [str(Path(__file__).resolve().parents[3]), *map(os.path.abspath, sys.path)]
-    return {**os.environ, "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)), "PYTHONSAFEPATH": "1"}
 
 
 class _Pool(Generic[Question, Answer]):

@@ -1,0 +1,44 @@
+"""Other processes that this one starts: how many, which modules they find, and one that compiles kernels beside a command."""
+
+import atexit
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+# What the process beside a command runs, and whether this one may start it: commands may; a library starts none unasked.
+BESIDE = [sys.executable, "-m", "wirerope_mj.runs.kernels"]
+_allowed = False
+
+
+def processors() -> int:
+    """Return how many processors this process may use."""
+    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def environment_of_children() -> dict[str, str]:
+    """Return the environment of processes that compute: they find the modules that this one does, and no others.
+
+    Python would look in the current folder first for what it runs with -m, which may be anybody's.
+    """
+    paths = [str(Path(__file__).resolve().parents[2]), *map(os.path.abspath, sys.path)]
+    return {**os.environ, "PYTHONPATH": os.pathsep.join(dict.fromkeys(paths)), "PYTHONSAFEPATH": "1"}
+
+
+def allow_one_beside() -> None:
+    """Let the first kernel that this process compiles start another process that compiles as well."""
+    global _allowed
+    _allowed = True
+
+
+def compile_beside() -> None:
+    """Start the process that compiles kernels in another order, once, if that is allowed and there is a processor for it.
+
+    Each finds what the other has compiled. It is ended with this process.
+    """
+    global _allowed
+    if _allowed and processors() > 1:
+        nothing = subprocess.DEVNULL
+        process = subprocess.Popen(BESIDE, env=environment_of_children(), stdin=nothing, stdout=nothing, stderr=nothing)
+        atexit.register(process.terminate)
+    _allowed = False
