@@ -115,11 +115,13 @@ def _findings(result: Calibration) -> Statement:
     worst = int(np.argmax(result.discrepancies))
     if (error := float(result.discrepancies[worst])) > DISCREPANT:
         name = result.problem.series[worst].name
-        remedy = (
-            "the model moves before it does: they may be on two clocks; say when its first sample was taken, start (--start)"
-            if result.late(worst)
-            else "the intervals count it, but say nothing of what the model lacks: try another law, or what else may differ"
-        )
+        remedy = "the intervals count it, but say nothing of what the model lacks: try another law, or what else may differ"
+        if lag := result.lag(worst):
+            way = "later" if lag > 0.0 else "earlier"
+            remedy = (
+                f"it is {1e3 * abs(lag):.2g} ms {way} than the model: they may be on two clocks; say when its first sample was "
+                "taken, start (--start), or vary channel/*/delay"
+            )
         error_text = f"what is left there is {100.0 * error:.2g} % of the response and no noise"
         texts.append(f"the model does not follow {name}: {error_text}; {remedy}")
     return Statement(id="findings", items=tuple(texts))

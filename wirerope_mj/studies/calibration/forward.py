@@ -94,6 +94,18 @@ class SystemForward:
                 k += 1
         return np.concatenate(parts, axis=1)
 
+    def delayed(self, values: Array, number: int, delays: Array) -> Array:
+        """Return the series of one channel at values (d,), later by `delays` (n,) [s] than they say, (n, n_samples)."""
+        chain, first = chains(self._nuisances, values[np.newaxis, len(self.columns) :], len(self.series)), 0
+        for runs in self._runs:
+            if number < first + len(runs.series):
+                break
+            first += len(runs.series)
+        (raw,) = runs([self._row(values)])
+        assert raw is not None
+        gain, delay, offset = (float(chain[kind][0, number]) for kind in UNITS)
+        return np.array([runs.seen(number - first, raw[number - first], gain, delay + one, offset) for one in delays])
+
     def system_at(self, values: Array) -> System:
         """Return the system with values of the unknowns, (d,)."""
         return self._maker.system(self._row(values))

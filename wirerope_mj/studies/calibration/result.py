@@ -30,9 +30,6 @@ OPEN = 0.2
 DISCREPANT = 0.1
 """Discrepancy over the response from which on the model does not follow a channel."""
 
-MOVING = 0.1
-"""Part of the largest value by which a model has moved where a measured history begins to, if their clocks differ."""
-
 LOGARITHMS = "logarithm of frequency"
 """What series of logarithms are across: their differences are errors as they stand."""
 
@@ -180,14 +177,6 @@ class Calibrated(Summarised):
             squares += ((_peaks(one, own) - _peaks(one, one.values)) ** 2 - noisy**2).tolist()
         return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
 
-    def late(self, number: int) -> bool:
-        """Tell whether the model moves by more than `MOVING` of the largest when a measured history is still at rest.
-
-        Series of histories begin where they first move, and every model begins to move with its base.
-        """
-        one, own = self.problem.series[number], self.problem.split(self.fit.model)[number]
-        return one.across == "time" and one.at[0] > 0.0 and abs(own[0] - one.values[0]) > MOVING * one.largest
-
     @property
     def message(self) -> str:
         """How the calibration ended."""
@@ -226,3 +215,17 @@ class Calibration(Calibrated):
     def system(self) -> System:
         """The system with the medians of what varies."""
         return self.forward.system_at(self.values)
+
+    def lag(self, number: int) -> float:
+        """Return by how much a measured history is later than the model [s]; 0 unless that explains half of what is left.
+
+        The model at the medians is moved by up to half of the measured history's length to either side.
+        """
+        one = self.problem.series[number]
+        if one.across != "time":
+            return 0.0
+        steps = 0.5 * (one.at - one.at[0])
+        lags = np.concatenate([-steps[:0:-1], steps])
+        left = np.sum((self.forward.delayed(self.values, number, lags) - one.values) ** 2, axis=1)
+        best = int(np.argmin(left))
+        return float(lags[best]) if left[best] < 0.25 * left[steps.size - 1] else 0.0
