@@ -56,8 +56,11 @@ def branch(system: wr.System, start: float, stop: float, level: float) -> wr.Bra
     )  # fmt: skip
 
 
-def resonance(found: wr.Branch) -> tuple[float, float]:
-    """Return frequency [Hz] and amplitude [m/s^2] of a branch's peak, from three motions around it that are solved anew."""
+def resonance(found: wr.Branch, *, fundamental: bool = False) -> tuple[float, float]:
+    """Return frequency [Hz] and amplitude [m/s^2] of a branch's peak, from three motions around it that are solved anew.
+
+    The amplitude is the largest acceleration, or its part at the base's frequency.
+    """
     guess, amplitudes = found.orbit(found.peak).state, []
     frequencies = round(float(found.frequency[found.peak]), 2) * np.array([1.0 - BESIDE, 1.0, 1.0 + BESIDE])
     for frequency in frequencies:
@@ -65,7 +68,8 @@ def resonance(found: wr.Branch) -> tuple[float, float]:
             found.system, frequency=frequency, acceleration=float(found.acceleration[0]), direction="z", guess=guess
         )
         peaks = orbit.response.peaks.bodies["mass"].acceleration
-        amplitudes.append(max(peaks.maximum[2], -peaks.minimum[2]))
+        whole = max(peaks.maximum[2], -peaks.minimum[2])
+        amplitudes.append(wr.harmonic_content(orbit, payload="mass").of(1) if fundamental else whole)
     return peak(frequencies, np.array(amplitudes), middle=1)
 
 
