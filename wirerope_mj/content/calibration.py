@@ -48,7 +48,7 @@ def calibration_content(
             ),
             Section("channels", "How the model follows", lambda: (_channel_table(result),), "summary"),
             Section("histories", "Measured and calculated", lambda: _charts(result)),
-            Section("known-together", "Known together", lambda: (_correlation_table(result),)),
+            Section("known-together", "Known together", lambda: (_correlation_table(result),) if len(result.names) > 1 else ()),
             Section("read-from", "Read from", lambda: (Statement(id="sources", items=tuple(sources)),)),
         ),
     )  # fmt: skip
