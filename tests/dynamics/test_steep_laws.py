@@ -85,3 +85,21 @@ def test_an_orbit_of_a_steep_law_is_judged_alike_alone():
     with search.flow.ready():
         fine = moduli(variational_of(search.flow).matrix(motion_of(search, 34.0, 1.96 / STANDARD_GRAVITY, 16000)))
     assert np.abs(orbit.floquet_multipliers) == pytest.approx(fine, abs=2e-3)  # as in the first test, with 128 steps
+
+
+@pytest.mark.parametrize("frequency", [4.66, 5.0])
+def test_a_motion_that_wanders_between_two_steps_is_found_with_finer_ones(frequency):
+    """The law of an identification (n = 0.113): a reversal falls on a step there, and 128 to a period have no fixed point."""
+    law = wr.AsymmetricBoucWen(
+        alpha=345417.4, beta=39248.9, gamma=130727.2, n=0.113, k1=66400.5, k2=-3998772.0, k3=3.670376e8, b=np.e, c=24.7336,
+    )  # fmt: skip
+    shaken = {"frequency": frequency, "acceleration": 0.9807, "direction": "z"}
+    found, finer = (
+        wr.periodic_orbit(sdof(law, mass=50.0, gravity=STANDARD_GRAVITY), accuracy=accuracy, **shaken)
+        for accuracy in (1e-4, 1e-5)
+    )
+    assert found.steps == 192
+    assert found.residual < 1e-6
+    assert found.stable
+    peaks = [one.response.peaks.bodies["mass"].acceleration.value for one in (found, finer)]
+    assert peaks[0] == pytest.approx(peaks[1], rel=2e-3)

@@ -33,6 +33,8 @@ SETTLED = 2.0
 SAME_RATE = 0.1  # relative change of the largest such rate for which the steps are not changed
 # Periods that are simulated before Newton's method starts, and more of them each time it fails.
 SETTLING = (20, 60, 240)
+# Factors on the number of steps if that leads nowhere: where a reversal falls on a step, the motion may wander between two.
+FINER = (1.5, 2.0)
 ITERATIONS = 20  # Newton iterations of one attempt: four times what a smooth start takes
 # Unknowns from which on the variational equation is cheaper than a copy of the system for each: one body free to move and
 # turn has 12 without its mounts' states.
@@ -45,7 +47,8 @@ class Steps:
     """The number of steps in a period of the base of one system, for an accuracy."""
 
     def __init__(self, system: System, accuracy: float) -> None:
-        self._finer = math.sqrt(REFERENCE / accuracy)
+        self.finer = 1.0  # factor on what the accuracy asks for
+        self._wanted = math.sqrt(REFERENCE / accuracy)
         self._highest = float(np.abs(eigenvalues(system).imag).max(initial=0.0)) / (2.0 * math.pi)
         self._longest = STABLE * stable_step(system)
         self.decay = 0.0  # largest rate at which a hysteretic state of the motion goes back to its bound [1/s]
@@ -56,7 +59,7 @@ class Steps:
         It is even: with a law without an elastic part only the symmetry of the two half periods keeps the mass from drifting,
         and an odd number would break it.
         """
-        wanted = self._finer * max(STEPS, NATURAL * self._highest / frequency)
+        wanted = self.finer * self._wanted * max(STEPS, NATURAL * self._highest / frequency)
         steps = max(wanted, max(1.0 / self._longest, self.decay / SETTLED) / frequency)
         require_time(f"a period of {frequency:.4g} Hz", steps, "Take a higher frequency or a larger `accuracy`.")
         return 2 * math.ceil(steps / 2.0)
@@ -117,11 +120,13 @@ class OrbitSearch:
         self, frequency: float, acceleration: float, periods: int, *, guess: State | None, tolerance: float
     ) -> PeriodicOrbit:
         """Return the periodic motion, from a guess or from the equilibrium after longer and longer transients."""
-        drive = self.drive(frequency, acceleration, periods)
         carried = self.coordinates.carried(frequency, acceleration)
         x = self.coordinates.rest() if guess is None else self.coordinates.from_state(guess.values, carried)
         settled, best = 0, math.inf
-        for more in (0, *SETTLING) if guess is not None else SETTLING:
+        plain = [(self._steps.finer, more) for more in ((0, *SETTLING) if guess is not None else SETTLING)]
+        for finer, more in plain + [(factor * self._steps.finer, more) for factor in FINER for more in SETTLING[:2]]:
+            self._steps.finer = finer
+            drive = self.drive(frequency, acceleration, periods)
             if more:
                 x, settled = self.settled(x, drive, more), settled + more
             motion = self._closed(x, drive, tolerance)
@@ -131,8 +136,9 @@ class OrbitSearch:
         raise ConvergenceError(
             f"no motion of period {periods} / ({frequency:.6g} Hz) was found at {acceleration:.4g} m/s^2: the residual stays "
             f"at {best:.2g} (`tolerance` {tolerance:.2g}) after Newton's method from {'the guess and from ' if guess else ''}"
-            f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling. The motion may not be periodic there: try "
-            "another frequency and follow the branch from it, a lower acceleration, a finer `accuracy`, or `periods=2` or 3."
+            f"{', '.join(str(n) for n in np.cumsum(SETTLING))} periods of settling, and with finer steps. The motion may not "
+            "be periodic there: try another frequency and follow the branch from it, a lower acceleration, a finer `accuracy`, "
+            "or `periods=2` or 3."
         )
 
     def _closed(self, x: Array, drive: Drive, tolerance: float) -> Shot:
