@@ -249,17 +249,13 @@ def test_a_mount_without_elastic_part_below_its_load_has_no_equilibrium():
     assert wr.equilibrium(sdof(wr.BoucWen(**hysteresis(alpha=5e4, z_max=36.0)), gravity=G)).mounts["m1"].force[2] < 0.0
 
 
-@pytest.mark.parametrize(
-    ("gravity", "words"),
-    [
-        (1e5, r"deflects mount 'm1' by 1\d\.\d m\. Gravity is 100000 m"),
-        (1e9, r"'mass' still.* Gravity is 1e\+09 m"),
-    ],
-)
-def test_a_weight_that_no_mount_can_bear_is_refused_with_gravity_and_mass(gravity, words):
+def test_a_weight_that_no_mount_can_bear_is_refused_with_gravity_and_mass():
     law = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)
-    with pytest.raises(wr.ConvergenceError, match=rf"{words}/s\^2 and the mass on the mounts 3\.5 kg"):
-        wr.equilibrium(sdof(law, gravity=gravity))
+    words = r"deflects mount 'm1' by 1\d\.\d m\. Gravity is 100000 m/s\^2 and the mass on the mounts 3\.5 kg"
+    with pytest.raises(wr.ConvergenceError, match=words):
+        wr.equilibrium(sdof(law, gravity=1e5))
+    with pytest.raises(wr.ModelError, match="`gravity` is 0 0 -1e.09 m/s.2, beyond 100000; take 0 0 -9.80665"):
+        sdof(law, gravity=1e9)
 
 
 def test_a_body_beside_its_only_mount_is_named():

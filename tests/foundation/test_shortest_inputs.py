@@ -17,6 +17,7 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.motions import DecayingSine, Sine
 from wirerope_mj.motions.spoken import motion_from_phrase
 from wirerope_mj.mounts.estimate import estimate_loop
+from wirerope_mj.runs import run_scenario
 from wirerope_mj.runs.scenario import Scenario, load_scenario
 from wirerope_mj.runs.scenario_file import read_judge_table
 from wirerope_mj.runs.sliders import checked_values, sliders_of
@@ -349,3 +350,22 @@ def test_a_pair_of_geoms_that_stands_there_twice(again):
     text = text.replace("</contact>", f'<pair class="stop" geom1="{one}" geom2="{other}"/></contact>')
     with pytest.raises(ModelError, match="the <pair> of geoms 'stop_4' and 'pad_4' stands there twice"):
         wr.load_system(text)
+
+
+def test_a_run_of_no_time_is_refused_and_one_of_a_single_sample_is_written(tmp_path):
+    motion = Sine(frequency=5.0, acceleration=1.0, direction="z")
+    with pytest.raises(ValueError, match="`duration` must be at least 1e-12 s, got 1e-300"):
+        wr.simulate(wr.load_system("sdof_shaker"), motion, duration=1e-300)
+    run_scenario(Scenario("?", "sdof_shaker", motion, {"duration": 0.01, "sample_rate": 1e-9}, name="short"), tmp_path / "run")
+    assert (tmp_path / "run" / "report.html").exists()
+
+
+@pytest.mark.parametrize(
+    ("edited", "message"),
+    [(('damping="0"', 'damping="1e200"'), "its `damping` is 1e.200; every number"), (("-9.80665", "-1e6"), "beyond 100000")],
+)
+def test_a_model_with_numbers_beyond_computing_is_refused(edited, message, tmp_path):
+    text = (models_folder() / "sdof_shaker.xml").read_text(encoding="utf-8")
+    text = text.replace('<joint name="mass_z"', '<joint damping="0" name="mass_z"')
+    with pytest.raises(ModelError, match=message):
+        wr.load_system(text.replace(*edited), isolators=wr.load_system("sdof_shaker").isolators)

@@ -32,6 +32,7 @@ NUMBER = 8  # bytes of a number
 # bytes of memory that every sample takes where it is streamed: its instant, its number, and one column that is looked at
 OF_AN_INSTANT = 4 * NUMBER
 FINEST = 1e-15  # accuracy that can be asked for: the rounding of one number
+SHORTEST = 1e-12  # simulated time [s] below which steps vanish beside their instants
 # steps of a run at the most: hours of computing, and far beyond where rounding outweighs the error of a step
 MOST_STEPS = 1e9
 # periods of the slowest mode that are simulated after the motion: at a damping ratio of a tenth a five-hundredth is left
@@ -173,10 +174,12 @@ def numerics_of(
 
 
 def check_arguments(**named: float | None) -> None:
-    """Raise ValueError if one of the named numbers is not positive; None is left to be chosen."""
+    """Raise ValueError if one of the named numbers is not positive, or a duration is no time; None is left to be chosen."""
     for name, value in named.items():
         if value is not None:
             positive(name, value)
+            if name == "duration" and value < SHORTEST:
+                raise ValueError(f"`duration` must be at least {SHORTEST:g} s, got {value!r}.")
 
 
 def checked_corners(corners: Sequence[float] | Array) -> Array:

@@ -38,6 +38,8 @@ _REMEDIES = (
     ("unknown", "Name one that the model has, or add it."),
     ("unrecognized name", "Name one that the model has, or add it."),
 )
+LARGEST = 1e150  # number whose square is finite, too
+HEAVIEST = 1e5  # gravity [m/s^2] beyond any centrifuge, for which equilibria take minutes
 _ELSEWHERE = "What each element may hold: https://mujoco.readthedocs.io/en/stable/XMLreference.html."
 
 
@@ -60,12 +62,21 @@ def check_written(text: str, path: Path | None) -> None:
 def check_numbers(model: mujoco.MjModel) -> None:
     """Raise ModelError if a number of the compiled model is not finite; names the element and its attribute."""
     for name in ("gravity", "wind", "magnetic", "timestep", "density", "viscosity"):
-        if not (np.abs(getattr(model.opt, name)) < 1e150).all():  # so that its square is finite, too
+        if not (np.abs(getattr(model.opt, name)) < LARGEST).all():
             raise ModelError(f"<option>: `{name}` is {_written(getattr(model.opt, name))}; {_REMEDY}")
+    if not np.linalg.norm(model.opt.gravity) <= HEAVIEST:
+        raise ModelError(
+            f"<option>: `gravity` is {_written(model.opt.gravity)} m/s^2, beyond {HEAVIEST:g}; take 0 0 -9.80665, or that of a "
+            "centrifuge."
+        )
     for name in _float_arrays():
         values = getattr(model, name)
-        if values.size and not np.isfinite(values).all():
+        if _too_large(values).any():
             raise ModelError(_not_finite(model, name, values))
+
+
+def _too_large(values: Array) -> npt.NDArray[np.bool_]:
+    return ~(np.abs(values.astype(np.float64)) < LARGEST)
 
 
 @cache
@@ -86,7 +97,7 @@ def _float_arrays() -> tuple[str, ...]:
 def _not_finite(model: mujoco.MjModel, array: str, values: Array) -> str:
     """Return the message about the first element of an array whose numbers are not all finite."""
     kind, _, attribute = array.partition("_")
-    row = int(np.argwhere(~np.isfinite(values))[0][0])
+    row = int(np.argwhere(_too_large(values))[0][0])
     element = _ELEMENTS.get(kind, kind)
     name = f"number {row}"
     if len(values) == getattr(model, f"n{kind}", -1):  # one row for each element
