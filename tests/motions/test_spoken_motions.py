@@ -170,6 +170,17 @@ def test_a_bad_amplitude_table_is_one_message(tmp_path, text, said):
 
 
 @pytest.mark.quick
+def test_an_amplitude_table_dwells_at_frequencies_of_its_own(tmp_path):
+    (tmp_path / "table.csv").write_text("from [Hz], to [Hz], displacement [mm]\n4, 6, 0.5\n7, 9, 0.2\n")
+    motion = motion_from_phrase("amplitude-table", "table.csv 4 s z dwell 9 s 5 Hz 8 Hz", folder=tmp_path)
+    assert [(term.frequencies[0], term.start, term.duration) for term in motion.terms[6:]] == [(5, 24, 9), (8, 33, 9)]
+    assert [term.amplitudes[0] for term in motion.terms[6:]] == pytest.approx([0.5e-3, 0.2e-3])
+    for said, wrong in (("dwell 9 s", "belong together"), ("5 Hz", "belong together"), ("dwell 9 s 5.5 Hz", "got 5.5 Hz")):
+        with pytest.raises(ValueError, match=wrong):
+            motion_from_phrase("amplitude-table", f"table.csv 4 s z {said}", folder=tmp_path)
+
+
+@pytest.mark.quick
 def test_random_vibration_has_the_density_of_its_file(tmp_path):
     (tmp_path / "road test.csv").write_text("frequency [Hz]; psd [g^2/Hz]\n5; 0.01\n50; 0.01\n200; 0.000625\n")
     motion = motion_from_phrase("psd", "road test.csv 4 s xz seed 7", folder=tmp_path)

@@ -225,7 +225,7 @@ def _cases(job: JudgedJob) -> Table:
     for case in job.cases:
         simulate = case.run.inputs.get("simulate", {})
         initial = str(simulate.get("initial", "settled"))
-        rows.append([case.name, case.run.motion.description, simulate.get("duration"), START.get(initial, initial), case.note])
+        rows.append([case.name, case.run.acting, simulate.get("duration"), START.get(initial, initial), case.note])
     columns = [
         Column("load case", align="left"), Column("what acts", align="text"), Column("simulated", "s", 3),
         Column("begins", align="text"), Column("from", align="text"),
@@ -240,7 +240,7 @@ def _case(case: JudgedCase, report: Sequence[str]) -> Section:
 
     def build() -> Iterator[Block]:
         yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
-        text = f"{case.run.motion.description}. {case.note}".strip()
+        text = f"{case.run.acting}. {case.note}".strip()
         yield Statement(id=f"{case.folder}/motion", text=text, tone="quiet")
         yield from _blocks(case, {"answer", *report} - {"verdicts"})
 

@@ -80,6 +80,12 @@ class JudgedRun(RunResult):
     inputs: Mapping[str, Any] = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
 
     @property
+    def acting(self) -> str:
+        """What acts, in words; with an amplitude table also its phrase, which says where it dwells."""
+        table = self.inputs.get("options", {}).get("amplitude-table")
+        return f"{self.motion.description} ({table})" if table else self.motion.description
+
+    @property
     def validity(self) -> Mapping[str, Validity]:
         """Cycles that the isolators were identified from, by mount."""
         return {name: mount.isolator.validity for name, mount in self.system.mounts.items()}
