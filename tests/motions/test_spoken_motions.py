@@ -155,7 +155,7 @@ def test_an_amplitude_table_is_passed_frequency_by_frequency(tmp_path, text, lin
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("frequency [Hz], level [mm]\n5, 1\n", "an amplitude table has the columns"),
+        ("frequency [Hz], level [mm]\n5, 1\n", "at the end; here are frequency [Hz], level [mm]."),
         ("to [Hz], from [Hz], displacement [mm]\n5, 6, 1\n", "an amplitude table has the columns"),
         ("frequency [Hz], displacement [g]\n5, 1\n", 'unknown unit "g"'),
         ("from [Hz], to [Hz], displacement [mm]\n9, 6, 1\n", "must end above its start"),

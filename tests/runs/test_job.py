@@ -255,6 +255,7 @@ def test_the_recording_holds_every_case(done):
         ('model = "cupboard"', "cupboard"),
         ('model = "shock_table"', "there is no load case; one is [[case]] with a name and a motion"),
         ('model = "shock_table"\nmodels = "x"', "`models` is unknown; known: name, question, model"),
+        ('model = "shock_table"\n[[case]]\nname = "a"\nhalfsine = "5 g"', "Did you mean `half-sine`?"),
         ('model = "shock_table"\n[[case]]\nhalf-sine = "5 g 11 ms z"', "case 1: `name` is missing"),
         ('model = "shock_table"\n[[case]]\nname = "a"', "case 1 'a': it says no motion: one of half-sine"),
         ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = "5 g z"', "a time must stand there (s, ms)"),
