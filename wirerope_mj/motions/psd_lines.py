@@ -196,7 +196,8 @@ def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) 
     header = read_header(path, kind=kind, example=example)
     if len(header.names) != 2:
         raise RecordError(
-            f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: {header.listed(units=True)}."
+            f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: "
+            f"{header.listed(units=True)}."
         )
     try:
         return checked_points("rows", _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
