@@ -303,6 +303,9 @@ def _validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> It
             f"Numerical error, by halving the step before each run: at most {with_unit(known[worst], '%', digits=2)} of the "
             f"peaks ({worst})."
         )
+    numerics = [run.response.numerics for run in runs.values()]
+    steps = with_unit(max(one.timestep for one in numerics), "ms", digits=3)
+    yield f"Computed by {listed(sorted({one.computed_by for one in numerics}))} in Runge-Kutta steps of at most {steps}."
     for device in devices:
         stated = device.provenance
         fitted = f", fitted to {stated.fitted_to.rstrip('.')}" if stated.fitted_to else ""
