@@ -1,7 +1,7 @@
 """Amplitude tables that dwell at what is found: the response prominences of a model, by one steady sine after another."""
 
 from collections.abc import Sequence
-from itertools import groupby, pairwise
+from itertools import groupby
 from pathlib import Path
 
 import numpy as np
@@ -24,7 +24,7 @@ def with_dwells_found(
     """Complete amplitude tables that `dwell` without a frequency by those of the system's response prominences.
 
     Raises:
-        ValueError: such a phrase is not understood, or the base moves along several directions at once.
+        ValueError: such a phrase lacks something, or the base moves along several directions at once.
         RecordError: its file cannot be read.
         SimulationError: the table goes beyond what the system can follow.
     """
@@ -33,14 +33,15 @@ def with_dwells_found(
 
 def _completed(text: str, system: System, folder: Path) -> str:
     spoken = SPOKEN_MOTIONS[KIND]
-    if "dwell" not in text.split() or spoken.begins is None:
+    assert spoken.begins is not None
+    try:
+        (quantity, lines), rest = spoken.begins(text, folder)
+        phrase = parse_phrase(rest, words=spoken.words)
+    except ValueError:
+        return text  # what is wrong with it is said where the motion is made
+    if "dwell" not in phrase.named or "frequency" in phrase.quantities or not system.payloads:
         return text
-    (quantity, lines), rest = spoken.begins(text, folder)
-    phrase = parse_phrase(rest, words=spoken.words)
-    if "frequency" in phrase.quantities:
-        return text
-    first = f"{text} {lines[0][0]:.17g} Hz"
-    motion_from_phrase(KIND, first, folder=folder)  # whatever else is wrong with it is said
+    motion_from_phrase(KIND, f"{text} {lines[0][0]:.17g} Hz", folder=folder)  # so is what is lacking
     if len(phrase.directions) != 1:
         raise ValueError(f'{KIND} "{text}": frequencies for dwells are found along one direction; shake the axes one by one.')
     found = prominences(system, quantity, lines, phrase.directions[0])
@@ -67,7 +68,6 @@ def prominences(system: System, quantity: str, lines: Points, direction: str | S
     found = set[int]()
     for parts in zip(*bodies, strict=True):
         curve = np.concatenate([[0.0], *parts, [0.0]])
-        rises = [after > (1.0 + STANDS_OUT) * before for before, after in pairwise(curve)]
-        falls = [before > (1.0 + STANDS_OUT) * after for before, after in pairwise(curve)]
-        found |= {n for n, (up, down) in enumerate(zip(rises, falls[1:], strict=False)) if up and down}
+        beside = np.maximum(curve[:-2], curve[2:])
+        found |= set(np.flatnonzero(curve[1:-1] > (1.0 + STANDS_OUT) * beside).tolist())
     return [lines[number][0] for number in sorted(found)]
