@@ -306,6 +306,10 @@ def _validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> It
     numerics = [run.response.numerics for run in runs.values()]
     steps = with_unit(max(one.timestep for one in numerics), "ms", digits=3)
     yield f"Computed by {listed(sorted({one.computed_by for one in numerics}))} in Runge-Kutta steps of at most {steps}."
+    inputs = str(next(iter(runs.values())).inputs.get("options", {}).get("inputs", ""))
+    if inputs.startswith("model "):
+        digest = inputs.partition(",")[0].removeprefix("model ")
+        yield f"Model and isolators have the digest {digest}; every case can be replayed from its folder."
     for device in devices:
         stated = device.provenance
         fitted = f", fitted to {stated.fitted_to.rstrip('.')}" if stated.fitted_to else ""
