@@ -235,6 +235,8 @@ def test_a_mass_on_a_jointed_payload_gives_the_two_frequencies_of_a_chain():
     assert found.damping_ratio[0] == pytest.approx(30.0 * shape[1] ** 2 / (2.0 * omega * modal), rel=1e-7)
     assert "top on mass" in found.descriptions[1]
     assert found.payloads["mass"].mass == pytest.approx(7.0)
+    own = 7.0 * 0.4 * 0.1**2  # of both balls, and their parallel axes, 0.3 m apart: m1 m2 / (m1 + m2) d^2
+    np.testing.assert_allclose(found.payloads["mass"].inertia, own + np.array([1.0, 1.0, 0.0]) * 10.0 / 7.0 * 0.09, rtol=1e-9)
 
 
 def test_two_payloads_are_named():

@@ -315,8 +315,9 @@ def test_a_bad_table_is_answered_in_one_message_and_nothing_is_written(here, kin
     ("rows", "message"),
     [
         ([], "mounts.xlsx: the sheet is empty"),
-        ([MOUNTS, changed(FEET[0], c1="left")], 'mounts.xlsx, row 2: "left" in column "x" is not a number'),
-        ([MOUNTS, "", f"{FEET[0]}, 7"], "mounts.xlsx, row 3: 8 cells where the header has 7 columns"),
+        ([MOUNTS, changed(FEET[0], c1="left")], 'mounts.xlsx, sheet Sheet, row 2: "left" in column "x" is not a number'),
+        ([MOUNTS.replace("isolator", "rope")], "mounts.xlsx, sheet Sheet, row 1: unknown column"),
+        ([MOUNTS, "", f"{FEET[0]}, 7"], "mounts.xlsx, sheet Sheet, row 3: 8 cells where the header has 7 columns"),
     ],
 )
 def test_a_bad_workbook_names_its_row(here, rows, message, capsys):

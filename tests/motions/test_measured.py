@@ -202,7 +202,7 @@ def test_tables_without_one_time_are_refused(tmp_path):
 
 def test_sheets_have_one_reader(tmp_path):
     path = write(tmp_path / "t.xlsx", {"time [s]": TIME[:3], "A1 [g]": WAVE[:3]})
-    assert xlsx_rows(path)[0] == (1, ["time [s]", "A1 [g]"])
+    assert xlsx_rows(path)[1][0] == (1, ["time [s]", "A1 [g]"])
 
 
 @pytest.mark.parametrize("late", [0.0, 0.01])

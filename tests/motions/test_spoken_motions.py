@@ -155,7 +155,7 @@ def test_an_amplitude_table_is_passed_frequency_by_frequency(tmp_path, text, lin
 @pytest.mark.parametrize(
     ("text", "said"),
     [
-        ("frequency [Hz], level [mm]\n5, 1\n", "an amplitude table has the columns"),
+        ("frequency [Hz], level [mm]\n5, 1\n", "at the end; here are frequency [Hz], level [mm]."),
         ("to [Hz], from [Hz], displacement [mm]\n5, 6, 1\n", "an amplitude table has the columns"),
         ("frequency [Hz], displacement [g]\n5, 1\n", 'unknown unit "g"'),
         ("from [Hz], to [Hz], displacement [mm]\n9, 6, 1\n", "must end above its start"),
@@ -167,6 +167,17 @@ def test_a_bad_amplitude_table_is_one_message(tmp_path, text, said):
     (tmp_path / "table.csv").write_text(text)
     with pytest.raises((ValueError, RecordError), match=re.escape(said)):
         motion_from_phrase("amplitude-table", "table.csv 4 s z", folder=tmp_path)
+
+
+@pytest.mark.quick
+def test_an_amplitude_table_dwells_at_frequencies_of_its_own(tmp_path):
+    (tmp_path / "table.csv").write_text("from [Hz], to [Hz], displacement [mm]\n4, 6, 0.5\n7, 9, 0.2\n")
+    motion = motion_from_phrase("amplitude-table", "table.csv 4 s z dwell 9 s 5 Hz 8 Hz", folder=tmp_path)
+    assert [(term.frequencies[0], term.start, term.duration) for term in motion.terms[6:]] == [(5, 24, 9), (8, 33, 9)]
+    assert [term.amplitudes[0] for term in motion.terms[6:]] == pytest.approx([0.5e-3, 0.2e-3])
+    for said, wrong in (("dwell 9 s", "belong together"), ("5 Hz", "belong together"), ("dwell 9 s 5.5 Hz", "got 5.5 Hz")):
+        with pytest.raises(ValueError, match=wrong):
+            motion_from_phrase("amplitude-table", f"table.csv 4 s z {said}", folder=tmp_path)
 
 
 @pytest.mark.quick

@@ -97,6 +97,22 @@ def test_a_limit_is_governed_by_the_case_whose_own_run_uses_most_of_it(done):
     assert content["headline"]["values"]["utilisation"] == max(row[-4] for row in rows)
 
 
+def test_the_envelope_says_what_the_base_does_what_the_deck_bears_and_the_room_that_points_need(done):
+    folder, _ = done
+    content = json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))["content"]
+    runs = [wr.load_response(folder / "out" / "cases" / case) for case in ("down-mild", "up-and-hard")]
+    system = wr.load_system("shock_table")
+    weight = 9.80665 * sum(float(system.model.body(name).subtreemass[0]) for name in system.payloads)
+    for (name, peak, velocity, _, at_rest, *_), level in zip(content["envelope-base"]["rows"], (5.0, 20.0), strict=True):
+        assert peak == pytest.approx(level * 9.80665, rel=1e-3), name  # the top of the pulse stands between two steps
+        assert velocity == pytest.approx(2.0 / np.pi * level * 9.80665 * 0.011, rel=1e-6)
+        assert at_rest == pytest.approx(weight, rel=1e-3)  # of an equilibrium found to its own tolerance
+    ((name, *ways, _),) = content["envelope-room"]["rows"]
+    moved = [run.peaks.points[name].relative_displacement for run in runs]
+    low, high = np.min([one.minimum for one in moved], axis=0), np.max([one.maximum for one in moved], axis=0)
+    assert ways == pytest.approx(np.maximum(np.stack([-low, high], axis=1).ravel(), 0.0))
+
+
 def test_nothing_runs_twice(again):
     assert again() == {}
     assert again(f'{CASES}\n[document]\nnumber = "D-1"\n') == {}  # what is only written is no input of a simulation
@@ -255,6 +271,7 @@ def test_the_recording_holds_every_case(done):
         ('model = "cupboard"', "cupboard"),
         ('model = "shock_table"', "there is no load case; one is [[case]] with a name and a motion"),
         ('model = "shock_table"\nmodels = "x"', "`models` is unknown; known: name, question, model"),
+        ('model = "shock_table"\n[[case]]\nname = "a"\nhalfsine = "5 g"', "Did you mean `half-sine`?"),
         ('model = "shock_table"\n[[case]]\nhalf-sine = "5 g 11 ms z"', "case 1: `name` is missing"),
         ('model = "shock_table"\n[[case]]\nname = "a"', "case 1 'a': it says no motion: one of half-sine"),
         ('model = "shock_table"\n[[case]]\nname = "a"\nhalf-sine = "5 g z"', "a time must stand there (s, ms)"),

@@ -52,7 +52,9 @@ def test_isolators_are_chosen_by_name(tmp_path):
     ).run(tmp_path / "study")  # fmt: skip
     system = wr.load_system("floating_floor")
     for name, force in zip(result.table["mount/m01/isolator"].to_pylist(), result.table["force/m01"].to_pylist(), strict=True):
-        variant = wr.varied(system, isolators={"m01": wr.load_isolator(find_isolator(name))})
+        device = wr.load_isolator(find_isolator(name))
+        rise = 0.5 * (system.mounts["m01"].written.geometry.height - device.geometry.height)  # m01 stands upright
+        variant = wr.varied(system, isolators={"m01": device}, positions={"m01": [0.0, 0.0, rise]} if rise else None)
         alone = wr.simulate(variant, PULSE, duration=0.05, timestep=5e-4)
         assert force == pytest.approx(alone.peaks.mounts["m01"].force.value, rel=1e-9)
     assert result.table["mount/m01/isolator"].to_pylist() == names
@@ -72,3 +74,22 @@ def test_isolators_are_chosen_by_name(tmp_path):
 def test_an_isolator_that_cannot_be_chosen_is_named(vary, said):
     with pytest.raises((ValueError, ModelError), match=said):
         wr.Study(model="floating_floor.xml", motion=PULSE, duration=0.05, timestep=5e-4, sampling="list", vary=vary).table()
+
+
+def test_any_part_of_the_catalogue_is_chosen_by_a_pattern_and_the_foundation_follows_its_height():
+    """The payload's bar stays: mid-height moves down by half of what a part is higher, on a mount that stands upright."""
+    made = wr.Study(
+        model="floating_floor.xml", motion=PULSE, duration=0.05, timestep=5e-4, sampling="grid",
+        vary={"mount/m01/isolator": wr.Choice("CB1[57]*", "WR12-400")},
+    )  # fmt: skip
+    names = made.table()["mount/m01/isolator"].to_pylist()
+    assert names[-1] == "WR12-400"
+    assert {name[:4] for name in names[:-1]} == {"CB15", "CB17"}
+    drawn = made.base.mounts["m01"]
+    for number, name in enumerate(names):
+        mount = made.system(number).mounts["m01"]
+        assert mount.written == wr.load_isolator(name)
+        tops = [one.position[2] + 0.5 * one.written.geometry.height for one in (drawn, mount)]
+        assert tops[1] == pytest.approx(tops[0], abs=1e-12)
+    with pytest.raises(ValueError, match="no part of the vendors' tables is called 'XY"):
+        wr.Study(model="floating_floor.xml", motion=PULSE, duration=0.05, vary={"mount/m01/isolator": wr.Choice("XY*")})

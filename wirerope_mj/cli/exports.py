@@ -1,7 +1,9 @@
 """`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
 
 from wirerope_mj.cli.options import Flag, Repeated
 
@@ -31,7 +33,7 @@ def export(
     out: Path,
     *,
     channels: Repeated = None,
-    at: str | None = None,
+    at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
     spectrum: str | None = None,
     q: float = 10.0,
     force: Flag = False,

@@ -75,7 +75,8 @@ def shock(
         sweep: "0.5 g 5 to 50 Hz 2 oct/min z": logarithmic sine sweep.
         psd: "transport.csv 30 s z seed 1": random vibration of a file with "frequency [Hz], psd [g^2/Hz]".
         amplitude_table: "levels.csv 10 s z": steady sines, one frequency after the other, of a file with
-            "from [Hz], to [Hz], displacement [mm]" in steps of 1 Hz, or "frequency [Hz], displacement [mm]".
+            "from [Hz], to [Hz], displacement [mm]" in steps of 1 Hz, or "frequency [Hz], displacement [mm]"; with "dwell 60 s"
+            then 60 s at each response prominence of the model, with "dwell 60 s 7 Hz 12 Hz" at these.
         spectrum: "floor.csv 20 s x damping 5 % seed 1": a motion with the response spectrum of a file with
             "frequency [Hz], acceleration [g]".
         required_spectrum: "rrs.csv 30 s x damping 5 % seed 1": the same, its spectrum nowhere below that of the file.
@@ -117,7 +118,10 @@ def shock(
     from wirerope_mj.engine.flexible import deck_of
     from wirerope_mj.engine.simulation.simulate import duration_of
     from wirerope_mj.engine.system import load_system
+    from wirerope_mj.engine.system.on_deck import deck_text
     from wirerope_mj.foundation.payload_limits import limit_from_text
+    from wirerope_mj.foundation.resources import model_source
+    from wirerope_mj.runs.dwells import with_dwells_found
     from wirerope_mj.runs.said_motion import said_motion
     from wirerope_mj.runs.scenario import Scenario
 
@@ -139,11 +143,15 @@ def shock(
         "scale": scale, "baseline": baseline, "start": start, "highpass": highpass, "resample": resample, "gaps": gaps,
         "unit": unit,
     }  # fmt: skip
+    system = load_system(model_source(model, asker="wirerope shock"))
+    if deck is not None:
+        system = load_system(deck_text(system, deck_of(deck)), isolators=system.isolators)
+    phrases = with_dwells_found(phrases, system)
     motion = said_motion(
         phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
-    options: dict[str, Any] = {kind: "; ".join(several or ()) or None for kind, several in spoken.items()}
+    options: dict[str, Any] = {kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in spoken}
     options |= {
         "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
         "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,
@@ -154,7 +162,7 @@ def shock(
         limits=[limit_from_text(text) for text in limit or ()],
     )  # fmt: skip
     made = made if deck is None else made.on_deck(deck_of(deck))
-    duration = duration_of(motion, duration, load_system(made.model_source(), isolators=made.isolators))
+    duration = duration_of(motion, duration, system)
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
     folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
     run_and_print(made, folder, force=force)

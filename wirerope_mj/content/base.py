@@ -38,7 +38,7 @@ _TEXTS = {
 def base_blocks(run: JudgedRun) -> Iterator[Block | None]:
     """Yield the base's motion, or what acts on the payload, and the base's shock response spectrum."""
     kind = "Excitation" if run.motion.loaded_sites else "Base motion"
-    yield Statement(id="motion", text=f"{kind}: {run.motion.description}.")
+    yield Statement(id="motion", text=f"{kind}: {run.acting}.")
     if run.motion.loaded_sites:
         yield replace(
             _loads_chart(run.response, run.motion, run.selection.window),

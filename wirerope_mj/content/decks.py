@@ -55,8 +55,6 @@ def _why_not(run: JudgedRun) -> str:
     response = run.response
     if not run.system.base:
         return "the base is fixed in the world"
-    if run.motion.loaded_sites:
-        return "forces act on the payload"
     if run.motion.velocity_jumps:
         return "the base's velocity jumps"
     if response.numerics.engine != "kernel":

@@ -225,7 +225,7 @@ def _cases(job: JudgedJob) -> Table:
     for case in job.cases:
         simulate = case.run.inputs.get("simulate", {})
         initial = str(simulate.get("initial", "settled"))
-        rows.append([case.name, case.run.motion.description, simulate.get("duration"), START.get(initial, initial), case.note])
+        rows.append([case.name, case.run.acting, simulate.get("duration"), START.get(initial, initial), case.note])
     columns = [
         Column("load case", align="left"), Column("what acts", align="text"), Column("simulated", "s", 3),
         Column("begins", align="text"), Column("from", align="text"),
@@ -240,7 +240,7 @@ def _case(case: JudgedCase, report: Sequence[str]) -> Section:
 
     def build() -> Iterator[Block]:
         yield replace(headline(case.run.verdicts), id=f"{case.folder}/headline")
-        text = f"{case.run.motion.description}. {case.note}".strip()
+        text = f"{case.run.acting}. {case.note}".strip()
         yield Statement(id=f"{case.folder}/motion", text=text, tone="quiet")
         yield from _blocks(case, {"answer", *report} - {"verdicts"})
 
@@ -303,6 +303,13 @@ def _validated(runs: Mapping[str, JudgedRun], devices: Sequence[Isolator]) -> It
             f"Numerical error, by halving the step before each run: at most {with_unit(known[worst], '%', digits=2)} of the "
             f"peaks ({worst})."
         )
+    numerics = [run.response.numerics for run in runs.values()]
+    steps = with_unit(max(one.timestep for one in numerics), "ms", digits=3)
+    yield f"Computed by {listed(sorted({one.computed_by for one in numerics}))} in Runge-Kutta steps of at most {steps}."
+    inputs = str(next(iter(runs.values())).inputs.get("options", {}).get("inputs", ""))
+    if inputs.startswith("model "):
+        digest = inputs.partition(",")[0].removeprefix("model ")
+        yield f"Model and isolators have the digest {digest}; every case can be replayed from its folder."
     for device in devices:
         stated = device.provenance
         fitted = f", fitted to {stated.fitted_to.rstrip('.')}" if stated.fitted_to else ""

@@ -5,6 +5,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from wirerope_mj.assessment.criteria import body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria.foundation import area_forces
 from wirerope_mj.assessment.criteria.peaks import BodyPeak
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun
@@ -17,6 +18,7 @@ from wirerope_mj.content.selection import worst_names
 from wirerope_mj.content.spectra import spectrum_panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
+from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 from wirerope_mj.foundation.units import in_unit
 
@@ -24,10 +26,55 @@ _COLOURS = 6  # numbered colours of a chart; further cases have those of the fir
 
 
 def envelope_blocks(runs: Mapping[str, JudgedRun]) -> Iterator[Block | None]:
-    """Yield the largest of every case: accelerations, mounts, and spectra of what is shaken most."""
+    """Yield what the base does and the deck bears, the largest of every case: accelerations, room, mounts; and spectra."""
+    yield _base(runs)
     yield _accelerations(runs)
+    yield _room(runs)
     yield _mounts(runs)
     yield from _spectra(runs)
+
+
+def _base(runs: Mapping[str, JudgedRun]) -> Table:
+    """Tabulate how far the base goes in each case, and what all mounts together exert on it."""
+    rows: list[Row] = []
+    for case, run in runs.items():
+        base = run.response.base
+        moved = [float(np.linalg.norm(one, axis=1).max()) for one in (base.velocity, base.displacement)]
+        peak = max((row.value for row in body_peaks(run.response) if row.kind == "base"), default=0.0)
+        deck = area_forces(run.response)[0]
+        rows.append([case, in_si(peak), *moved, deck.at_rest, deck.down, deck.up, deck.across])
+    return Table(
+        id="envelope-base", title="Base motion, and loads of all mounts on the deck",
+        columns=[
+            Column("load case", align="left"), Column("acceleration", "g", "z.2f"), Column("velocity", "m/s", "z.2f"),
+            Column("displacement", "mm", "z.1f"), Column("at rest", "kN", 3), Column("down", "kN", 3), Column("up", "kN", 3),
+            Column("horizontally", "kN", 3),
+        ],
+        rows=rows, note="Largest sizes; a base that coasts after a pulse does so to the end of the run. The loads are sums "
+        "over all mounts and stops, weight included, at the samples.",
+    )  # fmt: skip
+
+
+def _room(runs: Mapping[str, JudgedRun]) -> Table | None:
+    """Tabulate how far every point goes along each way in any case: the room that must be kept free there."""
+    names = list(next(iter(runs.values())).response.peaks.points)
+    if not names:
+        return None
+    rows: list[Row] = []
+    for name in names:
+        moved = {case: run.response.peaks.points[name].relative_displacement for case, run in runs.items()}
+        worst = max(moved, key=lambda case: moved[case].value)
+        ways = [(max(-one.minimum[axis], 0.0), max(one.maximum[axis], 0.0)) for one in moved.values() for axis in range(3)]
+        largest = np.array(ways).reshape(len(moved), 6).max(axis=0)
+        rows.append([name, *map(float, largest), worst])
+    return Table(
+        id="envelope-room", title="Room that points need in all load cases",
+        columns=[
+            Column("point", align="left"), *(Column(side, "mm", "z.1f") for side in SIDES),
+            Column("largest displacement in", align="left"),
+        ],
+        rows=rows, note="Displacement from the modelled place relative to the base, sag included, the largest of any case.",
+    )  # fmt: skip
 
 
 def _accelerations(runs: Mapping[str, JudgedRun]) -> Table:
@@ -94,7 +141,7 @@ def _spectra(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
                 lines[axis][case] = along[name].frequencies, in_unit(along[name].maximax, "g")
                 q = along[name].q
     panels = [
-        _panel(curves, axis, f"SRS, Q = {q:g}: peak acceleration [g]" if number == 0 else "")
+        _panel(curves, list(runs), axis, f"SRS, Q = {q:g}: peak acceleration [g]" if number == 0 else "")
         for number, (axis, curves) in enumerate((axis, curves) for axis, curves in lines.items() if curves)
     ]
     if panels:
@@ -109,10 +156,10 @@ def _spectra(runs: Mapping[str, JudgedRun]) -> Iterator[Block]:
         yield Statement(id="envelope-spectra", text="No load case has a shock response spectrum.", tone="quiet")
 
 
-def _panel(lines: Mapping[str, tuple[Array, Array]], axis: str, label: str) -> Panel:
+def _panel(lines: Mapping[str, tuple[Array, Array]], cases: list[str], axis: str, label: str) -> Panel:
     curves = [
         Curve(x=x, y=y, name=short(case), kind=number % _COLOURS, dash="" if number < _COLOURS else "dashed")
-        for number, (case, (x, y)) in enumerate(lines.items())
+        for number, (case, (x, y)) in ((cases.index(case), (case, pair)) for case, pair in lines.items())
     ]
     if len(curves) > 1:
         grid = max((x for x, _ in lines.values()), key=len)

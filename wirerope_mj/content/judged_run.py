@@ -29,6 +29,9 @@ from wirerope_mj.mounts.isolator import Validity
 
 Result = TypeVar("Result")
 
+# kinds of motions whose description does not say all that their phrase says
+_MORE_IN_PHRASES = ("double-pulse", "psd", "amplitude-table", "spectrum", "required-spectrum")
+
 
 @dataclass(frozen=True, kw_only=True)
 class RunResult:
@@ -78,6 +81,13 @@ class JudgedRun(RunResult):
     # what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`
     model_warnings: tuple[str, ...] = ()
     inputs: Mapping[str, Any] = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
+
+    @property
+    def acting(self) -> str:
+        """What acts, in words; where these leave out a file, a design spectrum or dwells, the phrase that says them too."""
+        options = self.inputs.get("options", {})
+        phrases = [f"{kind} {options[kind]}" for kind in _MORE_IN_PHRASES if options.get(kind)]
+        return f"{self.motion.description} (from {'; '.join(phrases)})" if phrases else self.motion.description
 
     @property
     def validity(self) -> Mapping[str, Validity]:

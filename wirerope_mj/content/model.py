@@ -58,11 +58,12 @@ def _masses(run: JudgedRun) -> Table | None:
     if known is None or not known.payloads:
         return None
     return Table(
-        id="masses", title="What the mounts carry, and its centre of mass at rest",
+        id="masses", title="What the mounts carry, its centre of mass at rest and its moments of inertia about that",
         columns=(
             Column("payload", align="left"), Column("mass", "kg", 4), *(Column(axis, "m", "z.3f") for axis in "xyz"),
+            *(Column(f"I{axis}{axis}", "kg m²", 4) for axis in "xyz"),
         ),
-        rows=[(name, payload.mass, *map(float, payload.centre)) for name, payload in known.payloads.items()],
+        rows=[(name, one.mass, *map(float, (*one.centre, *one.inertia))) for name, one in known.payloads.items()],
     )  # fmt: skip
 
 

@@ -37,7 +37,7 @@ def run_content(run: JudgedRun) -> Content:
         title=run.title,
         facts=(
             ("Model", run.model_file),
-            ("Excitation" if run.motion.loaded_sites else "Base motion", run.motion.description),
+            ("Excitation" if run.motion.loaded_sites else "Base motion", run.acting),
             ("Simulated", run.written),
             ("By", f"wirerope-mj {versions.get('wirerope-mj', 'unknown')}"),
         ),

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, UNITS, VELOCITY_UNITS
 
@@ -35,15 +35,21 @@ class Header:
     names: tuple[str, ...]  # of the columns, units taken off
     units: tuple[str | None, ...]  # of the columns; None where the header has none
     decimal: str = "."  # or a comma, where other signs separate the cells
+    sheet: str = ""  # of a workbook
 
     @property
     def location(self) -> str:
-        """File and line, as messages begin."""
-        return f"{self.path}, line {self.line}"
+        """File and line, or sheet and row, as messages begin."""
+        return (
+            f"{self.path}, sheet {short(plain(self.sheet))}, row {self.line}"
+            if self.sheet
+            else f"{self.path}, line {self.line}"
+        )
 
-    def listed(self, first: int = 0) -> str:
+    def listed(self, first: int = 0, *, units: bool = False) -> str:
         """Return the columns' names from number `first` on, as messages list them, and whether they are no text."""
-        names = short(", ".join(self.names[first:]))
+        written = [f"{name} [{unit}]" if units and unit else name for name, unit in zip(self.names, self.units, strict=True)]
+        names = short(", ".join(written[first:]))
         return f"{names}; the file is not text in UTF-8, save it as CSV in UTF-8" if "\ufffd" in names else names
 
     def factor(self, column: int, known: Mapping[str, float]) -> float:
@@ -200,7 +206,7 @@ def _parsed(path: Path, line: int, text: str) -> Header:
     return header_of_cells(path, line, text.split(delimiter), delimiter)
 
 
-def header_of_cells(path: Path, line: int, cells: Sequence[str], delimiter: str = "") -> Header:
+def header_of_cells(path: Path, line: int, cells: Sequence[str], delimiter: str = "", sheet: str = "") -> Header:
     """Return the header that cells make, each a name with a unit in brackets or parentheses, or without."""
     names, units = [], []
     for cell in cells:
@@ -211,4 +217,4 @@ def header_of_cells(path: Path, line: int, cells: Sequence[str], delimiter: str 
             match = rounded
         names.append(match[1] if match else cell.strip())
         units.append(match[2].strip() if match and match[2] is not None else None)
-    return Header(path, line, delimiter, tuple(names), tuple(units))
+    return Header(path, line, delimiter, tuple(names), tuple(units), sheet=sheet)

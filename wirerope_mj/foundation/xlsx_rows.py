@@ -14,8 +14,8 @@ from wirerope_mj.foundation.regular_files import regular
 _UNPACKED = 20.0
 
 
-def xlsx_rows(path: Path, sheet: str = "") -> list[tuple[int, list[str]]]:
-    """Read number and texts of the rows of a sheet that hold something and do not begin with #.
+def xlsx_rows(path: Path, sheet: str = "") -> tuple[str, list[tuple[int, list[str]]]]:
+    """Read a sheet: its name, and number and texts of the rows that hold something and do not begin with #.
 
     Args:
         path: of the XLSX file.
@@ -31,7 +31,7 @@ def xlsx_rows(path: Path, sheet: str = "") -> list[tuple[int, list[str]]]:
         chosen.reset_dimensions()  # those of the file would fill all rows up to its farthest cell
         rows = enumerate(chosen.iter_rows(values_only=True), start=1)
         texts = ((number, [_as_text(value) for value in row]) for number, row in rows if set(row) - {None})
-        return [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
+        return str(chosen.title), [(number, row) for number, row in texts if any(row) and not row[0].startswith("#")]
 
 
 def sheet_names(path: Path) -> list[str]:

@@ -126,7 +126,7 @@ def table_lines(path: Path) -> tuple[str, Points]:
     if places not in (["frequency"], ["from", "to"]) or quantity not in _AMPLITUDE_UNITS:
         raise RecordError(
             f"{header.location}: an amplitude table has the columns {example}, or with a velocity or an acceleration at the "
-            f"end; here are {header.listed()}."
+            f"end; here are {header.listed(units=True)}."
         )
     rows = _rows(header, [*[_FREQUENCY_UNITS] * len(places), _AMPLITUDE_UNITS[quantity]])
     try:
@@ -196,7 +196,8 @@ def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) 
     header = read_header(path, kind=kind, example=example)
     if len(header.names) != 2:
         raise RecordError(
-            f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: {header.listed()}."
+            f"{header.location}: a {kind} has two columns, {example}; here are {len(header.names)}: "
+            f"{header.listed(units=True)}."
         )
     try:
         return checked_points("rows", _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])

@@ -24,6 +24,7 @@ from wirerope_mj.motions.underwater import StruckPlate
 from wirerope_mj.motions.vibration_lines import VibrationLines
 
 LARGEST_SEED = 2**53 - 1  # of a phrase: numbers are read as floats, and of larger ones neighbours would be one
+MOST_DWELLS = 100  # frequencies of an amplitude table's dwells
 Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
 _PULSE = {"acceleration": 1, "time": 1}
 _RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
@@ -77,12 +78,23 @@ def _lasting(phrase: Phrase, direction: Direction, number: int) -> dict[str, Any
 
 
 def _dwells(phrase: Phrase, direction: Direction, _: int, table: tuple[str, Points]) -> BaseMotion:
-    """Pass the lines of an amplitude table one after the other, each from rest to rest."""
-    length, dwells = phrase.one("time"), []
-    for number, line in enumerate(table[1]):
+    """Pass the lines of an amplitude table one after the other, each from rest to rest, and then dwell at some of them."""
+    amplitudes, chosen = dict(table[1]), phrase.quantities.get("frequency", ())
+    if ("dwell" in phrase.named) != bool(chosen):
+        raise ValueError(
+            '"dwell" and its frequencies belong together, as in "dwell 60 s 7 Hz 12 Hz"; `wirerope shock` and a job find them.'
+        )
+    for frequency in chosen:
+        if frequency not in amplitudes:
+            known = ", ".join(f"{one:g}" for one in amplitudes)
+            raise ValueError(f"a dwell must be at a frequency of the table, {known} Hz, got {frequency:g} Hz.")
+    lasting = [(line, phrase.one("time")) for line in table[1]]
+    lasting += [((frequency, amplitudes[frequency]), phrase.named["dwell"]) for frequency in chosen]
+    dwells, start = [], phrase.start
+    for line, length in lasting:
         amplitude: dict[str, Any] = {table[0]: [line]}
-        start = phrase.start + number * length
         dwells.append(VibrationLines(direction=direction, duration=length, start=start, **amplitude))
+        start += length
     return sum(dwells[1:], start=dwells[0])
 
 
@@ -178,7 +190,8 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
     "amplitude-table": SpokenMotion(
         example="levels.csv 10 s z",
         summary='sines one after the other: CSV file with "from [Hz], to [Hz], displacement [mm]", time of each, direction',
-        needs={"time": 1}, begins=file_first(table_lines), make=_dwells,
+        needs={"time": 1}, begins=file_first(table_lines), make=_dwells, words=START | {"dwell": "time"},
+        may={"frequency": MOST_DWELLS},
     ),
     "spectrum": SpokenMotion(
         example="floor.csv 20 s x damping 5 % seed 1",

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import asdict, fields
 from datetime import date
+from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +24,9 @@ def checked(table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> N
     """Raise ModelError unless a table has known keys with values of their kinds; a list is one of texts, or of tables."""
     for key, value in table.items():
         if key not in known:
-            raise ModelError(f"{where}: `{short(key)}` is unknown; known: {', '.join(known)}.")
+            near = get_close_matches(key, known, n=1)
+            meant = f" Did you mean `{near[0]}`?" if near else ""
+            raise ModelError(f"{where}: `{short(key)}` is unknown; known: {', '.join(known)}.{meant}")
         kind = known[key]
         right = {
             float: isinstance(value, int | float) and not isinstance(value, bool),

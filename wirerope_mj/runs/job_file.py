@@ -19,6 +19,7 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.runs.document_table import checked, read_document
+from wirerope_mj.runs.dwells import with_dwells_found
 from wirerope_mj.runs.said_motion import PLAYED, said_motion
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
@@ -169,7 +170,7 @@ def _records(path: Path, table: dict[str, Any]) -> Iterator[tuple[str, Path, dic
         yield where, path.parent, {"name": file.stem, "record": str(file.relative_to(path.parent)), **shared}
 
 
-def _scenario(where: str, table: Mapping[str, Any], folder: Path, system: System) -> dict[str, Any]:
+def _scenario(where: str, table: dict[str, Any], folder: Path, system: System) -> dict[str, Any]:
     """Return motion, simulation and options of a case's scenario."""
     phrases = [(kind, text) for kind in SPOKEN_MOTIONS for text in _texts(table.get(kind, []))]
     levels = [folder / file for file in _texts(table.get("levels", []))]
@@ -186,6 +187,7 @@ def _scenario(where: str, table: Mapping[str, Any], folder: Path, system: System
         raise ModelError(f"{where}: `{next(iter(played))}` belongs to a `record`.")
     channels = _texts(table["channels"]) if "channels" in table else None
     try:
+        phrases = with_dwells_found(phrases, system, folder=folder)
         motion = said_motion(
             phrases, levels=levels, record=record, channels=channels, direction=table.get("direction"), played=played,
             duration=table.get("duration"), folder=folder,
@@ -196,6 +198,7 @@ def _scenario(where: str, table: Mapping[str, Any], folder: Path, system: System
     except (WireRopeError, ValueError) as error:
         kind = type(error) if isinstance(error, WireRopeError) else ModelError
         raise kind(f"{where}: {error}") from None
+    table |= {kind: [text for one, text in phrases if one == kind] for kind, _ in phrases}
     options = {
         name: "; ".join(_texts(table[name])) if _CASE[name] is list else table[name]
         for name in _CASE

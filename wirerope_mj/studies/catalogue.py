@@ -4,7 +4,6 @@ import math
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from fnmatch import fnmatchcase
 
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.simulation.stepper import HISTORIES
@@ -17,7 +16,7 @@ from wirerope_mj.foundation.errors import ModelError, ModelWarning, WireRopeErro
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.vendor_parts import load_isolator, vendor_parts
+from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
 from wirerope_mj.studies.race import CRITERIA as CRITERIA
 from wirerope_mj.studies.race import LEVELS, Race
 from wirerope_mj.studies.race import TriedPart as TriedPart
@@ -89,13 +88,8 @@ def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[st
 
 def shifted(system: System, isolator: Isolator) -> dict[str, list[float]]:
     """Return by how much mid-heights move [m] where a part takes the place of a model's isolators, (3,) by mount."""
-    shifts = {}
-    for name in replaced(system):
-        mount = system.mounts[name]
-        heights = [one.geometry.height if one.geometry else None for one in (mount.written, isolator)]
-        if heights[0] and heights[1]:
-            shifts[name] = (0.5 * (heights[0] - heights[1]) * mount.axes[:, 2]).tolist()
-    return shifts
+    shifts = {name: system.mounts[name].shift_for(isolator) for name in replaced(system)}
+    return {name: shift for name, shift in shifts.items() if shift is not None}
 
 
 def _settled(tried: Sequence[TriedPart], initial: str) -> list[TriedPart]:
@@ -190,21 +184,3 @@ def select_parts(
         )
 
     return replace(made, tried=tuple(sorted(tried, key=order)))
-
-
-def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
-    """Load the parts of the vendors' tables whose names match a pattern, or say why a part has no isolator.
-
-    ValueError if no name matches.
-    """
-    found: dict[str, Isolator | str] = {}
-    for part in vendor_parts():
-        if fnmatchcase(part.name.lower(), pattern.lower()):
-            try:
-                found[part.name] = load_isolator(part)
-            except WireRopeError as error:
-                found[part.name] = str(error).removeprefix(f"{part.name}: ")
-    if not found:
-        text = f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them."
-        raise ValueError(text)
-    return found

@@ -29,6 +29,7 @@ from wirerope_mj.studies.inputs.check import check_variants
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.distributions import Distribution, distribution_from_dict
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
+from wirerope_mj.studies.inputs.mount_columns import OtherIsolator
 from wirerope_mj.studies.inputs.quantities import quantities
 from wirerope_mj.studies.inputs.sampling import inputs
 from wirerope_mj.studies.inputs.variants import Maker, Row, Work
@@ -91,7 +92,8 @@ class StudyDefinition:
         """
         check_arguments(duration=duration, timestep=timestep, accuracy=accuracy, sample_rate=sample_rate)
         one_of("initial", initial, STARTS)
-        self.name, self.question, self.vary = name, question, dict(vary)
+        self.name, self.question = name, question
+        self.vary = {quantity: OtherIsolator.listed(quantity, one) for quantity, one in vary.items()}
         self.duration, self.sample_rate, self.initial = float(duration), float(sample_rate), initial
         self.timestep, self.accuracy = None if timestep is None else float(timestep), accuracy
         self.sampling, self.seed = sampling, integer("seed", seed, least=0)

@@ -29,7 +29,8 @@ class Study(StudyDefinition):
         mount/NAME/damping            factor on what dissipates in a mount
         mount/NAME/stiffening/cycles, mount/NAME/stiffening/after_50
                                       values of an isolator with [stiffening]; relative: factors on them
-        mount/NAME/isolator           Choice of the names of isolator files, of the same laws as the model's
+        mount/NAME/isolator           Choice of the names of isolator files, of the same laws as the model's, or of the vendors'
+                                      parts by a pattern such as "CB1400-*"; the foundation follows their height
         mount/NAME/spread             the isolator's [spread], as `Specimens`
         mount/NAME/position_shift/x   shift of the mount along a world axis [m]
         mount/NAME/turn/x             angle by which the mount turns about a world axis [deg]; several make a rotation vector

@@ -145,8 +145,11 @@ def payload_shapes(system: System, rest: AtRest, shapes: Array) -> dict[str, Pay
     result = {}
     for payload in payloads_of(system):
         tree = _tree(system.model, rest, payload)
+        own = rest.data.crb[payload.root]  # about the centre of the whole tree: moments, products, first moments, mass
+        squares = own[6:9] ** 2 / own[9]
         result[payload.name] = PayloadShape(
             centre=rest.data.subtree_com[payload.root].copy(), mass=payload.mass,
+            inertia=own[:3] - (squares.sum() - squares),
             translation=(tree.centre @ shapes).T, rotation=(tree.turn @ shapes).T,
         )  # fmt: skip
     return result

@@ -75,6 +75,7 @@ class PayloadShape:
 
     centre: Array  # centre of mass at rest [m], world frame, (3,)
     mass: float  # of all that stands on the payload's root body [kg]
+    inertia: Array  # its moments of inertia about the centre of mass at rest [kg m^2], world axes, (3,)
     translation: Array  # of the centre of mass [m], world frame, (n_modes, 3)
     rotation: Array  # of the root body [rad], world frame, (n_modes, 3)
 

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -113,7 +113,7 @@ def _factors(header: Header, needed: Mapping[str, str], known: Mapping[str, str]
         listed = ", ".join(f'"{name}"' for name in missing)
         raise RecordError(
             f"{header.location}: {f'columns {listed} are' if missing[1:] else f'column {listed} is'} missing. "
-            f"The header has {header.listed()}."
+            f"The header has {header.listed(units=True)}."
         )
     factors = {}
     for number, name in enumerate(header.names):
@@ -135,9 +135,10 @@ def _require_distinct(rows: list[Row]) -> None:
 
 def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tuple[str, list[str]]]]:
     """Return header and rows of a sheet of an XLSX file, as texts; empty rows and those that begin with # are skipped."""
-    filled = xlsx_rows(path, kind.split()[-1])
+    sheet, filled = xlsx_rows(path, kind.split()[-1])
     header = first_header(
-        header_of_cells(path, number, cells[: 1 + max(n for n, cell in enumerate(cells) if cell)]) for number, cells in filled
+        header_of_cells(path, number, cells[: 1 + max(n for n, cell in enumerate(cells) if cell)], sheet=sheet)
+        for number, cells in filled
     )
     if header is None:
         raise RecordError(f"{path}: the sheet is empty. A {kind} has a header such as {example}.")
@@ -147,7 +148,7 @@ def _excel(path: Path, *, kind: str, example: str) -> tuple[Header, Iterator[tup
         for number, cells in filled:
             if number <= header.line:
                 continue
-            location = f"{path}, row {number}"
+            location = replace(header, line=number).location
             row = cells[: len(names)] + [""] * (len(names) - len(cells)) + [cell for cell in cells[len(names) :] if cell]
             require_cells(header, location, row)
             yield location, row

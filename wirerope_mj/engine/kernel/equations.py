@@ -37,6 +37,7 @@ class Equations:
     rest: Array
     # integers among the parameters, of which all lanes have the same: elements, knots, laws in parallel
     counts: tuple[int, ...] = ()
+    loaded: tuple[str, ...] = ()  # sites at which forces may act
 
     def rows(self, table: int, columns: int, count: int) -> Integers:
         """Return a table of the structure, whose address stands in the header's entry `table`, a view, (count, columns)."""
@@ -55,7 +56,7 @@ class Equations:
     @property
     def key(self) -> bytes:
         """Bytes that systems have in common which may share lanes."""
-        return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes() + repr(self.counts).encode()
+        return self.lay.tobytes() + self.fix.tobytes() + self.rest.tobytes() + repr((self.counts, self.loaded)).encode()
 
 
 def equations_of(system: System) -> Equations:
@@ -77,6 +78,7 @@ def equations_of(system: System) -> Equations:
     tracked = tables.channels[tables.tracked]
     parts: list[Any] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
+    forces = [_force(bodies, kinds, places, site, fix, num) for site in system.assembly.subjects.forces]
     modes = [[mode.dof, num.put(mode.participation)] for mode in system.assembly.subjects.modes]
     flat = [np.asarray(part, dtype=np.int64).ravel() for part in (shapes, *parts)]
     lay[at.LINKS : at.LINKS + len(parts)] = at.HEADER + np.cumsum([part.size for part in flat[:-1]])
@@ -94,12 +96,14 @@ def equations_of(system: System) -> Equations:
     flat.append(np.array(pairs, dtype=np.int64).ravel())
     lay[at.MODES], lay[at.N_MODES] = at.HEADER + sum(part.size for part in flat), len(modes)
     flat.append(np.array(modes, dtype=np.int64).ravel())
+    lay[at.FORCES], lay[at.N_FORCES] = at.HEADER + sum(part.size for part in flat), len(forces)
+    flat.append(np.array(forces, dtype=np.int64).ravel())
     for entry, number in counts.items():
         lay[entry] = number
     _sections(lay, largest=max((row[2] for row in trees), default=0))
     return Equations(
         lay=np.concatenate([lay, *flat]), fix=np.array(fix.numbers), num=np.array(num.numbers),
-        rest=_rest(bodies, kinds), counts=_counts(tables, axes),
+        rest=_rest(bodies, kinds), counts=_counts(tables, axes), loaded=system.assembly.subjects.force_names,
     )  # fmt: skip
 
 
@@ -112,7 +116,7 @@ def _sections(lay: Integers, *, largest: int) -> None:
         at.START: states, at.SLOPE: tangents, at.SUM: tangents, at.RECORD: at.RECORD_SIZE * lay[at.N_MOUNTS],
         at.VALUES: lay[at.N_VALUES], at.RECENT: at.RECENT_SIZE * lay[at.N_CHANNELS],
         at.MEMORY: control.CHANNEL_MEMORY * lay[at.N_CHANNELS], at.TOUCHED: control.CONTACT_MEMORY * lay[at.N_STOPS],
-        at.TRAVELS: control.TRAVEL_MEMORY * lay[at.N_MOUNTS], at.FAILED: 1,
+        at.TRAVELS: control.TRAVEL_MEMORY * lay[at.N_MOUNTS], at.FAILED: 1, at.LOADS: 18 * lay[at.N_FORCES],
     }  # fmt: skip
     total = 0
     for section, size in sizes.items():
@@ -241,6 +245,15 @@ def _mounts(
         else:
             runs.append([payload, base, 1])
     return rows, runs
+
+
+def _force(
+    bodies: Bodies, kinds: list[int], places: dict[int, int], site: int, fix: Writer, num: Writer
+) -> list[int]:  # fmt: skip
+    """Return the row of a site at which a force may act."""
+    link, pose = bodies.site(site)
+    to = seen(bodies, kinds, link)
+    return [link, num.put(to @ pose.origin), fix.put((to @ pose.axes).T), places.get(site, 0)]
 
 
 def _shapes(system: System, bodies: Bodies, kinds: list[int], num: Writer) -> tuple[list[int], dict[int, int]]:

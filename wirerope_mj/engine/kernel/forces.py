@@ -93,6 +93,26 @@ def push_modes(lay, k, fix, num, work, force):
         grow(work, lay[at.WRENCH] + 6 * lay[d + at.DOF_LINK], times(dot(vector(num, lay[row + 2]), force), axis))
 
 
+@njit
+def push_loads(lay, fix, num, work):
+    """Add the forces and moments at sites, which stand in LOADS along the sites' axes, to the wrenches on their links."""
+    row, load = lay[at.FORCES], lay[at.LOADS]
+    for _ in range(lay[at.N_FORCES]):
+        link, p, f = lay[row], lay[row + 1], lay[row + 2]
+        axes, arm = (vector(fix, f), vector(fix, f + 3), vector(fix, f + 6)), vector(num, p)
+        force = torque = times(0.0, arm)
+        for c in range(3):
+            force, torque = plus(force, times(work[load + c], axes[c])), plus(torque, times(work[load + 3 + c], axes[c]))
+        if lay[row + 3]:
+            push_modes(lay, lay[row + 3], fix, num, work, force)
+        if lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.KIND] != at.STRAIGHT:
+            r = lay[at.KIN] + at.KIN_SIZE * link + at.KIN_R
+            arm, force, torque = turned(work, r, arm), turned(work, r, force), turned(work, r, torque)
+        grow(work, lay[at.WRENCH] + 6 * link, force)
+        grow(work, lay[at.WRENCH] + 6 * link + 3, plus(torque, cross(arm, force)))
+        row, load = row + at.FORCE_COLUMNS, load + 6
+
+
 @inlined
 def deflect(lay, fix, num, y, work):
     """Write every mount's deflection and its rate, in its axes, and its arm on the payload's link, to RECORD."""

@@ -17,7 +17,8 @@ N_WORK = 40
 GRAVITY = 41  # address in `fix`
 TRAVELS = 44
 N_MODES, MODES = 45, 46
-HEADER = 47
+N_FORCES, FORCES, LOADS = 47, 48, 49  # the last a section: of now, of a step's middle, of its end
+HEADER = 50
 
 # parent (-1: the world), first dof, number of dofs, kind, tree, frame in the parent link in `fix` (position 3, quaternion 4),
 # inertia in `num`
@@ -50,6 +51,9 @@ PAIR_COLUMNS = 3
 
 # values of FAILED, other than 0: the state is none, a joint stands at its limit, geoms may touch
 WILD, LIMITED, TOUCHING = 1.0, 2.0, 3.0
+
+# link, point in `num` (3), axes of the site in `fix` (3, 3), shapes (0: on no flexible part); as points and axes of mounts are
+FORCE_COLUMNS = 4
 
 RUN_COLUMNS = 3  # payload link, base link, number of mounts between them that follow each other
 

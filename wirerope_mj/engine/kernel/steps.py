@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.observer import track_component
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.forces import apply_mounts
+from wirerope_mj.engine.kernel.forces import apply_mounts, push_loads
 from wirerope_mj.engine.kernel.links import (
     dot,
     half_turn,
@@ -40,6 +40,7 @@ def forward(lay, fix, num, y, work, base):
     """Compute motion of the links, forces, rates of the states and accelerations in a state `y`."""
     place_links(lay, fix, y, work)
     apply_mounts(lay, fix, num, y, work)
+    push_loads(lay, fix, num, work)
     accelerate(lay, fix, num, y, work, base)
 
 
@@ -98,7 +99,10 @@ def take_step(lay, fix, num, y, work, middle, end, h):
     for i in range(lay[at.NQ] + lay[at.NV] + lay[at.N_STATES]):
         work[lay[at.START] + i] = y[i]
     slopes(lay, y, work, 1.0 / 6.0, True)
+    n_loads, loads = 6 * lay[at.N_FORCES], lay[at.LOADS]
     for stage in range(1, 4):
+        for k in range(n_loads):
+            work[loads + k] = work[loads + (2 * n_loads if stage == 3 else n_loads) + k]
         shift(lay, y, work, lay[at.SLOPE], h if stage == 3 else 0.5 * h)
         forward(lay, fix, num, y, work, end if stage == 3 else middle)
         slopes(lay, y, work, 1.0 / 6.0 if stage == 3 else 1.0 / 3.0, False)
@@ -165,6 +169,16 @@ def base_at(motion, which, together, point):
 
 
 @inlined
+def load(lay, memory, motion, which, point, instant):
+    """Write every lane's forces and moments at a point to an instant of LOADS: now, the step's middle or its end."""
+    n = 6 * lay[at.N_FORCES]
+    if motion.shape[2] > 3:
+        for k in range(n):
+            for number in range(WIDTH):
+                memory[lay[at.LOADS] + instant * n + k, number] = motion[which[number], point, 3 + k]
+
+
+@inlined
 def place_base(lay, fix, y, which, positions, rates, segment):
     """Let the base stand and move as each lane's motion has it, (n_motions, n_segments, n_driven)."""
     for dof in range(lay[at.NV]):
@@ -206,7 +220,8 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
         grid: starts, stops, numbers of steps, whether sampled, and events of the segments, (5, n_segments).
         positions: of the driven slides at the starts, (n_motions, n_segments, n_driven).
         rates: of the driven slides there, (n_motions, n_segments, n_driven).
-        motion: accelerations of the base at all half steps, (n_motions, n_points, 3).
+        motion: accelerations of the base at all half steps, (n_motions, n_points, 3); behind them forces and moments at the
+            sites for them, if any act, (n_motions, n_points, 3 + 6 n_forces).
         ends: where a segment's accelerations end among them, (n_segments,).
         out: takes the samples of the first lanes, (n_kept, n_samples, n_values).
         sample: number of samples taken before.
@@ -222,6 +237,8 @@ def advance(structure, shared, numbers, states, memory, clock, which, grid, posi
         place_base(lay, fix, states, which, positions, rates, segment)
         clock[EVENT] = grid[4, segment]
         for step in range(steps):
+            for instant in range(3):
+                load(lay, memory, motion, which, point + instant, instant)
             base = base_at(motion, which, together, point)
             forward(lay, fix, num, y, work, base)
             watch(lay, fix, y, work)
@@ -240,6 +257,7 @@ def finish(structure, shared, numbers, states, memory, clock, which, time, posit
     """Observe the last instant, with the base as it is just before it."""
     lay, fix, num, y, work = table(structure), table(shared), rows(numbers), rows(states), rows(memory)
     place_base(lay, fix, states, which, positions, rates, 0)
+    load(lay, memory, motion, which, 0, 0)
     forward(lay, fix, num, y, work, base_at(motion, which, False, 0))
     watch(lay, fix, y, work)
     observe(lay, fix, num, y, work, clock, time, out, sample)

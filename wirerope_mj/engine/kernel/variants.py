@@ -205,7 +205,7 @@ class Group:
     @property
     def failed(self) -> Array:
         """Why a variant was given up, 0 if it was not, (size,); see `wirerope_mj.engine.kernel.layout`."""
-        return self._section(at.FAILED, at.N_WORK)[0, : self.size]
+        return self._section(at.FAILED, at.LOADS)[0, : self.size]
 
     def channels(self, number: int) -> Array:
         """Return the tracker's memory of one variant, (n_channels, ...), as `wirerope_mj.engine.control.layout` has it."""

@@ -80,6 +80,7 @@ def _differs(system: System) -> str:
     second_half = np.arange(model.nv) >= model.jnt_dofadr[joints] + 3  # of a floating body's coordinates the angles
     turns = (model.jnt_type[joints] == mujoco.mjtJoint.mjJNT_HINGE) | second_half
     states, expected, base = np.empty((STATES, model.nq + model.nv + model.na)), [], rng.normal(size=(STATES, 3)) * 10.0
+    loads = rng.normal(size=6 * len(system.assembly.subjects.forces)) * 100.0
     data = mujoco.MjData(model)
     user = system.assembly.user(data.userdata)
     driven = system.assembly.driven_dofs
@@ -94,9 +95,10 @@ def _differs(system: System) -> str:
             data.qvel[:], data.act[:] = rng.normal(size=model.nv) * SPEED, rng.uniform(size=model.na)
             states[number] = np.concatenate([data.qpos, data.qvel, data.act])
             user[control.STAGE_POINTS], user[control.STAGES : control.STAGES + 3] = 1.0, base[number]
+            user[system.assembly.tables.user.forces :][: loads.size] = loads
             mujoco.mj_forward(model, data)
             expected.append(np.concatenate([data.qacc, data.act_dot]))
-    got = _accelerations(equations(system), states, base)
+    got = _accelerations(equations(system), states, base, loads)
     kinds = slice(0, model.nv), slice(model.nv, None)
     apart = max(_apart(np.array(expected)[:, kind], got[:, kind]) for kind in kinds)
     if not apart <= AGREEMENT:
@@ -122,9 +124,13 @@ def without_constraints(model: mujoco.MjModel) -> mujoco.MjModel:
     return model
 
 
-def _accelerations(own: Equations, states: Array, base: Array) -> Array:
-    """Return accelerations and state rates in states (n, n_state) with the base's accelerations (n, 3), (n, nv + n_states)."""
+def _accelerations(own: Equations, states: Array, base: Array, loads: Array) -> Array:
+    """Return accelerations and state rates, (n, nv + n_states), in states (n, n_state) with the base's accelerations (n, 3).
+
+    Forces and moments at the sites for them are the same in all, (6 n_forces,).
+    """
     group = group_of([own] * WIDTH, states[:WIDTH], [0] * WIDTH)
+    group.memory[own.lay[at.LOADS] :][: loads.size] = loads[:, np.newaxis]
     lanes = [np.ascontiguousarray(one.reshape(-1, WIDTH, one.shape[1]).swapaxes(1, 2)) for one in (states, base)]
     out = np.empty((len(lanes[0]), states.shape[1] - own.n_extra, WIDTH))
     probe(own.lay, own.fix, group.numbers, lanes[0], group.memory, lanes[1], out)
@@ -205,8 +211,6 @@ def refused(why: str) -> str:
 
 def unsupported_motion(system: System, motion: BaseMotion) -> str:
     """Return why the kernel does not follow a motion, "" if it does."""
-    if motion.loaded_sites:
-        return "forces act on the payload"
     modes, driven = system.assembly.subjects.modes, system.assembly.driven_dofs
     if motion.velocity_jumps and (modes or riding_dofs(system.model, driven).size):
         return "the base's velocity jumps under what rides on it through joints or modes of its own"

@@ -13,7 +13,7 @@ from wirerope_mj.engine.kernel.equations import Equations
 from wirerope_mj.engine.kernel.variants import NOTHING, Group, group_of
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import TimeGrid
-from wirerope_mj.engine.simulation.stages import StageTables, distinct_motions, events_key
+from wirerope_mj.engine.simulation.stages import StageTables, distinct_motions, events_key, loads_at
 from wirerope_mj.engine.simulation.stepper import acceleration_before, base_before
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.foundation.arrays import Array, Integers
@@ -74,7 +74,8 @@ def go_in_lanes(
     distinct, which = distinct_motions(motions)
     events = [events_key(motion) for motion in distinct]
     groups = _groups(equations, states, which, [events[motion] for motion in which])
-    tables = [StageTables(motion, drive) for motion in distinct]
+    sites = equations[0].loaded if any(motion.loaded_sites for motion in distinct) else ()
+    tables = [StageTables(motion, drive, sites) for motion in distinct]
     done, steps, largest, stop = 0, 0, 0.0, grid.start
     with ThreadPoolExecutor(threads) as pool:
         run = pool.map if threads > 1 and len(groups) > 1 else map
@@ -84,6 +85,8 @@ def go_in_lanes(
                 cut = slice(stages[0].first, stages[0].first + stages[0].ends.size)
                 grids = [np.array([getattr(grid, row)[cut] for row in _ROWS]) for grid in own]
                 moved = [np.array([getattr(one, part) for one in stages]) for part in _MOVED]
+                if sites:
+                    moved[2] = np.array([_loaded(one.accelerations, one.forces, len(sites)) for one in stages])
                 samples = int(own[0].sampled[cut].sum())
                 list(run(partial(_advance, grids, moved, stages[0].ends, samples, done, sink), groups))
                 done += samples
@@ -91,10 +94,16 @@ def go_in_lanes(
                     progress(float(grids[0][1, -1]))
             steps, largest = steps + int(block.steps.sum()), max(largest, block.largest_step)
             stop = float(block.stop[-1]) if block.stop.size else stop
-    _finish(groups, distinct, drive, stop, done if done < grid.sample_times.size else -1, sink)
+    _finish(groups, distinct, drive, sites, stop, done if done < grid.sample_times.size else -1, sink)
     return InLanes(
         groups=groups, base_peaks=[table.peak for table in tables], which=which, steps=steps, largest_step=largest
     )  # fmt: skip
+
+
+def _loaded(accelerations: Array, forces: Array, n_sites: int) -> Array:
+    """Put forces and moments, (n, n_sites, 6) or nothing, behind the base's accelerations (n, 3)."""
+    loads = forces.reshape(len(accelerations), -1) if forces.size else np.zeros((len(accelerations), 6 * n_sites))
+    return np.concatenate([accelerations, loads], axis=1)
 
 
 def _groups(
@@ -128,13 +137,16 @@ def _advance(
 
 
 def _finish(
-    groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Array, stop: float, sample: int,
-    sink: Sink | None,
+    groups: list[tuple[Group, list[int]]], motions: Sequence[BaseMotion], drive: Array, sites: Sequence[str], stop: float,
+    sample: int, sink: Sink | None,
 ) -> None:  # fmt: skip
     """Observe the last instant with the bases as they are just before it, and hand on its values if it is sampled."""
     before = [base_before(motion, drive, stop) for motion in motions]
     positions, rates = (np.array([one[part] for one in before])[:, np.newaxis] for part in (0, 1))
     table = np.array([acceleration_before(motion, stop) for motion in motions])[:, np.newaxis]
+    if sites:
+        loads = [loads_at(motion, sites, np.array([stop])) for motion in motions]
+        table = np.array([_loaded(*one, len(sites)) for one in zip(table, loads, strict=True)])
     for own, numbers in groups:
         wanted = sink is not None and sample >= 0
         out = np.empty((own.size, 1, own.equations.n_values)) if wanted else NOTHING

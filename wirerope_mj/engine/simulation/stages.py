@@ -222,6 +222,15 @@ class Later(BaseMotion):
         """Instants [s] and jumps of the velocity (3,) [m/s]."""
         return tuple((time - self.at, jump) for time, jump in self.motion.velocity_jumps)
 
+    @property
+    def loaded_sites(self) -> tuple[str, ...]:
+        """Sites of the payload at which the motion's forces act."""
+        return self.motion.loaded_sites
+
+    def load(self, site: str, time: npt.ArrayLike) -> Array:
+        """Return the motion's force [N] and moment [N m] at a site, (n_t, 6)."""
+        return self.motion.load(site, np.asarray(time) + self.at)
+
     # of a window, which is only stepped through, these say nothing
     description, events, shortest_time, directions = "", (), math.inf, np.eye(3)
 

@@ -59,6 +59,14 @@ class Mount(Brief):
     #: where its internal states stand among those of the system, one slice each for roll, shear, axial
     states: tuple[slice, slice, slice]
 
+    def shift_for(self, isolator: Isolator) -> list[float] | None:
+        """Return by how much its mid-height moves [m], (3,), where another isolator takes its place below the payload's bar.
+
+        None where one of the two does not state its height.
+        """
+        before, after = (one.geometry.height if one.geometry else None for one in (self.written, isolator))
+        return (0.5 * (before - after) * self.axes[:, 2]).tolist() if before and after else None
+
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class System(Summarised):

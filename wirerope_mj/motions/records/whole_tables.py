@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -102,8 +103,8 @@ def _mat(path: Path) -> tuple[Header, Array]:
 
 
 def _xlsx(path: Path) -> tuple[Header, Array]:
-    filled = xlsx_rows(path)
-    header = first_header(header_of_cells(path, row, [cell for cell in cells if cell]) for row, cells in filled)
+    sheet, filled = xlsx_rows(path)
+    header = first_header(header_of_cells(path, row, [cell for cell in cells if cell], sheet=sheet) for row, cells in filled)
     below = [(row, cells) for row, cells in filled if header is not None and row > header.line]
     if header is None or not below:
         raise RecordError(f'{path}: the first sheet must hold a header such as "time [s], A1 [g]" and rows of numbers.')
@@ -112,7 +113,7 @@ def _xlsx(path: Path) -> tuple[Header, Array]:
     for values, (row, cells) in zip(numbers, below, strict=True):
         for column, cell in enumerate(cells[:width]):
             if cell:
-                values[column] = number_in(f"{path}, row {row}", header.names[column], cell)
+                values[column] = number_in(replace(header, line=row).location, header.names[column], cell)
     return header, numbers
 
 

@@ -1,11 +1,12 @@
 """Isolators by name: files, those of the catalogue, and parts of the vendors' tables, whose fits ship."""
 
 from difflib import get_close_matches
+from fnmatch import fnmatchcase
 from functools import cache
 from os.path import exists, isfile  # as those of `Path`, but a name that is too long is none
 from pathlib import Path
 
-from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.errors import ModelError, WireRopeError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.toml_file import read_toml
@@ -66,6 +67,24 @@ def find_isolator(name: str | Path, beside: str | Path | None = None) -> Path | 
         f"`wirerope isolators --all` lists the {len(parts)} parts of the vendors' tables as well."
         + (f" Nearest: {near}." if near else "")
     )
+
+
+def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
+    """Load the parts of the vendors' tables whose names match a pattern, or say why a part has no isolator.
+
+    ValueError if no name matches.
+    """
+    found: dict[str, Isolator | str] = {}
+    for part in vendor_parts():
+        if fnmatchcase(part.name.lower(), pattern.lower()):
+            try:
+                found[part.name] = load_isolator(part)
+            except WireRopeError as error:
+                found[part.name] = str(error).removeprefix(f"{part.name}: ")
+    if not found:
+        text = f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them."
+        raise ValueError(text)
+    return found
 
 
 def shipped_file(part: VendorPart) -> str | None:

@@ -15,7 +15,7 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.parallel import part_of
-from wirerope_mj.mounts.vendor_parts import load_isolator
+from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.studies.inputs.failure import without_force
@@ -201,6 +201,20 @@ class OtherIsolator(InputColumn):
     type = pa.string()
 
     devices: Mapping[str, Isolator] = field(default_factory=dict, repr=False)  # isolators by name
+
+    @classmethod
+    def listed(cls, name: str, distribution: Distribution) -> Distribution:
+        """Replace patterns among isolators' names, as "CB1400-*", by the vendors' parts with laws on all axes."""
+        if not (cls.pattern.fullmatch(name) and isinstance(distribution, Choice) and _all_of(str, distribution)):
+            return distribution
+        names: list[str] = []
+        for one in distribution.choices:
+            found = catalogue(one) if any(mark in one for mark in "*?[") else {}
+            whole = [part for part, device in found.items() if isinstance(device, Isolator) and all(device.axes.values())]
+            if found and not whole:
+                raise ValueError(f"`vary`: {name!r}: none of {', '.join(found)} has laws on all axes.")
+            names += whole or [one]
+        return Choice(*dict.fromkeys(names), each=distribution.each, group=distribution.group)
 
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:

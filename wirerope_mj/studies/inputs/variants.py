@@ -77,10 +77,17 @@ class Maker:
         return draft
 
     def moves(self, draft: Draft, isolators: Mapping[str, Isolator]) -> Changes:
-        """Return the changes of masses, centres of mass, positions and inclinations, and isolators."""
+        """Return the changes of masses, centres of mass, positions and inclinations, and isolators.
+
+        Where another isolator is higher or lower, the foundation follows it.
+        """
+        positions = dict(draft.position_shifts)
+        for mount, other in draft.isolators.items():
+            if any(rise := self._system.mounts[mount].shift_for(other) or ()):
+                positions[mount] = np.add(rise, positions.get(mount, 0.0)).tolist()
         moved = draft.centre_shifts | {body: self._shift_to(body, centre) for body, centre in draft.centres.items()}
         return Changes(
-            isolators=isolators, masses=draft.masses, centres=moved, positions=draft.position_shifts,  # type: ignore[arg-type]
+            isolators=isolators, masses=draft.masses, centres=moved, positions=positions,  # type: ignore[arg-type]
             turns={mount: np.radians(turn) for mount, turn in draft.turns.items()},  # type: ignore[misc]
             tunings=draft.tunings,
         )  # fmt: skip
