@@ -11,7 +11,7 @@ from wirerope_mj.assessment.durability import rainflow_cycles
 from wirerope_mj.cli import main
 from wirerope_mj.dynamics.frequency_response.summary import order_bands
 from wirerope_mj.engine.from_tables.sheet import read_sheet
-from wirerope_mj.foundation.errors import BudgetError, ConvergenceError, ModelError, RecordError
+from wirerope_mj.foundation.errors import AccuracyWarning, BudgetError, ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.motions import DecayingSine, Sine
@@ -356,7 +356,9 @@ def test_a_run_of_no_time_is_refused_and_one_of_a_single_sample_is_written(tmp_p
     motion = Sine(frequency=5.0, acceleration=1.0, direction="z")
     with pytest.raises(ValueError, match="`duration` must be at least 1e-12 s, got 1e-300"):
         wr.simulate(wr.load_system("sdof_shaker"), motion, duration=1e-300)
-    run_scenario(Scenario("?", "sdof_shaker", motion, {"duration": 0.01, "sample_rate": 1e-9}, name="short"), tmp_path / "run")
+    short = Scenario("?", "sdof_shaker", motion, {"duration": 0.01, "sample_rate": 1e-9}, name="short")
+    with pytest.warns(AccuracyWarning, match="samples a second"):
+        run_scenario(short, tmp_path / "run")
     assert (tmp_path / "run" / "report.html").exists()
 
 
