@@ -1,9 +1,10 @@
 """`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from wirerope_mj.cli.options import Flag, Repeated
+from wirerope_mj.foundation.entries import Entries
 
 
 def share(folder: Path, out: Path, *, force: Flag = False) -> int:
@@ -79,7 +80,7 @@ def export(
         table = picked(table, channels) if channels else table
     else:
         response = load_response(folder)
-        moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}
+        moved: Entries = {"base": response.base, **response.bodies, **response.points}
         if spectrum not in moved:
             raise RecordError(f"`--spectrum`: nothing is called {spectrum!r}; there are {', '.join(moved)}.")
         acceleration = moved[spectrum].acceleration

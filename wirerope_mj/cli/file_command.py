@@ -2,11 +2,12 @@
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, get_type_hints
+from typing import Annotated, get_type_hints
 
 from cyclopts import App, Parameter
 
 from wirerope_mj.cli.options import BAD_INPUT, whole_integers
+from wirerope_mj.foundation.entries import Entries
 
 
 def file_command(
@@ -55,14 +56,14 @@ def file_command(
 
 def run_with_options(
     title: str,
-    function: Callable[..., Any],
+    function: Callable[..., object],
     own: Sequence[inspect.Parameter],
-    action: Callable[[dict[str, Any], dict[str, Any]], None],
+    action: Callable[[Entries, Entries], None],
     tokens: Sequence[str],
 ) -> None:
     """Read `tokens` as options of a file's `function`, whose docstring says them, and of the command, and act on both."""
 
-    def command(**options: Any) -> None:
+    def command(**options: object) -> None:
         values = {option.name: options.pop(option.name, option.default) for option in own}
         action(options, values)
 

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, with_numerics
 
@@ -143,7 +143,7 @@ def shock(
         phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
-    options: dict[str, Any] = {kind: "; ".join(several or ()) or None for kind, several in spoken.items()}
+    options: dict[str, object] = {kind: "; ".join(several or ()) or None for kind, several in spoken.items()}
     options |= {
         "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
         "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,

@@ -343,7 +343,7 @@ def _limits(shown: Measure) -> list[tuple[str, float]]:
     return [] if shown.limit is None else [("limit", shown.factor * shown.limit)]
 
 
-def _name_of(choice: Any) -> str:
+def _name_of(choice: object) -> str:
     """Return one of some choices; that of the mount that fails is "" where none does."""
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
 

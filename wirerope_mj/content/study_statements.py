@@ -3,13 +3,13 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.studies.ended import ended_early, still_growing, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING
@@ -206,7 +206,7 @@ def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limi
     return f" ({name}: {', '.join(texts[:_CHOICES])}{f' and {rest} more' if rest > 0 else ''})"
 
 
-def inputs_text(row: dict[str, Any], inputs: Sequence[str]) -> str:
+def inputs_text(row: Entries, inputs: Sequence[str]) -> str:
     """Return the inputs of a variant; "" if there are more than two."""
     if not 1 <= len(inputs) <= _INPUTS:
         return ""
@@ -226,5 +226,5 @@ def _crossing(name: str, x: Array, values: Array, limit: float) -> str:
     return f", first at {name} {at:.3g} (interpolated between {x[first - 1]:.4g} and {x[first]:.4g})"
 
 
-def _value(value: Any) -> str:
+def _value(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value) or "none"

@@ -148,7 +148,7 @@ class SpokenMotion:
     words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of what may follow each word
     needed_words: tuple[str, ...] = ()  # words that must be there
     # takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text
-    begins: Callable[[str, Path], tuple[Any, str]] | None = None
+    begins: Callable[[str, Path], tuple[object, str]] | None = None
     may: Mapping[str, int] = field(default_factory=dict)  # quantities that may be there, and how many values at most
     directed: bool = True  # whether it has a direction
 
@@ -156,7 +156,7 @@ class SpokenMotion:
 def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, str]]:
     """Make the reader of the file that a phrase begins with, whose name may hold spaces."""
 
-    def begins(text: str, folder: Path) -> tuple[Any, str]:
+    def begins(text: str, folder: Path) -> tuple[object, str]:
         words = text.split(" ")
         for count in range(len(words), 0, -1):
             path = folder / " ".join(words[:count])

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 
@@ -18,6 +17,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.directions import plain_direction
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.page import REPORT
 
@@ -67,7 +67,7 @@ def write_frequency_response(
         _write_views(result, findings, content, temporary)
 
 
-def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, Any], *packages: str) -> None:
+def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, object], *packages: str) -> None:
     """Write the model as it was used, every input with nothing left open, and the versions that computed it."""
     settings = {
         "format": FORMAT, "name": name, "written": datetime.now(UTC).replace(microsecond=0),
@@ -77,12 +77,12 @@ def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str
     (folder / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
 
 
-def _question(result: FrequencyResponse) -> dict[str, Any]:
+def _question(result: FrequencyResponse) -> Entries:
     """Return what was asked: the tables of the options that count for the method."""
     options = result.options
     start, stop = options.range
     assert options.response_direction is not None
-    content: dict[str, Any] = {
+    content: Entries = {
         "question": {
             "accelerations": list(options.accelerations), "method": options.method,
             "direction": plain_direction(options.direction), "payload": options.payload,

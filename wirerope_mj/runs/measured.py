@@ -1,13 +1,13 @@
 """Tests that a run is compared with: their files stand in the run's folder, each with a map of what its columns are."""
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 
 from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.toml_file import read_toml
@@ -19,7 +19,7 @@ _KIND = "map of a measurement"
 _OPTIONS = ("start", "clock", "baseline", "gaps")
 
 
-def read_map(items: Sequence[str]) -> dict[str, Any]:
+def read_map(items: Sequence[str]) -> Entries:
     """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
 
     The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`. ValueError if
@@ -27,11 +27,11 @@ def read_map(items: Sequence[str]) -> dict[str, Any]:
     unknown.
     """
     channels: dict[str, str] = {}
-    options: dict[str, Any] = {}
+    options: Entries = {}
     for item in items:
         column, sign, phrase = item.partition("=")
         if sign:
-            found: Mapping[str, Any] = {"channels": {column.strip(): phrase.strip()}}
+            found: Entries = {"channels": {column.strip(): phrase.strip()}}
         elif item.endswith(".toml"):
             found = _checked(Path(item), read_toml(Path(item), _KIND))
         else:
@@ -84,7 +84,7 @@ def tests_of(folder: Path) -> tuple[Measured, ...]:
     return tuple(tests)
 
 
-def _checked(path: Path, content: dict[str, Any]) -> dict[str, Any]:
+def _checked(path: Path, content: Entries) -> Entries:
     """Return the content of a map; RecordError for an unknown key, or if it names no columns."""
     unknown = [key for key in content if key not in (*_OPTIONS, "channels")]
     if unknown:

@@ -1,7 +1,6 @@
 """A file with one function that makes a study from options, and the studies that ship with the package."""
 
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import scenarios_folder
@@ -13,7 +12,7 @@ from wirerope_mj.studies.study import Study
 class StudyFile(OptionFile):
     """A file with one function `study(*, ...) -> Study`, or `-> Search`, whose keyword arguments are the options."""
 
-    def make(self, **options: Any) -> Study | Search:
+    def make(self, **options: object) -> Study | Search:
         """Return the study of some options; the others have their defaults.
 
         ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pyarrow as pa
@@ -21,6 +21,7 @@ from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.foundation.budget import require_time
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict
@@ -115,7 +116,7 @@ class StudyDefinition:
         )
 
     @classmethod
-    def restored(cls, folder: Path, content: Mapping[str, Any]) -> Self:
+    def restored(cls, folder: Path, content: Entries) -> Self:
         """Return the study whose `study.toml` says `content`, from its folder alone."""
         model = check_inside(folder, content["model"])
         for motion in content["motions"]:

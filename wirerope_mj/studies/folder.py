@@ -5,7 +5,6 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -20,6 +19,7 @@ from wirerope_mj.foundation.atomic_files import (
     worked_on_alone,
     write_json,
 )
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.regular_files import regular
@@ -36,7 +36,7 @@ ROW_GROUP = 64  # Parts that are joined in one row group of the table: some 2000
 
 
 def prepare(
-    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: dict[str, Any] | None = None
+    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: Entries | None = None
 ) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
@@ -65,7 +65,7 @@ def prepare(
         )
 
 
-def _begin(study: StudyDefinition, folder: Path, keep: str, search: dict[str, Any] | None, *, force: bool) -> str:
+def _begin(study: StudyDefinition, folder: Path, keep: str, search: Entries | None, *, force: bool) -> str:
     """Make a new folder of a study, in which nothing is done yet, and return its id."""
     with atomic_folder(folder, force=force, kind="study", marks=MARKS) as temporary_path:
         content = write_inputs(study, temporary_path, keep, search)
@@ -183,7 +183,7 @@ def _table_file(folder: Path) -> Iterator[Path]:
         raise RecordError(f"{folder / TABLE}: this table is damaged. {remedy}") from None
 
 
-def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> None:
+def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
     """Write the table from all parts, and the summary, if they are not there, and remove the parts.
 
     They stay where a process died, so that the study can go on. `summary` is asked once the table is there.

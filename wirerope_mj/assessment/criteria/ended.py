@@ -7,9 +7,8 @@ nothing new.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -31,6 +30,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.payload_limits import BETWEEN
 from wirerope_mj.mounts.isolator.travel import travel_in
 
@@ -129,7 +129,7 @@ def too_short(response: Response) -> str:
     )  # fmt: skip
 
 
-def ends_early(motion: Mapping[str, Any], run: tuple[float, float], over: float, slowest: float) -> str:
+def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: float) -> str:
     """Return why a run from and to [s] ends before its peaks are over, as a note; "" if it does not.
 
     The motion, plain values, is over at `over`, NaN if it has no end; `slowest` is the slowest period for small amplitudes,
@@ -200,7 +200,7 @@ def growth_note(end: float) -> str:
     return f"{GROWS} at {_seconds(end)}: run longer"
 
 
-def quiet_from(motion: Mapping[str, Any], run: tuple[float, float], over: float) -> float:
+def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:
     """Return the instant [s] from which on nothing may grow; infinite where that may be until the end.
 
     After a shock that is half of the free vibration: what a strong one passes on slowly, as to rocking, peaks late.

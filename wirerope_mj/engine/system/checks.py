@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.engine.system.named_files import model_trees
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ModelError
 
 # beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
@@ -119,7 +119,7 @@ def check_joints(model: mujoco.MjModel) -> None:
     _check_independent(model, np.arange(model.nv), mass / np.outer(size, size))
 
 
-def _check_independent(model: mujoco.MjModel, dofs: npt.NDArray[np.int64], matrix: Array) -> None:
+def _check_independent(model: mujoco.MjModel, dofs: Integers, matrix: Array) -> None:
     """Raise ModelError if a symmetric matrix over velocity coordinates is not positive definite; names their joints."""
     values, shapes = np.linalg.eigh(matrix)
     if not values.size or values[0] > REGULAR:

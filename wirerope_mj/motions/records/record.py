@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
@@ -13,6 +13,7 @@ from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.parquet_files import read_content
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
@@ -98,8 +99,8 @@ class Record(BaseMotion):
         """The file that the record was read from."""
         return (self.path,)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values: dict[str, Any] = {"path": files.get(self.path, str(self.path))}
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
+        values: Entries = {"path": files.get(self.path, str(self.path))}
         if self.channels is not None:
             values["channels"] = {name: plain_direction(direction) for name, direction in self.channels.items()}
         values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}

@@ -9,6 +9,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, TIME_UNITS, VELOCITY_UNITS
@@ -33,7 +34,7 @@ _REAL = (2, 4)
 _SI = 1  # code of the system of units
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
-Histories = list[tuple[int, dict[str, Any]]]  # number and header of each
+Histories = list[tuple[int, Entries]]  # number and header of each
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
 _DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
 
@@ -114,7 +115,7 @@ def _open(path: Path) -> Any:
     return pyuff.UFF(str(path))
 
 
-def _histories(path: Path, unit: str | None) -> tuple[Histories, list[dict[str, Any]]]:
+def _histories(path: Path, unit: str | None) -> tuple[Histories, list[Entries]]:
     """Return number and header of each history of acceleration, and the datasets 164 with their system of units."""
     kinds, heads, systems = _datasets(path)
     histories = []
@@ -133,7 +134,7 @@ def _histories(path: Path, unit: str | None) -> tuple[Histories, list[dict[str, 
     return histories, systems
 
 
-def _datasets(path: Path) -> tuple[list[int], Histories, list[dict[str, Any]]]:
+def _datasets(path: Path) -> tuple[list[int], Histories, list[Entries]]:
     """Return the types of all datasets, number and header of each dataset 58, and the datasets 164."""
     try:
         file = _open(path)
@@ -147,14 +148,14 @@ def _datasets(path: Path) -> tuple[list[int], Histories, list[dict[str, Any]]]:
     return kinds, heads, systems
 
 
-def _is_in_time(head: Mapping[str, Any]) -> bool:
+def _is_in_time(head: Entries) -> bool:
     kind, over = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type"))
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
     turns = abs(int(head.get("rsp_dir", 0))) > 3
     return in_time and int(head.get("ord_data_type", 0)) in _REAL and not turns
 
 
-def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
+def _length(path: Path, systems: list[Entries]) -> float | None:
     """Return the file's units of length in a metre; None if it does not say."""
     if not systems:
         return None
@@ -167,7 +168,7 @@ def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
     return factor
 
 
-def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[dict[str, Any]]) -> tuple[str, float]:
+def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -> tuple[str, float]:
     """Return the unit of a history as text, and what it is in m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
     if label in ACCELERATION_UNITS:
@@ -186,13 +187,13 @@ def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[d
     return ("m/s^2" if length == 1.0 else f"1/{length:g} m/s^2"), 1.0 / length
 
 
-def _label(head: Mapping[str, Any], axis: str) -> str:
+def _label(head: Entries, axis: str) -> str:
     text = str(head.get(f"{axis}_axis_units_lab", "")).strip().strip("[]()").strip()
     plain = text.lower().replace("sec", "s").replace("**", "^")
     return "" if plain in ("", "none") else plain
 
 
-def _name(head: Mapping[str, Any]) -> str:
+def _name(head: Entries) -> str:
     node, end = int(head.get("rsp_node", 0)), _ENDS.get(int(head.get("rsp_dir", 0)))
     return f"{node}:{end}" if end else f"{node}"
 

@@ -8,7 +8,6 @@ deflections at which they slip, each further than the last.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -273,7 +272,7 @@ def family_of(law: type[Law], elements: int = 5) -> Family:
     return FAMILIES[law]
 
 
-def require_law(law: Any, name: str = "law") -> None:
+def require_law(law: object, name: str = "law") -> None:
     """Raise ValueError unless `law` is a class of laws."""
     if not (isinstance(law, type) and issubclass(law, Law)):
         raise ValueError(f"`{name}` must be a class of laws such as BoucWen, got {law!r}.")

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -12,6 +12,7 @@ from numpy.polynomial.polynomial import polyder, polyval2d
 
 from wirerope_mj.foundation.arguments import finite, positive
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
@@ -88,7 +89,7 @@ class LoopCoupling:
         """Return the coupling whose energy is `factor` times this one's everywhere."""
         return replace(self, coefficients=tuple(tuple(factor * value for value in row) for row in self.coefficients))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the coupling as it stands in an isolator file."""
         ends = {name: getattr(self, name) for name in ("roll", "compression", "tension")}
         return {**ends, "coefficients": [list(row) for row in self.coefficients]}

@@ -169,11 +169,11 @@ class _Process:
                 "`workers` all is computed in this process."
             ) from None
 
-    def compute(self, question: Any) -> Any:
+    def compute(self, question: object) -> Any:
         """Return the answer to a question; WorkerDiedError if the process is gone."""
         return self._asked(pickle.dumps(question, protocol=pickle.HIGHEST_PROTOCOL))
 
-    def _asked(self, question: bytes) -> Any:
+    def _asked(self, question: bytes) -> object:
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:

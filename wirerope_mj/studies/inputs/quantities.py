@@ -2,14 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.studies.inputs.body_columns import Centre, CentreShift, Mass, Tuning, check_centres
@@ -62,20 +60,20 @@ class SharedDraw(InputColumn):
         """Unit of the numbers."""
         return self.shared[0].unit
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return nothing: the quantities have values of their own."""
         return []
 
-    def apply(self, draft: Draft, value: Any) -> None:
+    def apply(self, draft: Draft, value: object) -> None:
         """Put the value into all of them."""
         for column in self.shared:
             column.apply(draft, value)
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid in all of them."""
         return all(column.certainly_valid(draft, values) for column in self.shared)
 
-    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    def moved(self, system: System, values: AnyArray) -> Booleans:
         """Return in which variants something stands elsewhere than in the model."""
         return np.any([column.moved(system, values) for column in self.shared], axis=0)
 

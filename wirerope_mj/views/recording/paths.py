@@ -1,7 +1,8 @@
 """Names of entities and timeline in letters that the viewer has, and the one conversion of instants to its nanoseconds."""
 
 import re
-from typing import Any
+from collections.abc import Iterable
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -32,17 +33,30 @@ def child(parent: str, *parts: str) -> str:
     return parent + entity(*parts) if parts else parent
 
 
+Columns = Iterable[rr.ComponentColumn]
+
+
+class Stream(Protocol):
+    """What takes entities: a rerun recording, or what puts them into one differently."""
+
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
+        """Log parts of an entity, at no instant if they are `static`."""
+
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
+        """Send rows of an entity at the instants of the index."""
+
+
 class Below:
     """A recording stream that puts every entity below `root`: several responses stand beside each other in one file."""
 
-    def __init__(self, rec: Any, root: str) -> None:
+    def __init__(self, rec: Stream, root: str) -> None:
         self._rec, self._root = rec, root
 
-    def log(self, path: str, *args: Any, **options: Any) -> None:
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
-        self._rec.log(self._root + path, *args, **options)
+        self._rec.log(self._root + path, *parts, static=static)
 
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does."""
         self._rec.send_columns(self._root + path, index, columns)
 
@@ -50,14 +64,14 @@ class Below:
 class AtEvents:
     """A recording stream that shows everything at a few instants on a timeline of their own, too."""
 
-    def __init__(self, rec: Any, instants: npt.ArrayLike) -> None:
+    def __init__(self, rec: Stream, instants: npt.ArrayLike) -> None:
         self._rec, self._instants = rec, nanoseconds(instants)
 
-    def log(self, path: str, *args: Any, **options: Any) -> None:
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
-        self._rec.log(path, *args, **options)
+        self._rec.log(path, *parts, static=static)
 
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does, and those that hold at the instants."""
         self._rec.send_columns(path, index, columns)
         times = index[0].as_arrow_array().cast("int64").to_numpy().view("timedelta64[ns]")
@@ -71,13 +85,13 @@ class AtEvents:
 class _Rows:
     """Some rows of a component's column, as `send_columns` takes it."""
 
-    def __init__(self, column: Any, rows: Rows) -> None:
+    def __init__(self, column: rr.ComponentColumn, rows: Rows) -> None:
         self._column, self._rows = column, rows
 
-    def component_descriptor(self) -> Any:
+    def component_descriptor(self) -> rr.ComponentDescriptor:
         return self._column.component_descriptor()
 
-    def as_arrow_array(self) -> Any:
+    def as_arrow_array(self) -> pa.Array:
         return self._column.as_arrow_array().take(self._rows)
 
 
@@ -86,7 +100,7 @@ def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
     return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
 
 
-def at(time: npt.ArrayLike) -> list[Any]:
+def at(time: npt.ArrayLike) -> list[rr.TimeColumn]:
     """Return the index columns of rows at the instants `time` [s]."""
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
@@ -108,7 +122,7 @@ def known_letters(text: str) -> str:
 class KnownLetters:
     """A recording stream whose texts hold only letters that the viewer has."""
 
-    def __init__(self, rec: Any) -> None:
+    def __init__(self, rec: rr.RecordingStream) -> None:
         self._rec = rec
 
     def __getattr__(self, name: str) -> Any:
@@ -118,12 +132,12 @@ class KnownLetters:
         """Send the name of the recording."""
         self._rec.send_recording_name(known_letters(name))
 
-    def log(self, path: str, *parts: Any, static: bool = False) -> None:
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
         batches = [_Shown(batch) for part in parts for batch in part.as_component_batches()]
         self._rec.log(path, batches, static=static)
 
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does."""
         self._rec.send_columns(path, index, [_Shown(column) for column in columns])
 
@@ -131,17 +145,17 @@ class KnownLetters:
 class _Shown:
     """A component's batch or column, as the stream takes it."""
 
-    def __init__(self, batch: Any) -> None:
+    def __init__(self, batch: rr.ComponentColumn) -> None:
         self._batch = batch
 
-    def component_descriptor(self) -> Any:
+    def component_descriptor(self) -> rr.ComponentDescriptor:
         return self._batch.component_descriptor()
 
-    def as_arrow_array(self) -> Any:
+    def as_arrow_array(self) -> pa.Array:
         return _shown(self._batch.as_arrow_array())
 
 
-def _shown(array: Any) -> Any:
+def _shown(array: pa.Array) -> pa.Array:
     """Return an array of texts, or of lists of texts, with known letters; any other as it is."""
     if pa.types.is_string(array.type):
         texts = array.to_pylist()
