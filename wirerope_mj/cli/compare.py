@@ -114,8 +114,7 @@ def _compare_tests(
     from wirerope_mj.views.terminal import print_title, show_answer
 
     if len(paths) < 2:
-        text = 'compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..'
-        raise ValueError(text)
+        raise ValueError('compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..')
     run, *files = paths
     called = _names(files, names) if names else [file.stem for file in files]
     page = out or run / "correlation.html"
@@ -142,11 +141,9 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
     from wirerope_mj.views.terminal import print_headline, show
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):
-        text = "compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN"
-        raise ValueError(text)
+        raise ValueError("compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN")
     if out is not None:
-        text = "`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs."
-        raise ValueError(text)
+        raise ValueError("`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs.")
     judged = {name: judged_job(folder) for name, folder in zip(names, jobs, strict=True)}
     inputs = {
         name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}

@@ -70,8 +70,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     except KeyboardInterrupt:
         if not (folder / STUDY).is_file():
             raise
-        text = f"what is done is kept; go on with the same options and --resume --out {folder}"
-        raise KeyboardInterrupt(text) from None
+        raise KeyboardInterrupt(f"what is done is kept; go on with the same options and --resume --out {folder}") from None
     if len(result.failed) == result.table.num_rows:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")

@@ -57,8 +57,7 @@ def durability(
         raise RecordError("`--out` is of an equivalent vibration: say it with --equivalent-psd.")
     if source.suffix == ".toml":
         if exponent is not None or constant is not None or quantity != "deflection" or repetitions != 1.0:
-            text = f"{source}: a service life says exponent, constant, quantity and repetitions in its file."
-            raise RecordError(text)
+            raise RecordError(f"{source}: a service life says exponent, constant, quantity and repetitions in its file.")
         mission = read_mission(source)
     else:
         if exponent is None:

@@ -68,8 +68,7 @@ def export(
     kind = out.suffix.lower()
     if kind == ".png" or at is not None:
         if kind != ".png" or channels or spectrum is not None:
-            text = "`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`."
-            raise ValueError(text)
+            raise ValueError("`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`.")
         print(plain(f"written: {write_still(folder, out, at=at, force=force)}"))
         return 0
     if kind == ".xlsx" and spectrum is None:

@@ -127,8 +127,7 @@ def _check_known(name: str) -> None:
             f"study that was interrupted goes on with the command that began it and --resume --out {path}."
         )
     if path.is_dir():
-        text = f"{path}: this folder is no run, of which a study could be made; there is no {SCENARIO} in it."
-        raise ModelError(text)
+        raise ModelError(f"{path}: this folder is no run, of which a study could be made; there is no {SCENARIO} in it.")
     if path.suffix or len(path.parts) > 1:
         raise ModelError(f"{name}: there is no such file.")
     raise ModelError(

@@ -16,9 +16,7 @@ from wirerope_mj.studies.calibration.predict import Prediction
 from wirerope_mj.studies.calibration.result import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 
-_ACROSS = {
-    "time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": "",
-}  # fmt: skip
+_ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}
 
 _DRAWN = 8  # channels that are drawn, those that the model follows least first
 _NORMAL = 1.645  # standard deviations about the middle of a normal distribution that hold 90 % of it

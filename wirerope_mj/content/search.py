@@ -171,9 +171,8 @@ def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple
 
 
 def _labels(
-    result: SearchResult, front: Integers, at: tuple[Array, Array],
-    limits: tuple[tuple[float, float], tuple[float, float]],
-) -> list[Note]:  # fmt: skip
+    result: SearchResult, front: Integers, at: tuple[Array, Array], limits: tuple[tuple[float, float], tuple[float, float]]
+) -> list[Note]:
     """Name designs of the front, and those that were given, by their number of mounts, where there is room."""
     mounts, notes, heights = np.asarray(result.table["mounts"]), list[Note](), list[float]()
     first = [*range(result.start), *([] if result.knee is None else [result.knee])]

@@ -115,9 +115,8 @@ class Turned(_Changed):
     direction: Direction | None
 
     def __init__(
-        self, motion: BaseMotion, *, rotation: ArrayLike | None = None,
-        direction: str | Sequence[float] | Array | None = None,
-    ) -> None:  # fmt: skip
+        self, motion: BaseMotion, *, rotation: ArrayLike | None = None, direction: str | Sequence[float] | Array | None = None
+    ) -> None:
         object.__setattr__(self, "motion", motion)
         super().__post_init__()
         if (rotation is None) == (direction is None):

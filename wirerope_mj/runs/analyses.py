@@ -27,9 +27,7 @@ SETTINGS = "settings.toml"
 MODES_KIND, MODES_MARKS = "folder of modes", (SETTINGS, "modes.json")
 KIND, MARKS = "frequency response", (SETTINGS, "frequency_response.json")
 # Files of the charts, by their ids.
-PICTURES = {
-    "amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png",
-}  # fmt: skip
+PICTURES = {"amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png"}
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 

@@ -26,9 +26,7 @@ from wirerope_mj.runs.scenario_file import judged_by
 KIND = "file of a job"
 QUESTION = "Does the equipment keep its limits, and do the mounts keep theirs, under every load case?"
 
-_SIMULATE: Entries = {
-    "duration": float, "initial": str, "sample_rate": float, "accuracy": float, "timestep": float,
-}  # fmt: skip
+_SIMULATE: Entries = {"duration": float, "initial": str, "sample_rate": float, "accuracy": float, "timestep": float}
 _RECORD: Entries = {"channels": list, "direction": str} | dict.fromkeys(PLAYED, float) | {
     "baseline": str, "gaps": str, "unit": str,
 }  # fmt: skip
@@ -83,8 +81,7 @@ def load_job(path: str | Path) -> Job:
     content = read_toml(path, KIND)
     checked(content, _JOB, f"{path}")
     if "model" not in content:
-        text = f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".'
-        raise ModelError(text)
+        raise ModelError(f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".')
     source = model_source(content["model"], folder=path.resolve().parent, asker=str(path))
     limits = tuple(_limits(path, content.get("limits", {})))
     combined = content.get("combined_travel", True)
@@ -103,8 +100,7 @@ def load_job(path: str | Path) -> Job:
         if not slug:
             raise ModelError(f'{where}: `name` is missing: it names the case and its folder, name = "vertical shock".')
         if any(other.folder == slug for other in cases):
-            text = f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
-            raise ModelError(text)
+            raise ModelError(f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit.")
         said = _scenario(f"{where} {quoted(name)}", every | table, folder, system)
         made = Scenario(question=question, model=source, name=name, limits=limits, combined_travel=combined, **said)
         cases.append(LoadCase(name=name, folder=slug, note=table.get("note", ""), scenario=made))

@@ -35,8 +35,7 @@ def read_map(items: Sequence[str]) -> Entries:
         elif item.endswith(".toml"):
             found = _checked(Path(item), read_toml(Path(item), _KIND))
         else:
-            text = f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
-            raise ValueError(text)
+            raise ValueError(f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.')
         for name, phrase in found["channels"].items():
             if name in channels:
                 raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
@@ -91,6 +90,5 @@ def _checked(path: Path, content: Entries) -> Entries:
         raise RecordError(f"{path}: `{unknown[0]}` is unknown; known: channels, {', '.join(_OPTIONS)}.")
     channels = content.get("channels")
     if not isinstance(channels, dict) or not all(isinstance(phrase, str) for phrase in channels.values()):
-        text = f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
-        raise RecordError(text)
+        raise RecordError(f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".')
     return content

@@ -97,9 +97,8 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
             differences += other_differences(stored, again, parts)
     difference, where = _largest(differences)
     return Replay(
-        identical=not where, largest_difference=difference, column=where, response=None if long else again,
-        alterations=altered,
-    )  # fmt: skip
+        identical=not where, largest_difference=difference, column=where, response=None if long else again, alterations=altered
+    )
 
 
 def replay_study(folder: str | Path) -> tuple[float, str]:

@@ -44,8 +44,7 @@ def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> 
     """Raise an error for a record that would leave the base at rest all the time."""
     if not motion.samples.any():
         zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
-        text = f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
-        raise RecordError(text)
+        raise RecordError(f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?")
     if motion.end <= 0.0:
         raise ValueError(
             f"`start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "

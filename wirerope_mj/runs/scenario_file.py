@@ -88,9 +88,7 @@ _NEEDED = {
     "motion": ("kind", "description"), "options": (), "versions": (),
 }  # fmt: skip
 _REMEDY = "Put it right, or take the file from another copy of the folder."
-_CHOICES = {
-    "initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel"),
-}  # fmt: skip
+_CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel")}
 
 
 def scenario_content(folder: Path) -> Entries:
@@ -107,8 +105,7 @@ def scenario_content(folder: Path) -> Entries:
         raise RecordError(f"{path}: {why_unread(error)}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        text = f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
-        raise RecordError(text) from None
+        raise RecordError(f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}") from None
     except tomllib.TOMLDecodeError as error:
         raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
     if "format" in content and content["format"] != FORMAT:

@@ -115,8 +115,7 @@ def check_one_run(folder: Path, content: Entries, system: System, response: Resp
     ]  # fmt: skip
     for name, here, there in pairs:
         if here != there:
-            text = f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
-            raise RecordError(text)
+            raise RecordError(f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}")
     if not same_columns(response.samples.names, column_plan(system).names):
         what = f"the bodies, points and mounts of {content['model']['file']}"
         raise RecordError(f"{folder}: {what} are not those of {FILE}. {_REMEDY}")

@@ -19,8 +19,7 @@ class StudyFile(OptionFile):
         """
         made, _ = self.made(options)
         if not isinstance(made, Study | Search):
-            text = f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}."
-            raise ModelError(text)
+            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}.")
         made.name = self.name if made.name == "study" else made.name
         made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
         return made

@@ -205,6 +205,5 @@ def catalogue(pattern: str = "*") -> dict[str, Isolator | str]:
             except WireRopeError as error:
                 found[part.name] = str(error).removeprefix(f"{part.name}: ")
     if not found:
-        text = f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them."
-        raise ValueError(text)
+        raise ValueError(f"no part of the vendors' tables is called {pattern!r}; `wirerope isolators --all` lists them.")
     return found

@@ -152,8 +152,7 @@ def _check_table(path: Path, table: pa.Table, names: Sequence[str]) -> None:
     """Raise RecordError unless the columns of these names are what studies write, and the variants are numbered in order."""
     for name in names:
         if name not in table.column_names or table[name].type != _ALWAYS[name] or table[name].null_count:
-            text = f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}"
-            raise RecordError(text)
+            raise RecordError(f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}")
     if "variant" in names and not np.array_equal(table["variant"].to_numpy(), np.arange(table.num_rows)):
         raise RecordError(f"{path}: column 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
 

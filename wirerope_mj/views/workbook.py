@@ -80,8 +80,7 @@ def _write(book: "openpyxl.Workbook", content: Content, samples: Exported | None
         page.append(samples.headings)
         for number, row in enumerate(_rows(samples), start=2):
             if number > _ROWS or len(row) > _COLUMNS:
-                text = f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
-                raise RecordError(text)
+                raise RecordError(f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5.")
             page.append(row)
     written = BytesIO()
     book.save(written)

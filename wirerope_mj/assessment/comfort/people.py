@@ -95,8 +95,7 @@ def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float
     rate = 1.0 / check_samples(instants, values)[1]
     kept = instants.size - round(min(not_negative("discard", discard) * rate, instants.size))
     if kept < 2:
-        text = f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s."
-        raise ValueError(text)
+        raise ValueError(f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s.")
     horizontal, vertical = (weighted(values[:, axes], rate, name) for axes, name in ((slice(2), "Wd"), (slice(2, 3), "Wk")))
     felt = np.concatenate([horizontal, vertical], axis=1)[-kept:]
     sick = weighted(values[:, 2:], rate, "Wf")[-kept:]

@@ -181,8 +181,7 @@ def _rows(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Arr
     """Return frequencies [Hz] and velocities [m/s] in any order as arrays, and refuse what are none."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:
-        text = f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
-        raise ValueError(text)
+        raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")
     if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
         raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
     return f, v

@@ -124,9 +124,8 @@ def too_short(response: Response) -> str:
     """Return why a run ends before its peaks are over, as a note; "" if it does not, or if older responses do not say it."""
     numerics = response.numerics
     return ends_early(
-        response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end,
-        numerics.slowest_period,
-    )  # fmt: skip
+        response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end, numerics.slowest_period
+    )
 
 
 def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: float) -> str:

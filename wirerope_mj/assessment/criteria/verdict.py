@@ -132,9 +132,8 @@ def payload_bodies(response: Response) -> list[str]:
 
 
 def limits_by_name(
-    response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str],
-    others: Sequence[str] = (),
-) -> dict[str, PayloadLimit]:  # fmt: skip
+    response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str], others: Sequence[str] = ()
+) -> dict[str, PayloadLimit]:
     """Return the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
 
     ValueError if a limit names nothing that is known.

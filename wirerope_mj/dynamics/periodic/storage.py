@@ -29,9 +29,7 @@ _KIND = "the table of a branch"
 _REMEDY = "Remove it, and the branch is followed anew, or give another folder."
 # What says how far a branch has come, and does not belong to its question.
 PROGRESS = ("complete", "message", "model_steps", "gaps", "side_branches", "beyond_travel")
-COLUMNS = (
-    "frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual"
-)  # fmt: skip
+COLUMNS = ("frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual")
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -103,9 +103,8 @@ def _oscillators(law: Law, weight: float) -> Callable[[float, float], Equivalent
 
 
 def _solutions(
-    law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float,
-    acceleration: float,
-) -> list[EquivalentOscillator]:  # fmt: skip
+    law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float, acceleration: float
+) -> list[EquivalentOscillator]:
     """Return the oscillators consistent with their own amplitude at a frequency, the smallest first."""
     omega = 2.0 * np.pi * frequency
 

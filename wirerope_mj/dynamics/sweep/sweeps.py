@@ -191,9 +191,8 @@ def frequency_sweep(
 
 
 def _lead_in(
-    system: System, sweep: Sweep, start: State, collector: Collector, timestep: float, settled: float,
-    largest_cycles: int,
-) -> tuple[State, tuple[str, ...]]:  # fmt: skip
+    system: System, sweep: Sweep, start: State, collector: Collector, timestep: float, settled: float, largest_cycles: int
+) -> tuple[State, tuple[str, ...]]:
     """Shake the system by the steady sine at the start frequency: the state after that, a warning if it has not settled."""
     acceleration = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
     sine = Sine(frequency=sweep.start, acceleration=acceleration, direction=sweep.direction)

@@ -121,9 +121,8 @@ class Response(Exportable, Summarised):
 
 
 def response_of(
-    plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None,
-    **parts: Any,
-) -> Response:  # fmt: skip
+    plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None, **parts: Any
+) -> Response:
     """Make a response of samples in the columns of `plan`, and its other `PARTS`."""
     return Response(
         time=samples.columns(0, 1)[:, 0], **plan.parts(samples), samples=samples, path=path, **parts,

@@ -102,9 +102,8 @@ def simulate(
         given = checked_step(system, timestep, duration)
         step = ChosenStep(timestep=given, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
     grid = time_grid(
-        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
-        corners=instants,
-    )  # fmt: skip
+        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion, corners=instants
+    )
     recorder = Recorder(system, motion, grid, folder)
     try:
         if step.done is not None and callback == "native" and not instants.size:

@@ -19,9 +19,7 @@ UNITS: Mapping[Quantity, Mapping[str, float]] = {
 }
 """Units of each quantity, and what one of each is in SI."""
 
-SI: Mapping[Quantity, str] = {
-    "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N",
-}  # fmt: skip
+SI: Mapping[Quantity, str] = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N"}
 _OF_MOUNT: Mapping[str, Axis] = {"roll": "x", "shear": "y", "axial": "z"}
 _KINDS = ("body", "point", "mount")
 _EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" or "mount/m1 axial force kN"'

@@ -208,9 +208,8 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
 
 
 def _warnings(
-    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str,
-    rest: float | None,
-) -> Iterator[str]:  # fmt: skip
+    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str, rest: float | None
+) -> Iterator[str]:
     """Yield what looks wrong about a channel as it was measured [SI]."""
     unit, spread = SI[known], float(np.ptp(values))
     if spread == 0.0:

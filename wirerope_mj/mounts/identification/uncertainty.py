@@ -97,9 +97,8 @@ def _parameters(unknowns: Unknowns, minimum: Minimum, deviations: Array) -> dict
     for c in unknowns.coordinates:
         error, at_bound = fitted.get(c.name, (0.0, False))
         parameters[c.name] = Parameter(
-            name=c.name, unit=c.unit, value=values[c.name], standard_error=error, fixed=c.name not in fitted,
-            at_bound=at_bound,
-        )  # fmt: skip
+            name=c.name, unit=c.unit, value=values[c.name], standard_error=error, fixed=c.name not in fitted, at_bound=at_bound
+        )
     return parameters
 
 

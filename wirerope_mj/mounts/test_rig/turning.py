@@ -60,9 +60,7 @@ def find_turning_points(deflection: Array, time: Array) -> Trace:
     smooth = _smoothed(deflection, window)
     turns = _reversals(smooth, max(_SURE * noise / np.sqrt(window), least))
     times = _times(smooth, time, turns)
-    return Trace(
-        time=time, deflection=deflection, smooth=smooth, window=window, noise=noise, turns=turns, times=times
-    )  # fmt: skip
+    return Trace(time=time, deflection=deflection, smooth=smooth, window=window, noise=noise, turns=turns, times=times)
 
 
 def rms_noise(values: Array) -> float:

@@ -190,9 +190,7 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
         numbers.append(own[0])
         rates.append(own[1])
         moved.append(any(map(any, changes.positions.values())))
-    return _Variants(
-        indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved
-    )  # fmt: skip
+    return _Variants(indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved)
 
 
 # By law and parameters: its kernel's parameters, its rates, and its form if it is coupled.

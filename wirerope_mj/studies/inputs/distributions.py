@@ -116,8 +116,7 @@ class Choice:
             raise ValueError(f"the values of a `Choice` must all be numbers, booleans or strings, got {list(plain)}.")
         for one in plain:
             if isinstance(one, int) and finite("Choice", int(one)) != one:
-                text = f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}."
-                raise ValueError(text)
+                raise ValueError(f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}.")
 
     def values(self, probabilities: Array) -> AnyArray:
         """Return the choices at probabilities, (n,)."""

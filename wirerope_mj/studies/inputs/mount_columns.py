@@ -59,8 +59,7 @@ class LawParameter(ValueOrFactor):
         law = isolator.axes[axis]
         if law is None:
             there = [axis for axis, law in isolator.axes.items() if law is not None]
-            text = f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
-            raise ModelError(text)
+            raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
         if isinstance(law, Parallel):
             whole = law
             if parameter in whole.factors:
@@ -178,8 +177,7 @@ class Spread(LawParameter):
             for parameter in isolator.spread.parameters:
                 axis, _, key = parameter.partition(".")
                 if axis not in AXES:
-                    text = f"`vary`: {name!r}: {parameter!r} in the [spread] of {isolator.name!r} is no parameter."
-                    raise ModelError(text)
+                    raise ModelError(f"`vary`: {name!r}: {parameter!r} in the [spread] of {isolator.name!r} is no parameter.")
                 cls.checked(name, isolator, mount, axis, key)
         if not each and any(isolator != isolators[0] for isolator in isolators):
             raise ValueError(f"`vary`: {name!r}: the mounts have different isolators and cannot share one specimen.")

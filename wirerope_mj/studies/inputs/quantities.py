@@ -93,8 +93,7 @@ def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[Share
         raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
     if len({(column.nature_of_numbers, column.unit) for column in every}) > 1:
         kinds = ", ".join(dict.fromkeys(f"{one.nature_of_numbers} {one.unit}".strip() for one in every))
-        text = f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
-        raise ValueError(text)
+        raise ValueError(f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`.")
     return tuple(
         SharedDraw(
             name=TOGETHER.join(column.name for column in together),
@@ -139,8 +138,7 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         shared = [_quantity(one, distribution, system, motions).columns for one in names]
         return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
     if not isinstance(distribution, Distribution):
-        text = f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
-        raise ValueError(text)
+        raise ValueError(f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}.")
     kind, parts = next(((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ()))
     if isinstance(distribution, Isotropic) and kind is not Elevation:
         raise ValueError(f"`vary`: {name!r} cannot be Isotropic; it is for {Elevation.form}.")
@@ -149,10 +147,8 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
     if kind is not None:
         pattern, *key = parts or ("",)
         columns = kind.resolve(
-            Entry(
-                name=name, pattern=pattern, key=tuple(key), distribution=distribution, system=system, motions=motions
-            )
-        )  # fmt: skip
+            Entry(name=name, pattern=pattern, key=tuple(key), distribution=distribution, system=system, motions=motions)
+        )
         own = dict.fromkeys(column.targets for column in columns) if kind is Spread else {}
         isolators = tuple(system.mounts[targets[0]].written for targets in own)
         return Quantity(name=name, distribution=distribution, columns=columns, isolators=isolators)

@@ -178,8 +178,7 @@ def _flag(name: str, kind: str, flag: str) -> str:
     flags = _flags(kind)
     if flag not in flags:
         there = " and ".join(flags) or "none"
-        text = f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
-        raise ValueError(text)
+        raise ValueError(f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes.")
     return flag
 
 

@@ -144,8 +144,7 @@ class SearchDefinition:
         known = {one.name for one in self.study.quantities} | set(self.variables)
         unknown = [name for name in given if name not in known]
         if unknown:
-            text = f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do."
-            raise ValueError(text)
+            raise ValueError(f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do.")
         for quantity in self.study.quantities:
             for column in quantity.columns:
                 if column.name not in given and quantity.name not in given:
@@ -176,8 +175,7 @@ def _checked(index: int, name: str, value: object, variable: Uniform | Choice) -
             raise ValueError(f"`start[{index}]`: {name!r} must be one of {list(variable.choices)}, got {value!r}.")
         return chosen
     if isinstance(value, bool) or not isinstance(value, int | float) or not variable.low <= value <= variable.high:
-        text = f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}."
-        raise ValueError(text)
+        raise ValueError(f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}.")
     return float(value)
 
 

@@ -36,9 +36,8 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
 
 
 def shock_spectra_figure(
-    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "",
-    test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
-) -> Figure:  # fmt: skip
+    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "", test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None
+) -> Figure:
     """Return the largest absolute accelerations (maximax) over frequency, "base" in grey.
 
     `test` are frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.

@@ -19,9 +19,7 @@ _FINE = 1 / 400  # Fraction of a panel's range that a line may be off; below a p
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
 _COLUMNS = 90
-_CORNERS = {
-    "RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False),
-}  # fmt: skip
+_CORNERS = {"RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False)}
 
 
 def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *, every: bool) -> None:
