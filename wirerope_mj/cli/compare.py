@@ -14,17 +14,10 @@ from wirerope_mj.foundation.plain_text import plain
 
 
 def compare(
-    *runs: Path,
-    out: Path | None = None,
-    names: Texts = None,
-    align: Literal["start", "shock"] = "start",
-    map: Texts = None,
-    start: float | None = None,
-    clock: float | None = None,
-    baseline: Literal["none", "rest", "mean"] | None = None,
-    gaps: Literal["refuse", "fill"] | None = None,
-    force: Flag = False,
-) -> int:
+    *runs: Path, out: Path | None = None, names: Texts = None, align: Literal["start", "shock"] = "start", map: Texts = None,
+    start: float | None = None, clock: float | None = None, baseline: Literal["none", "rest", "mean"] | None = None,
+    gaps: Literal["refuse", "fill"] | None = None, force: Flag = False,
+) -> int:  # fmt: skip
     """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 
     The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,

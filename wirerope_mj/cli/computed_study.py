@@ -24,16 +24,9 @@ from wirerope_mj.views.terminal import console, print_block, print_warnings, sho
 
 
 def compute_and_print(
-    make: Callable[[], Study | Search],
-    name: str,
-    *,
-    resume: bool,
-    out: Path | None,
-    by: str | None,
-    open_worst: int,
-    limit: Sequence[str] | None = None,
-    **how: Any,
-) -> None:
+    make: Callable[[], Study | Search], name: str, *, resume: bool, out: Path | None, by: str | None, open_worst: int,
+    limit: Sequence[str] | None = None, **how: Any,
+) -> None:  # fmt: skip
     """Compute the study or search that `make` returns, and print its results.
 
     `name` is its folder's, unless `out` says it; `by` is the measure by which variants are worst, `open_worst` how many of them

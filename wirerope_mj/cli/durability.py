@@ -5,16 +5,10 @@ from typing import Literal
 
 
 def durability(
-    source: Path,
-    *,
-    exponent: float | None = None,
-    constant: float | None = None,
-    quantity: Literal["deflection", "force"] = "deflection",
-    repetitions: float = 1.0,
-    rows: int = 12,
-    equivalent_psd: str | None = None,
-    out: Path | None = None,
-) -> int:
+    source: Path, *, exponent: float | None = None, constant: float | None = None,
+    quantity: Literal["deflection", "force"] = "deflection", repetitions: float = 1.0, rows: int = 12,
+    equivalent_psd: str | None = None, out: Path | None = None,
+) -> int:  # fmt: skip
     """Count the cycles of the mounts of a run or a service life, and compare the damage that they do.
 
     Damage is Miner's sum with N = C / A^b, A being the amplitude. Nothing is assumed of the material: the exponent b is yours,

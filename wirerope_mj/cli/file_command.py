@@ -47,7 +47,7 @@ def file_command(
         usage = f"Usage: wirerope {name} {takes} [OPTIONS]"
         made_app = App(
             name=name, usage=usage, help_epilogue=epilogue, help_flags=[], version_flags=[], suppress_keyboard_interrupt=False
-        )  # fmt: skip
+        )
         made_app.default(command)
         return made_app
 
@@ -55,12 +55,9 @@ def file_command(
 
 
 def run_with_options(
-    title: str,
-    function: Callable[..., object],
-    own: Sequence[inspect.Parameter],
-    action: Callable[[Entries, Entries], None],
+    title: str, function: Callable[..., object], own: Sequence[inspect.Parameter], action: Callable[[Entries, Entries], None],
     tokens: Sequence[str],
-) -> None:
+) -> None:  # fmt: skip
     """Read `tokens` as options of a file's `function`, whose docstring says them, and of the command, and act on both."""
 
     def command(**options: object) -> None:

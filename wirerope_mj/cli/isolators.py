@@ -82,15 +82,9 @@ def fit(datasheet: Path, out: Path) -> int:
 
 @isolators_app.command
 def estimate(
-    *,
-    height: float,
-    width: float,
-    rope: float,
-    loops: Integer,
-    bar: float | None = None,
-    bar_length: float | None = None,
+    *, height: float, width: float, rope: float, loops: Integer, bar: float | None = None, bar_length: float | None = None,
     out: Path | None = None,
-) -> int:
+) -> int:  # fmt: skip
     """Estimate an isolator without data sheet from its geometry, with the errors that such estimates make of known parts.
 
     Args:

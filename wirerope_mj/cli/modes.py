@@ -8,16 +8,10 @@ from wirerope_mj.cli.options import Deck, Flag, Numbers
 
 
 def modes(
-    model: str,
-    *,
-    history: Literal["virgin", "relaxed"] = "virgin",
-    amplitude_mm: Numbers = None,
-    ddam: Literal["hull", "deck", "shell"] | None = None,
-    ship: Literal["surface", "submarine"] = "surface",
-    deck: Deck = None,
-    out: Path | None = None,
-    force: Flag = False,
-) -> int:
+    model: str, *, history: Literal["virgin", "relaxed"] = "virgin", amplitude_mm: Numbers = None,
+    ddam: Literal["hull", "deck", "shell"] | None = None, ship: Literal["surface", "submarine"] = "surface", deck: Deck = None,
+    out: Path | None = None, force: Flag = False,
+) -> int:  # fmt: skip
     """Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.
 
     Natural frequencies of small amplitude stand first, with those of the tangents at rest; then, for every amplitude, frequency

@@ -32,12 +32,9 @@ def list_scenarios() -> None:
 
 
 @file_command(
-    "SCENARIO",
-    "the scenario comes first: wirerope run SCENARIO",
-    "`wirerope run SCENARIO --help` also shows the options of that scenario.",
-    [*NUMERICS, *_OWN, _LIST],
-    list_scenarios,
-)
+    "SCENARIO", "the scenario comes first: wirerope run SCENARIO",
+    "`wirerope run SCENARIO --help` also shows the options of that scenario.", [*NUMERICS, *_OWN, _LIST], list_scenarios,
+)  # fmt: skip
 def run(name: str, tokens: Sequence[str]) -> None:
     """Simulate a scenario into one folder and print its peaks against the limits.
 

@@ -78,12 +78,9 @@ def list_studies() -> None:
 
 
 @file_command(
-    "STUDY-OR-SCENARIO",
-    "the study comes first: wirerope study STUDY",
-    "`wirerope study NAME --help` also shows the options of that study.",
-    [*_VARY, *_RUN, _LIST],
-    list_studies,
-)
+    "STUDY-OR-SCENARIO", "the study comes first: wirerope study STUDY",
+    "`wirerope study NAME --help` also shows the options of that study.", [*_VARY, *_RUN, _LIST], list_studies,
+)  # fmt: skip
 def study(name: str, tokens: Sequence[str]) -> None:
     """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
 

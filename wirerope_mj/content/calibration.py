@@ -24,13 +24,9 @@ _BEST = 1e-3  # probability below which less is said than "less than 0.1 %": as 
 
 
 def calibration_content(
-    result: Calibration,
-    *,
-    title: str,
-    sources: Sequence[str],
-    warnings: Sequence[str] = (),
+    result: Calibration, *, title: str, sources: Sequence[str], warnings: Sequence[str] = (),
     predictions: Sequence[tuple[Prediction, Sequence[StatedLimit]]] = (),
-) -> Content:
+) -> Content:  # fmt: skip
     """Compose what a calibration says: values, how the model follows, and predictions of other motions against their limits."""
     return Content(
         title=title,

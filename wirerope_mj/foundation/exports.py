@@ -62,12 +62,9 @@ def picked(table: Exported, patterns: Sequence[str]) -> Exported:
         kept += found
     kept = sorted(set(kept))
     return replace(
-        table,
-        names=[table.names[n] for n in kept],
-        units=[table.units[n] for n in kept],
-        column=lambda number: table.column(kept[number]),
-        blocks=lambda: ([block[n] for n in kept] for block in table.blocks()),
-    )
+        table, names=[table.names[n] for n in kept], units=[table.units[n] for n in kept],
+        column=lambda number: table.column(kept[number]), blocks=lambda: ([block[n] for n in kept] for block in table.blocks()),
+    )  # fmt: skip
 
 
 class Exportable:

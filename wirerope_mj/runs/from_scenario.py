@@ -24,17 +24,10 @@ _CARRIED = ("duration", "timestep", "accuracy", "sample_rate", "initial")
 
 
 def study_of(
-    scenario: Scenario | str | Path,
-    *,
-    vary: Mapping[str, Distribution],
-    variants: int | None = None,
-    sampling: str = "sobol",
-    seed: int = 1,
-    timestep: float | None = None,
-    accuracy: float | None = None,
-    options: Mapping[str, object] | None = None,
+    scenario: Scenario | str | Path, *, vary: Mapping[str, Distribution], variants: int | None = None, sampling: str = "sobol",
+    seed: int = 1, timestep: float | None = None, accuracy: float | None = None, options: Mapping[str, object] | None = None,
     name: str | None = None,
-) -> Study:
+) -> Study:  # fmt: skip
     """Return the study of a scenario; model, motion, duration, step and initial state are those of the scenario.
 
     Args:

@@ -33,13 +33,9 @@ def curve_at(points: tuple[Array, Array], frequency: Array) -> Array:
 
 
 def spectrum_verdict(
-    spectrum: ShockResponseSpectrum,
-    frequency: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    subject: str,
+    spectrum: ShockResponseSpectrum, frequency: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str,
     criterion: str = "shock response spectrum",
-) -> Verdict:
+) -> Verdict:  # fmt: skip
     """Return the verdict on a maximax spectrum against a test spectrum, at the frequency of the highest utilisation.
 
     Not part of `judge`: call it with a measured test spectrum.

@@ -20,17 +20,9 @@ SIGMAS = 3.0
 
 
 def random_verdicts(
-    time: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    subject: str,
-    discard: float,
-    end: float | None = None,
-    limit: float | None = None,
-    rms_limit: float | None = None,
-    resolution: float | None = None,
-    along: str = "",
-) -> tuple[Verdict, ...]:
+    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str, discard: float, end: float | None = None,
+    limit: float | None = None, rms_limit: float | None = None, resolution: float | None = None, along: str = "",
+) -> tuple[Verdict, ...]:  # fmt: skip
     """Return verdicts on the rms, the 3-sigma value and the largest value of a stationary acceleration.
 
     Only what is stationary may count: neither the settling at the beginning nor the fall of the vibration and what follows
@@ -81,13 +73,9 @@ def random_verdicts(
 
 
 def judge_random(
-    response: Response,
-    *,
-    discard: float | None = None,
-    end: float | None = None,
-    limits: Sequence[PayloadLimit] | None = None,
+    response: Response, *, discard: float | None = None, end: float | None = None, limits: Sequence[PayloadLimit] | None = None,
     resolution: float | None = None,
-) -> tuple[Verdict, ...]:
+) -> tuple[Verdict, ...]:  # fmt: skip
     """Return `random_verdicts` on x, y and z of every payload body and every point that move along them.
 
     Without `discard` and `end`, the interval in which the base is stationary counts, from where the response has settled

@@ -85,13 +85,9 @@ class DamageSpectrum(Brief):
 
 
 def fatigue_damage_spectrum(
-    time: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    exponent: float,
-    frequencies: npt.ArrayLike | None = None,
+    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, exponent: float, frequencies: npt.ArrayLike | None = None,
     q: float = 10.0,
-) -> DamageSpectrum:
+) -> DamageSpectrum:  # fmt: skip
     """Return the fatigue damage spectrum of a sampled acceleration.
 
     The oscillators start at rest and are solved exactly for an acceleration that is straight between the samples, as for shock

@@ -23,18 +23,10 @@ from wirerope_mj.motions import Sine
 
 
 def periodic_orbit(
-    system: System,
-    *,
-    frequency: float,
-    acceleration: float,
-    direction: str | Sequence[float],
-    periods: int = 1,
-    guess: State | None = None,
-    history: History = "relaxed",
-    accuracy: float = 1e-4,
-    tolerance: float = 1e-8,
+    system: System, *, frequency: float, acceleration: float, direction: str | Sequence[float], periods: int = 1,
+    guess: State | None = None, history: History = "relaxed", accuracy: float = 1e-4, tolerance: float = 1e-8,
     smoothing: float | None = None,
-) -> PeriodicOrbit:
+) -> PeriodicOrbit:  # fmt: skip
     """Return the periodic motion of `system` under a sine of its base, by shooting on the engine's state.
 
     Newton's method closes the gap between the state at phase 0 and that some periods later; the columns of its matrix are

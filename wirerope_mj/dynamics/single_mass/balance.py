@@ -177,17 +177,9 @@ class HarmonicOrbit(Summarised):
 
 
 def harmonic_balance(
-    law: Law,
-    *,
-    mass: float,
-    frequency: float,
-    acceleration: float,
-    gravity: float = 0.0,
-    harmonics: int = 31,
-    samples: int = 1024,
-    guess: npt.ArrayLike | None = None,
-    tolerance: float = 1e-10,
-) -> HarmonicOrbit:
+    law: Law, *, mass: float, frequency: float, acceleration: float, gravity: float = 0.0, harmonics: int = 31,
+    samples: int = 1024, guess: npt.ArrayLike | None = None, tolerance: float = 1e-10,
+) -> HarmonicOrbit:  # fmt: skip
     """Return a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
 
     It starts from equivalent linearisation, the smallest of its solutions first; if Newton's method fails from all of them, the

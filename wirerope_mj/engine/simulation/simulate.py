@@ -39,20 +39,10 @@ RING_DOWN = 10.0
 
 
 def simulate(
-    system: System,
-    motion: BaseMotion,
-    *,
-    duration: float,
-    initial: str | State = "settled",
-    timestep: float | None = None,
-    accuracy: float = 1e-4,
-    sample_rate: float = 1000.0,
-    corners: Sequence[float] | Array = (),
-    callback: Kind = "native",
-    engine: Engine = "auto",
-    out: str | Path | None = None,
-    progress: bool = False,
-) -> Response:
+    system: System, motion: BaseMotion, *, duration: float, initial: str | State = "settled", timestep: float | None = None,
+    accuracy: float = 1e-4, sample_rate: float = 1000.0, corners: Sequence[float] | Array = (), callback: Kind = "native",
+    engine: Engine = "auto", out: str | Path | None = None, progress: bool = False,
+) -> Response:  # fmt: skip
     """Return the response of `system` to a base motion.
 
     Args:

@@ -11,12 +11,9 @@ Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "fo
 Axis = Literal["x", "y", "z"]
 LENGTHS = {**LENGTH_UNITS, "um": 1e-6}
 UNITS: Mapping[Quantity, Mapping[str, float]] = {
-    "acceleration": ACCELERATION_UNITS,
-    "velocity": VELOCITY_UNITS,
-    "displacement": LENGTHS,
-    "deflection": LENGTHS,
+    "acceleration": ACCELERATION_UNITS, "velocity": VELOCITY_UNITS, "displacement": LENGTHS, "deflection": LENGTHS,
     "force": FORCE_UNITS,
-}
+}  # fmt: skip
 """Units of each quantity, and what one of each is in SI."""
 
 SI: Mapping[Quantity, str] = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N"}

@@ -21,12 +21,8 @@ _TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
 _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
 # specific data types of an ordinate that are measured: word behind the name of a channel, and its unit in SI
 _MEASURED = {
-    _ACCELERATION: ("", "m/s^2"),
-    11: ("velocity", "m/s"),
-    8: ("displacement", "m"),
-    13: ("force", "N"),
-    9: ("force", "N"),
-}
+    _ACCELERATION: ("", "m/s^2"), 11: ("velocity", "m/s"), 8: ("displacement", "m"), 13: ("force", "N"), 9: ("force", "N"),
+}  # fmt: skip
 # units as they are spelled, by their small letters
 _UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
 _SPELLED = {unit.lower(): unit for unit in _UNITS}

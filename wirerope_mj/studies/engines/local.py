@@ -77,12 +77,9 @@ class _Pool(Generic[Question, Answer]):
     """One thread for each worker process: it hands out questions, and starts the process again if it dies."""
 
     def __init__(
-        self,
-        function: Callable[[Question], Answer],
-        questions: Iterable[Question],
-        lost: Callable[[Question, str], Answer],
+        self, function: Callable[[Question], Answer], questions: Iterable[Question], lost: Callable[[Question, str], Answer],
         workers: int,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._questions, self._lost, self._workers = iter(questions), lost, workers
         self._pickled = pickle.dumps(function, protocol=pickle.HIGHEST_PROTOCOL)
         self._lock, self._stop = threading.Lock(), threading.Event()

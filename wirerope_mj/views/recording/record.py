@@ -39,15 +39,9 @@ OVERLAY_FILE = "overlay.rrd"
 
 
 def record_rerun(
-    response: Response,
-    path: str | Path,
-    *,
-    title: str = "",
-    scenario_text: str = "",
-    verdicts: Sequence[Verdict] | None = None,
-    tab: str = "Overview",
-    state: bool = False,
-) -> Path:
+    response: Response, path: str | Path, *, title: str = "", scenario_text: str = "",
+    verdicts: Sequence[Verdict] | None = None, tab: str = "Overview", state: bool = False,
+) -> Path:  # fmt: skip
     """Write a response as a recording that opens in the rerun viewer as it should be read, and return its path.
 
     Args:
@@ -95,16 +89,9 @@ def record_run(
 
 
 def record_overlay(
-    responses: Mapping[str, Response],
-    path: str | Path,
-    *,
-    align: Align = "start",
-    inputs: Inputs | None = None,
-    tables: Sequence[Table] = (),
-    tab: str = "Overview",
-    scene: str = "",
-    state: bool = False,
-) -> Path:
+    responses: Mapping[str, Response], path: str | Path, *, align: Align = "start", inputs: Inputs | None = None,
+    tables: Sequence[Table] = (), tab: str = "Overview", scene: str = "", state: bool = False,
+) -> Path:  # fmt: skip
     """Write two or more responses as one recording in which they lie over each other, and return its path.
 
     What they share by name is drawn in the same axes, and the base of each whatever it is called; differences are those to the
