@@ -22,7 +22,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.entries import Entries
-from wirerope_mj.foundation.units import shown_in
+from wirerope_mj.foundation.units import in_unit, shown_in
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
@@ -170,7 +170,10 @@ def summary(response: Response, verdicts: Sequence[Verdict]) -> Entries:
         "headline": headline(verdicts), "verdicts": verdict_lines(response, verdicts),
         "judged": [verdict.to_dict() for verdict in verdicts],
         "accelerations": [
-            {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
+            {
+                "name": row.name, "kind": row.kind, "peak_g": in_unit(row.value, "g"), "time_s": row.time,
+                "axes_g": [in_unit(size, "g") for size in row.axes],
+            }
             for row in body_peaks(response)
         ],
         "mounts": [
