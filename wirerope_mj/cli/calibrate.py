@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE
 
 if TYPE_CHECKING:

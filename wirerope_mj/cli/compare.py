@@ -7,8 +7,8 @@ from pathlib import Path
 from typing import Literal
 
 from wirerope_mj.cli.options import Flag, Texts
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import check_writable
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
 from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 
 _OWN = (
     own_option("browser", bool, True, "open the page; its address is printed in any case", negative="--no-browser"),

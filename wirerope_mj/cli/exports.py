@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Literal
 
 from wirerope_mj.cli.options import Flag, Repeated
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 
 
 def share(folder: Path, out: Path, *, force: Flag = False) -> int:

@@ -7,7 +7,7 @@ from typing import Annotated, get_type_hints
 from cyclopts import App, Parameter
 
 from wirerope_mj.cli.options import BAD_INPUT, whole_integers
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 
 
 def file_command(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Literal
 from cyclopts import Parameter
 
 from wirerope_mj.cli.options import Integer, Texts
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 
 if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator

@@ -8,7 +8,7 @@ from typing import Annotated, Any, get_args, get_origin
 from cyclopts import Parameter, Token
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 
 # Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers.
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1

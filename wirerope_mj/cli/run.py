@@ -8,7 +8,7 @@ from pathlib import Path
 from wirerope_mj.cli.file_command import file_command, run_with_options
 from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
 from wirerope_mj.cli.tables import print_questions, run_and_print
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios
 

@@ -8,8 +8,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.studies.ended import ended_early, still_growing, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING

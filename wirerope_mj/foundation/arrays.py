@@ -1,4 +1,4 @@
-"""The array types of the package's annotations; the shape stands in the docstring."""
+"""The types that annotations share: arrays, whose shape stands in the docstring, and tables that nothing has checked yet."""
 
 from typing import Any
 
@@ -10,3 +10,5 @@ ComplexArray = npt.NDArray[np.complex128]
 Integers = npt.NDArray[np.int64]
 Booleans = npt.NDArray[np.bool_]
 AnyArray = npt.NDArray[Any]  # of numbers or of texts
+# A table of TOML or JSON, options of a command, arguments to pass on: of any type until the code that takes them checks them.
+Entries = dict[str, Any]

@@ -6,8 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.units import in_unit, significant
 
 # Tones in which a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone.

@@ -3,7 +3,7 @@
 import tomllib
 from pathlib import Path
 
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 

@@ -11,9 +11,8 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arguments import between
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import StartedMotion, unique_times

@@ -12,9 +12,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.summary import AsCall
 
 # corners closer than this are one corner [s]: far below any step, far above the roundoff of a time of hours

@@ -6,8 +6,8 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import Direction, directions_in, unit_vector
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.motions.harmonic import Sine, Sweep

@@ -10,9 +10,8 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, integer, the_one_given
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp

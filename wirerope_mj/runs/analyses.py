@@ -15,9 +15,9 @@ from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.directions import plain_direction
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.page import REPORT
 

@@ -7,8 +7,8 @@ from wirerope_mj.assessment.correlation import Correlation, correlate
 from wirerope_mj.content.correlation import correlation_content
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.engine.response import load_response
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import load_measured
 from wirerope_mj.runs.folder import update_checksums, warn_of_alterations

@@ -8,8 +8,7 @@ import numpy as np
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
-from wirerope_mj.foundation.arrays import Integers
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries, Integers
 from wirerope_mj.runs.folder import SUMMARY
 
 # A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN.

@@ -5,7 +5,7 @@ from datetime import date
 from pathlib import Path
 
 from wirerope_mj.content.document import TEXTS, Document, Revision
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.regular_files import regular

@@ -14,8 +14,8 @@ from wirerope_mj.engine.simulation.simulate import RING_DOWN
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import directions_in
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import model_file, shipped_models
 from wirerope_mj.foundation.units import STANDARD_GRAVITY

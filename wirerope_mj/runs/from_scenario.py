@@ -5,7 +5,7 @@ from pathlib import Path
 
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.units import STANDARD_GRAVITY

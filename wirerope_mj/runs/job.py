@@ -27,8 +27,8 @@ import tomli_w
 from wirerope_mj.content.job import JudgedCase, JudgedJob, job_content, job_headline
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, full_disk_named, worked_on_alone, write_json
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised

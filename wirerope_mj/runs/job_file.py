@@ -10,7 +10,7 @@ from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
 from wirerope_mj.engine.system import System, load_system
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
 from wirerope_mj.foundation.plain_text import quoted, short

@@ -5,8 +5,8 @@ from pathlib import Path
 
 from wirerope_mj.content.blocks import Content
 from wirerope_mj.content.job_study import job_study_content
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import write_json
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.runs.from_scenario import limits_of, study_of
 from wirerope_mj.runs.job_file import Job
 from wirerope_mj.runs.page import write_page

@@ -6,8 +6,8 @@ from pathlib import Path
 
 import tomli_w
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.toml_file import read_toml

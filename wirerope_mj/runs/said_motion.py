@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from pathlib import Path
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import direction_in
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion, load_record
 from wirerope_mj.motions.records.record import Record, record_channels

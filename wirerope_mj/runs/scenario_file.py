@@ -10,7 +10,7 @@ from typing import Any
 from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.declared import is_subject, limit_subjects
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.toml_file import toml_content

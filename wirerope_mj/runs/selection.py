@@ -12,8 +12,8 @@ from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.engine.system.rewritten import with_part
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.resources import model_source

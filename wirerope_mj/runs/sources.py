@@ -15,7 +15,7 @@ from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import missing_isolators, read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict

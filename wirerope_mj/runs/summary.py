@@ -7,7 +7,7 @@ from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.run import run_content
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.summary import json_values

@@ -20,8 +20,8 @@ from wirerope_mj.engine.system.model_files import read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import integer, one_of
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.budget import require_time
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict

@@ -9,8 +9,7 @@ import pyarrow.compute as pc
 
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, ends_early, quiet_from
 from wirerope_mj.engine.simulation.stability import slowest_period
-from wirerope_mj.foundation.arrays import Booleans
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Booleans, Entries
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker, Work
 

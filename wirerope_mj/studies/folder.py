@@ -11,6 +11,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import (
     atomic_file,
     atomic_folder,
@@ -19,7 +20,6 @@ from wirerope_mj.foundation.atomic_files import (
     worked_on_alone,
     write_json,
 )
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import DiskFullError, RecordError
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.regular_files import regular

@@ -13,7 +13,7 @@ import tomli_w
 from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.toml_file import toml_content

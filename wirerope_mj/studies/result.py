@@ -14,7 +14,7 @@ import pyarrow.compute as pc
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import finite, integer
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.summary import Summarised

@@ -1,7 +1,7 @@
 """Content as plain values: what a file of a result says under the ids that every output uses."""
 
 from wirerope_mj.content.blocks import Content, Statement
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.tables import Table
 
 

@@ -29,8 +29,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.payload_limits import BETWEEN
 from wirerope_mj.mounts.isolator.travel import travel_in
 

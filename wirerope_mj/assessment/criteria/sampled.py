@@ -7,8 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import RandomVibration, motion_from_dict
 

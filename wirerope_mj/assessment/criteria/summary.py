@@ -21,7 +21,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     most_used,
 )
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.units import in_unit, shown_in
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import json_values
 

@@ -12,8 +12,7 @@ from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Le
 from wirerope_mj.dynamics.periodic import Branch, HarmonicContent, harmonic_content, resonances
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.summary import json_values
 
 HARMONICS = 9  # highest harmonic that is looked for in a motion

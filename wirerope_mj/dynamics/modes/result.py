@@ -6,8 +6,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.engine.statics import Equilibrium, History
-from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries, Integers
 from wirerope_mj.foundation.summary import Summarised, json_values, quantity
 
 _FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far

@@ -24,8 +24,7 @@ from wirerope_mj.dynamics.periodic.storage import (
     row_of,
     save_rows,
 )
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.state import State
 
 FIRST = 0.2  # first step in units of the largest

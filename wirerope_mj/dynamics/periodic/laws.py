@@ -25,8 +25,7 @@ from wirerope_mj.dynamics.periodic.motion import Track, mount_deflections
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import with_other_laws
-from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import AnyArray, Array, Entries, Integers
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Parallel, Smoothed
 from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, SMOOTHED, TABULATED

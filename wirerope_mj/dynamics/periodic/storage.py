@@ -15,9 +15,8 @@ from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import one_of, positive
-from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.arrays import Array, ComplexArray, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.parquet_files import read_content, read_table, write_columns
 from wirerope_mj.motions import Sine

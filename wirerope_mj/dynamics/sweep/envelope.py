@@ -10,10 +10,9 @@ import numpy as np
 
 from wirerope_mj.dynamics.sweep.channels import Channels, TravelWatch
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.parquet_files import TableWriter, read_content, read_table, write_rows
 from wirerope_mj.foundation.state import State

@@ -15,7 +15,7 @@ from wirerope_mj.engine.response.histories import ColumnPlan, Numerics
 from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, ContactPeak, Peak
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, one_of, positive
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions import RandomVibration, motion_from_dict

@@ -8,8 +8,7 @@ from typing import Protocol
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import AnyArray, Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import AnyArray, Array, Entries
 from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import AXES

@@ -12,8 +12,7 @@ from wirerope_mj.engine.control.layout import SMOOTH
 from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries, Integers
 from wirerope_mj.motions import BaseMotion
 
 # instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions

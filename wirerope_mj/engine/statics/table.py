@@ -11,8 +11,7 @@ from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief, json_values
 from wirerope_mj.mounts.isolator.travel import static_utilisation

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 
 from wirerope_mj.foundation.arguments import finite, positive
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.mounts.isolator import Isolator
 
 Vector = tuple[float, float, float]

@@ -12,7 +12,7 @@ import tomli_w
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.named_files import named_files
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator

@@ -10,10 +10,9 @@ from typing import ClassVar
 import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.parquet_files import read_content
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.result import Identification, fitted_loops

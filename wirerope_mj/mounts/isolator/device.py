@@ -7,7 +7,7 @@ from functools import cached_property
 from pathlib import Path
 
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.summary import Brief

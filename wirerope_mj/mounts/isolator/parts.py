@@ -5,7 +5,7 @@ from dataclasses import dataclass, field, fields, replace
 from typing import Self
 
 from wirerope_mj.foundation.arguments import finite, not_negative, one_of, positive
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.mounts.laws import Law
 
 # Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an

@@ -10,9 +10,9 @@ from typing import Any
 
 import tomli_w
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator.parts import Bracket, Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel

@@ -10,8 +10,7 @@ import numpy as np
 import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, positive
-from wirerope_mj.foundation.arrays import Array, Booleans
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.

@@ -14,9 +14,8 @@ import numpy as np
 from numba import carray, types
 from numba.core.dispatcher import Dispatcher
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.c_functions import SIGNATURE
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.mounts.laws.kernels import OWN
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.path import follow_path

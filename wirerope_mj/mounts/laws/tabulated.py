@@ -9,8 +9,7 @@ from typing import ClassVar
 import numpy as np
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed

@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel

@@ -9,8 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.calibration.frequency_test import FrequencyRuns, FrequencyTest

@@ -8,9 +8,8 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
 from wirerope_mj.motions import Sine

@@ -6,8 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.laws import Loop

@@ -10,8 +10,7 @@ import numpy as np
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.channel_map import SI

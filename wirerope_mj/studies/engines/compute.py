@@ -9,8 +9,7 @@ import pyarrow as pa
 from wirerope_mj.assessment.criteria.ended import GROWTH, growth_note
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
 from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together

@@ -21,8 +21,7 @@ from wirerope_mj.engine.simulation.stability import rates_of, stable_step, step_
 from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
 from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
-from wirerope_mj.foundation.arrays import Array, Booleans, Integers
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries, Integers
 from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion

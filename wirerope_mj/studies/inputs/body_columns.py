@@ -9,8 +9,7 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
-from wirerope_mj.foundation.arrays import AnyArray, Booleans
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import AnyArray, Booleans, Entries
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite

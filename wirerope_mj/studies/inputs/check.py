@@ -8,7 +8,7 @@ import pyarrow as pa
 
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES

@@ -9,8 +9,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
-from wirerope_mj.foundation.arrays import AnyArray, Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import AnyArray, Array, Entries
 
 # In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1.
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53

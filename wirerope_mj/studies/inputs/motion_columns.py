@@ -9,8 +9,7 @@ from typing import Any
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import AnyArray
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import AnyArray, Entries
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution

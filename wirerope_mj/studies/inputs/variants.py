@@ -8,8 +8,7 @@ import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, changed
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator, Limits
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, InputColumn

@@ -9,7 +9,7 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import centre_of_mass, sprung_joints
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.parallel import FACTORS

@@ -8,8 +8,7 @@ import numpy as np
 import pyarrow as pa
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of

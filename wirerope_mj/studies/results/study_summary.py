@@ -5,8 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import Effect, directions_text, effects, fraction_of_directions

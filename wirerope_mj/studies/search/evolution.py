@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
-from wirerope_mj.foundation.arrays import Array, Booleans
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs import distributions

@@ -13,8 +13,7 @@ import pyarrow as pa
 from wirerope_mj.engine.simulation.progress import Update, share_bar
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import finite, integer, one_of
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local

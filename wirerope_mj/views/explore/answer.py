@@ -17,7 +17,7 @@ from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Panel
 from wirerope_mj.content.run import numerics_statement
 from wirerope_mj.content.verdicts import answer_blocks, headline
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit

@@ -15,7 +15,7 @@ from threading import Lock
 from typing import Any, Protocol
 from urllib.parse import parse_qs, urlsplit
 
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.views.explore.viewer_files import FILES, viewer_files
 from wirerope_mj.views.recording.viewer import has_display

@@ -12,7 +12,7 @@ from matplotlib.colors import to_rgba
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
-from wirerope_mj.foundation.entries import Entries
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure

@@ -12,8 +12,8 @@ from matplotlib.collections import PolyCollection
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import short
 from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import rotation_matrices
-from wirerope_mj.foundation.entries import Entries
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
 
