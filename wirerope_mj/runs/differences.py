@@ -84,7 +84,7 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
 
 
-def other_differences(stored: Response, again: Response, parts: Sequence[Integers]) -> Iterator[Difference]:
+def rest_differences(stored: Response, again: Response, parts: Sequence[Integers]) -> Iterator[Difference]:
     """Yield the differences of states, scene, events and step, relative to themselves.
 
     Of states each of the `parts`, positions, rates and internal states by their indices, is compared with its largest number.

@@ -92,11 +92,12 @@ def _choices(values: Sequence[Any]) -> str:
     """Return the values of a choice; of many numbers how many, and from where to where."""
     distinct = list(dict.fromkeys(values))
     if len(distinct) <= _CHOICES or not all(isinstance(value, int | float) for value in distinct):
-        return f"one of {', '.join(map(_value, distinct))}"
-    return f"one of {len(distinct)} values from {_value(min(distinct))} to {_value(max(distinct))}"
+        return f"one of {', '.join(map(value_text, distinct))}"
+    return f"one of {len(distinct)} values from {value_text(min(distinct))} to {value_text(max(distinct))}"
 
 
-def _value(value: object) -> str:
+def value_text(value: object) -> str:
+    """Write the value of an input; of the mount that fails "none" where none does."""
     return f"{value:.4g}" if isinstance(value, float) else str(value) or "none"
 
 

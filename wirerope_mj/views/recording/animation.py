@@ -105,19 +105,16 @@ def at_points(animation: Animation, strip: Strip) -> list[rr.TimeColumn]:
     return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
 
-class Along:
+class Along(Stream):
     """A recording stream whose rows in time stand on other timelines too.
 
     `starts` are the instants [s] at which the motions begin, `numbers` their numbers on these timelines.
     """
 
     def __init__(self, rec: Stream, starts: Array, numbers: Mapping[str, Integers]) -> None:
-        self._rec, self._numbers = rec, numbers
+        super().__init__(rec)
+        self._numbers = numbers
         self._starts = nanoseconds(starts).astype(np.int64)
-
-    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
-        """Log as the stream does."""
-        self._rec.log(path, *parts, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows whose index is the timeline in time alone."""

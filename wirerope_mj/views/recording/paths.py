@@ -1,8 +1,8 @@
 """Names of entities and timeline in letters that the viewer has, and the one conversion of instants to its nanoseconds."""
 
 import re
-from collections.abc import Iterable
-from typing import Any, Protocol
+from collections.abc import Callable, Iterable
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -36,21 +36,27 @@ def child(parent: str, *parts: str) -> str:
 Columns = Iterable[rr.ComponentColumn]
 
 
-class Stream(Protocol):
-    """What takes entities: a rerun recording, or what puts them into one differently."""
+class Stream:
+    """A recording stream that hands everything to another one: what derives from it does so differently."""
+
+    def __init__(self, rec: rr.RecordingStream) -> None:
+        self._rec = rec
 
     def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log parts of an entity, at no instant if they are `static`."""
+        self._rec.log(path, *parts, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows of an entity at the instants of the index."""
+        self._rec.send_columns(path, index, columns)
 
 
-class Below:
+class Below(Stream):
     """A recording stream that puts every entity below `root`: several responses stand beside each other in one file."""
 
     def __init__(self, rec: Stream, root: str) -> None:
-        self._rec, self._root = rec, root
+        super().__init__(rec)
+        self._root = root
 
     def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
@@ -61,15 +67,12 @@ class Below:
         self._rec.send_columns(self._root + path, index, columns)
 
 
-class AtEvents:
+class AtEvents(Stream):
     """A recording stream that shows everything at a few instants on a timeline of their own, too."""
 
     def __init__(self, rec: Stream, instants: npt.ArrayLike) -> None:
-        self._rec, self._instants = rec, nanoseconds(instants)
-
-    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
-        """Log as the stream does."""
-        self._rec.log(path, *parts, static=static)
+        super().__init__(rec)
+        self._instants = nanoseconds(instants)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does, and those that hold at the instants."""
@@ -79,20 +82,20 @@ class AtEvents:
         known = rows >= 0
         if known.any():
             some = [rr.TimeColumn(EVENT, duration=self._instants[known])]
-            self._rec.send_columns(path, some, [_Rows(column, rows[known]) for column in columns])
+            self._rec.send_columns(path, some, [_Changed(column, lambda array: array.take(rows[known])) for column in columns])
 
 
-class _Rows:
-    """Some rows of a component's column, as `send_columns` takes it."""
+class _Changed:
+    """A component's batch or column with another array, as the stream takes it."""
 
-    def __init__(self, column: rr.ComponentColumn, rows: Rows) -> None:
-        self._column, self._rows = column, rows
+    def __init__(self, column: rr.ComponentColumn, change: Callable[[pa.Array], pa.Array]) -> None:
+        self._column, self._change = column, change
 
     def component_descriptor(self) -> rr.ComponentDescriptor:
         return self._column.component_descriptor()
 
     def as_arrow_array(self) -> pa.Array:
-        return self._column.as_arrow_array().take(self._rows)
+        return self._change(self._column.as_arrow_array())
 
 
 def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
@@ -119,11 +122,8 @@ def known_letters(text: str) -> str:
     return _UNKNOWN.sub(lambda match: f"U+{ord(match[0]):04X}", text)
 
 
-class KnownLetters:
+class KnownLetters(Stream):
     """A recording stream whose texts hold only letters that the viewer has."""
-
-    def __init__(self, rec: rr.RecordingStream) -> None:
-        self._rec = rec
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._rec, name)
@@ -134,25 +134,12 @@ class KnownLetters:
 
     def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
-        batches = [_Shown(batch) for part in parts for batch in part.as_component_batches()]
+        batches = [_Changed(batch, _shown) for part in parts for batch in part.as_component_batches()]
         self._rec.log(path, batches, static=static)
 
     def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does."""
-        self._rec.send_columns(path, index, [_Shown(column) for column in columns])
-
-
-class _Shown:
-    """A component's batch or column, as the stream takes it."""
-
-    def __init__(self, batch: rr.ComponentColumn) -> None:
-        self._batch = batch
-
-    def component_descriptor(self) -> rr.ComponentDescriptor:
-        return self._batch.component_descriptor()
-
-    def as_arrow_array(self) -> pa.Array:
-        return _shown(self._batch.as_arrow_array())
+        self._rec.send_columns(path, index, [_Changed(column, _shown) for column in columns])
 
 
 def _shown(array: pa.Array) -> pa.Array:
