@@ -9,7 +9,6 @@ from typing import Literal
 from wirerope_mj.cli.options import Flag, Texts
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import check_writable
-from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
 
 
@@ -113,10 +112,8 @@ def _compare_tests(
     page = out or run / "correlation.html"
     if page.suffix.lower() != ".html":
         raise ValueError(f"`--out` must be a page that ends with .html, got {page}.")
-    if out is not None and page.exists() and not force:
-        raise RecordError(f"{page}: there is a page already. Replace it with --force, or choose another place.")
     if run.is_dir():
-        check_writable(page)
+        check_writable(page, force=force or out is None)
     tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
     content = correlation_content(run.resolve().name, tests)
     print_title(content.title)
@@ -178,10 +175,6 @@ def _target(out: Path | None, *, force: bool) -> Path:
     target = out or Path("runs") / f"compare-{datetime.now():%Y%m%d-%H%M%S}.rrd"
     if target.suffix != ".rrd":
         raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
-    if target.is_dir():
-        raise RecordError(f"{target}: this is a folder; a recording is a file. Choose another place.")
-    if target.exists() and not force:
-        raise RecordError(f"{target}: there is a recording already. Replace it with --force, or choose another place.")
     if out is not None:
-        check_writable(out)
+        check_writable(out, force=force)
     return target

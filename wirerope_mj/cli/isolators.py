@@ -125,8 +125,6 @@ def check_picture(out: Path) -> None:
 
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
-    if not out.resolve().parent.is_dir():
-        raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
     check_writable(out)
 
 

@@ -117,9 +117,7 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
         raise ValueError(
             f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}, of a run .xlsx and .png, too."
         )
-    check_writable(target)
-    if target.exists() and not force:
-        raise RecordError(f"{target}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    check_writable(target, force=force)
     with atomic_file(target) as temporary:
         {"csv": _write_csv, "hdf5": _write_hdf5, "mat": _write_mat}[kind](table, temporary)
     return target

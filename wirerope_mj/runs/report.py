@@ -93,9 +93,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
     from wirerope_mj.content.worst import scene_at, worst_instant
     from wirerope_mj.views.plots.scene_plan import save_still
 
-    check_writable(out)
-    if out.exists() and not force:
-        raise RecordError(f"{out}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    check_writable(out, force=force)
     run = judged_folder(_run_folder(folder))
     last, instant = float(run.response.time[-1]), None
     if at is not None:

@@ -37,9 +37,7 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
         from openpyxl import Workbook
     except ImportError:
         raise RecordError(f"{path}: XLSX needs openpyxl: pip install 'wirerope-mj[xlsx]', or write CSV.") from None
-    check_writable(path)
-    if path.exists() and not force:
-        raise RecordError(f"{path}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    check_writable(path, force=force)
     with full_disk_named(path), _full_disk_told():
         _write(Workbook(write_only=True), content, samples, path)
     return path
