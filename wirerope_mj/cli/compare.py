@@ -4,10 +4,9 @@ import os
 from collections.abc import Sequence
 from datetime import datetime
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from wirerope_mj.cli.options import Flag, Texts
-from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 
@@ -95,7 +94,7 @@ def compare(
 
 
 def _compare_tests(
-    paths: Sequence[Path], names: Sequence[str] | None, mapped: Sequence[str], options: Entries, out: Path | None,
+    paths: Sequence[Path], names: Sequence[str] | None, mapped: Sequence[str], options: dict[str, Any], out: Path | None,
     *, force: bool,
 ) -> int:  # fmt: skip
     """Correlate the first of the paths, a run, with the others, tests."""

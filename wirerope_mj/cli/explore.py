@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
 from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
-from wirerope_mj.foundation.arrays import Entries
 
 _OWN = (
     own_option("browser", bool, True, "open the page; its address is printed in any case", negative="--no-browser"),
@@ -34,7 +34,7 @@ def explore(name: str, tokens: Sequence[str]) -> None:
     file = scenario_or_model(name)
     numerics = [option for option in NUMERICS if option.name not in file.defaults]
 
-    def action(options: Entries, own: Entries) -> None:
+    def action(options: dict[str, Any], own: dict[str, Any]) -> None:
         made = file.make(**options)
         asked = {option.name: own.get(option.name) for option in NUMERICS}
         made = replace(made, simulate=with_numerics(made.simulate, **asked))

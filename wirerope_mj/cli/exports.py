@@ -1,10 +1,9 @@
 """`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
 
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from wirerope_mj.cli.options import Flag, Repeated
-from wirerope_mj.foundation.arrays import Entries
 
 
 def share(folder: Path, out: Path, *, force: Flag = False) -> int:
@@ -73,7 +72,7 @@ def export(
         table = picked(table, channels) if channels else table
     else:
         response = load_response(folder)
-        moved: Entries = {"base": response.base, **response.bodies, **response.points}
+        moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}
         if spectrum not in moved:
             raise RecordError(f"`--spectrum`: nothing is called {spectrum!r}; there are {', '.join(moved)}.")
         acceleration = moved[spectrum].acceleration

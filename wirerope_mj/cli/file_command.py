@@ -2,12 +2,11 @@
 
 import inspect
 from collections.abc import Callable, Sequence
-from typing import Annotated, get_type_hints
+from typing import Annotated, Any, get_type_hints
 
 from cyclopts import App, Parameter
 
 from wirerope_mj.cli.options import BAD_INPUT, whole_integers
-from wirerope_mj.foundation.arrays import Entries
 
 
 def file_command(
@@ -55,8 +54,8 @@ def file_command(
 
 
 def run_with_options(
-    title: str, function: Callable[..., object], own: Sequence[inspect.Parameter], action: Callable[[Entries, Entries], None],
-    tokens: Sequence[str],
+    title: str, function: Callable[..., object], own: Sequence[inspect.Parameter],
+    action: Callable[[dict[str, Any], dict[str, Any]], None], tokens: Sequence[str],
 ) -> None:  # fmt: skip
     """Read `tokens` as options of a file's `function`, whose docstring says them, and of the command, and act on both."""
 

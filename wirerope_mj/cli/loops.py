@@ -2,12 +2,11 @@
 
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from cyclopts import Parameter
 
 from wirerope_mj.cli.options import Integer, Texts
-from wirerope_mj.foundation.arrays import Entries
 
 if TYPE_CHECKING:
     from wirerope_mj.mounts.isolator import Isolator
@@ -65,7 +64,7 @@ def loops(
         raise ValueError(f"{source} is a law without a rated travel: say at which `--amplitudes` [mm] to test it.")
     sizes = None if amplitudes is None else [positive("--amplitudes", size, unit="mm") / 1e3 for size in amplitudes]
     mean = operating_point_mm / 1e3
-    how: Entries = {"operating_point": mean, "frequency": frequency}
+    how: dict[str, Any] = {"operating_point": mean, "frequency": frequency}
     found = {
         title: cyclic_test(law, sizes or amplitudes_of(device, one, _FRACTIONS), cycles=cycles, **how)
         for title, (one, law) in laws.items()
@@ -100,7 +99,7 @@ def _load(source: str, axis: str | None) -> "tuple[Isolator, str, bool]":
         return load_isolator(path), path.stem, True  # says what is wrong with the file
     if "law" in content or "laws" in content:
         law = read_law(content, f"{path}:", path.parent)
-        axes: Entries = {axis or "axial": law}
+        axes: dict[str, Any] = {axis or "axial": law}
         # A law file has no ratings; a law that ends somewhere says so itself when a test leads there.
         end = law.finite_travel if law.needs_rating and law.finite_travel < math.inf else None
         ends = None if end is None else math.nextafter(end, 0.0)

@@ -8,8 +8,6 @@ from typing import Annotated, Any, get_args, get_origin
 from cyclopts import Parameter, Token
 from cyclopts.exceptions import CoercionError, CycloptsError, UnusedCliTokensError
 
-from wirerope_mj.foundation.arrays import Entries
-
 # Exit codes: an input is wrong; Ctrl-C, as shells count it; a replay gives other numbers.
 BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 _NUMBERS = {int: "an integer", float: "a number without a unit, with a decimal point"}
@@ -64,7 +62,7 @@ NUMERICS = (
 )  # fmt: skip
 
 
-def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timestep: float | None) -> Entries:
+def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timestep: float | None) -> dict[str, Any]:
     """Return arguments of `simulate` with the accuracy or the step that was asked for in place of their own.
 
     ValueError if both are given, or one is out of range.
