@@ -42,26 +42,12 @@ class StudyDefinition:
     """Variants of one system under one base motion, or under several; `Study` computes them."""
 
     def __init__(
-        self,
-        *,
-        model: str | Path,
-        motion: BaseMotion | None = None,
-        motions: Sequence[BaseMotion] = (),
-        duration: float,
-        vary: Mapping[str, Distribution],
-        variants: int | None = None,
-        sampling: str = "sobol",
-        seed: int = 1,
-        timestep: float | None = None,
-        accuracy: float = 1e-4,
-        sample_rate: float = 1000.0,
-        initial: str = "settled",
-        isolators: Mapping[str, Isolator] | None = None,
-        changes: Sequence[Changes] = (),
-        name: str = "study",
-        question: str = "",
-        folder: Path | None = None,
-    ) -> None:
+        self, *, model: str | Path, motion: BaseMotion | None = None, motions: Sequence[BaseMotion] = (), duration: float,
+        vary: Mapping[str, Distribution], variants: int | None = None, sampling: str = "sobol", seed: int = 1,
+        timestep: float | None = None, accuracy: float = 1e-4, sample_rate: float = 1000.0, initial: str = "settled",
+        isolators: Mapping[str, Isolator] | None = None, changes: Sequence[Changes] = (), name: str = "study",
+        question: str = "", folder: Path | None = None,
+    ) -> None:  # fmt: skip
         """Prepare a study; nothing is simulated, and names and distributions are checked.
 
         Args:

@@ -167,11 +167,9 @@ class FrequencySweep(Summarised):
             **first | {"settled": first["settled"] != 0.0},
             envelopes={name: BodyEnvelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()},
             mounts={name: MountEnvelope(minimum=next(vectors), maximum=next(vectors)) for name in content["mounts"]},
-            **{name: content[name] for name in _PLAIN},
-            initial_state=State.from_plain(content["initial_state"]),
-            final_state=State.from_plain(content["final_state"]),
-            warnings=tuple(content["warnings"]),
-        )
+            **{name: content[name] for name in _PLAIN}, initial_state=State.from_plain(content["initial_state"]),
+            final_state=State.from_plain(content["final_state"]), warnings=tuple(content["warnings"]),
+        )  # fmt: skip
 
 
 def load_frequency_sweep(folder: str | Path) -> FrequencySweep:

@@ -94,21 +94,11 @@ def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:
 
 
 def frequency_sweep(
-    system: System,
-    sweep: Sweep,
-    *,
-    payload: str,
-    response_direction: str | Sequence[float] | None = None,
-    history: History = "relaxed",
-    initial: State | None = None,
-    settled: float | None = 1e-3,
-    largest_cycles: int = 1000,
-    timestep: float | None = None,
-    accuracy: float = 1e-4,
-    out: str | Path | None = None,
-    progress: bool = False,
+    system: System, sweep: Sweep, *, payload: str, response_direction: str | Sequence[float] | None = None,
+    history: History = "relaxed", initial: State | None = None, settled: float | None = 1e-3, largest_cycles: int = 1000,
+    timestep: float | None = None, accuracy: float = 1e-4, out: str | Path | None = None, progress: bool = False,
     direction: None = None,
-) -> FrequencySweep:
+) -> FrequencySweep:  # fmt: skip
     """Return the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
 
     The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
@@ -214,24 +204,12 @@ def check_cycles(sweep: Sweep, timestep: float | None) -> None:
 
 
 def stepped_sine(
-    system: System,
-    *,
-    frequencies: npt.ArrayLike,
-    direction: str | Sequence[float],
-    payload: str,
-    acceleration: float | None = None,
-    velocity: float | None = None,
-    displacement: float | None = None,
-    response_direction: str | Sequence[float] | None = None,
-    settled: float = 1e-4,
-    largest_cycles: int = 1000,
-    history: History = "relaxed",
-    initial: State | None = None,
-    timestep: float | None = None,
-    accuracy: float = 1e-4,
-    out: str | Path | None = None,
-    progress: bool = False,
-) -> FrequencySweep:
+    system: System, *, frequencies: npt.ArrayLike, direction: str | Sequence[float], payload: str,
+    acceleration: float | None = None, velocity: float | None = None, displacement: float | None = None,
+    response_direction: str | Sequence[float] | None = None, settled: float = 1e-4, largest_cycles: int = 1000,
+    history: History = "relaxed", initial: State | None = None, timestep: float | None = None, accuracy: float = 1e-4,
+    out: str | Path | None = None, progress: bool = False,
+) -> FrequencySweep:  # fmt: skip
     """Return the settled amplitudes at one frequency after the other, each from the last one's final state.
 
     A frequency has settled when the amplitudes of all bodies are estimated to lie within `settled` of their limits; the limit

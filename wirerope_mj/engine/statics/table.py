@@ -144,11 +144,9 @@ def _payload(model: mujoco.MjModel, unloaded: mujoco.MjData, data: mujoco.MjData
     turn = np.zeros(3)
     mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
     return PayloadSag(
-        mass=mass,
-        centre=unloaded.subtree_com[root].copy(),
-        displacement=data.subtree_com[root] - unloaded.subtree_com[root],
+        mass=mass, centre=unloaded.subtree_com[root].copy(), displacement=data.subtree_com[root] - unloaded.subtree_com[root],
         rotation=unloaded.xmat[root].reshape(3, 3) @ turn,
-    )
+    )  # fmt: skip
 
 
 def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], up: Array) -> float:

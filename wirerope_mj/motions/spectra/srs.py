@@ -60,11 +60,9 @@ class Extremes(Brief):
         """Return the magnitudes of a quantity from highest and lowest values while it is driven and after, (6, ...)."""
         high, low = quantity, quantity + 1
         return cls(
-            positive=scale * np.maximum(during[high], after[high]),
-            negative=-scale * np.minimum(during[low], after[low]),
-            primary=scale * np.maximum(during[high], -during[low]),
-            residual=scale * np.maximum(after[high], -after[low]),
-        )
+            positive=scale * np.maximum(during[high], after[high]), negative=-scale * np.minimum(during[low], after[low]),
+            primary=scale * np.maximum(during[high], -during[low]), residual=scale * np.maximum(after[high], -after[low]),
+        )  # fmt: skip
 
 
 def _of_acceleration(name: str, which: str) -> Any:
