@@ -5,9 +5,8 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.plain_text import quoted
 
 

@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times, the_one_given
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges

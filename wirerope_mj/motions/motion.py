@@ -9,10 +9,9 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.summary import AsCall
 

@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions

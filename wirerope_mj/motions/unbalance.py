@@ -8,10 +8,9 @@ from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times, finite, positive
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.payload_forces import PayloadForce

@@ -7,13 +7,12 @@ import math
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.assessment.comfort.people import WEIGHTINGS
 from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.motions.spectra import power_spectral_density
 
 # Peak velocity from 5 to 100 Hz [m/s], and peak acceleration from 1 to 5 Hz [m/s^2].
@@ -30,7 +29,7 @@ _TRANSITION = 0.028  # weighted acceleration times this is weighted velocity [s]
 _HOPS = 32  # Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %
 
 
-def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
+def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
     """Return the verdicts of ISO 6954:1984 on the lines of a spectrum: the worst line against the lower and upper limit.
 
     Args:
@@ -59,7 +58,7 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
 
 
 def iso_6954_2000(
-    frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
+    frequency: ArrayLike, velocity: ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
 ) -> tuple[Verdict, ...]:
     """Return the verdicts of ISO 6954:2000 on the lines of a spectrum: the overall weighted rms velocity.
 
@@ -85,7 +84,7 @@ def iso_6954_2000(
 
 
 def iso_6954_2000_of_history(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
+    time: ArrayLike, acceleration: ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
     discard: float = 0.0, resolution: float = 0.25,
 ) -> tuple[Verdict, ...]:  # fmt: skip
     """Return the verdicts of ISO 6954:2000 on a history: the overall weighted rms velocity from 1 to 80 Hz.
@@ -112,7 +111,7 @@ def iso_6954_2000_of_history(
 
 
 def velocity_lines(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float = 0.0, resolution: float = 0.25
+    time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0, resolution: float = 0.25
 ) -> tuple[Array, Array]:
     """Return frequencies [Hz] and the largest peak velocities [m/s] of the lines of an acceleration, for `iso_6954_1984`.
 
@@ -177,7 +176,7 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
     )  # fmt: skip
 
 
-def _rows(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:
+def _rows(frequency: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array]:
     """Return frequencies [Hz] and velocities [m/s] in any order as arrays, and refuse what are none."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:

@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
 from wirerope_mj.assessment.criteria.sampled import elements, read_columns, sampled_peak, sampled_text, steady_interval
 from wirerope_mj.assessment.criteria.verdict import LARGEST, RMS, SIGMA, Criterion, Verdict, limits_by_name, payload_bodies
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, power_spectral_density
 
@@ -20,7 +19,7 @@ SIGMAS = 3.0
 
 
 def random_verdicts(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str, discard: float, end: float | None = None,
+    time: ArrayLike, acceleration: ArrayLike, *, subject: str, discard: float, end: float | None = None,
     limit: float | None = None, rms_limit: float | None = None, resolution: float | None = None, along: str = "",
 ) -> tuple[Verdict, ...]:  # fmt: skip
     """Return verdicts on the rms, the 3-sigma value and the largest value of a stationary acceleration.

@@ -7,10 +7,9 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.system.named_files import model_trees
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Integers
 from wirerope_mj.foundation.errors import ModelError
 
 # beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
@@ -94,7 +93,7 @@ def _not_finite(model: mujoco.MjModel, array: str, values: Array) -> str:
     return f"{element} {name}: its `{attribute}` is {_written(values[row])}; {_REMEDY}"
 
 
-def _written(values: npt.ArrayLike) -> str:
+def _written(values: ArrayLike) -> str:
     """Return numbers as a model's file has them, whatever NumPy's settings for printing are."""
     return " ".join(f"{value:g}" for value in np.atleast_1d(values))
 

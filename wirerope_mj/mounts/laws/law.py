@@ -7,10 +7,9 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, positive
-from wirerope_mj.foundation.arrays import Array, Booleans, Entries
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
 from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
@@ -211,8 +210,8 @@ class Law(ABC):
         return {"law": self.name, **plain}
 
     def trace(
-        self, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
-        initial_states: npt.ArrayLike | None = None,
+        self, deflection: ArrayLike, *, time: ArrayLike | None = None, rate: ArrayLike | None = None,
+        initial_states: ArrayLike | None = None,
     ) -> Loop:  # fmt: skip
         """Return the loop that the law draws along a path of deflections, entered unloaded.
 

@@ -7,14 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wirerope_mj.content.panels import BASE, Curve, Panel
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.content.spectra import POWER_DECADES, spectrum_panel
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -36,7 +35,7 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
 
 
 def shock_spectra_figure(
-    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "", test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None
+    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "", test: tuple[ArrayLike, ArrayLike] | None = None
 ) -> Figure:
     """Return the largest absolute accelerations (maximax) over frequency, "base" in grey.
 
@@ -70,7 +69,7 @@ def save_four_way(spectra: Mapping[str, ShockResponseSpectrum], path: str | Path
 
 def save_shock_spectra(
     spectra: Mapping[str, ShockResponseSpectrum], path: str | Path, *, title: str = "",
-    test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    test: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> None:  # fmt: skip
     """Write `shock_spectra_figure` as a picture; the ending of `path` says of which kind."""
     shock_spectra_figure(spectra, title=title, test=test).savefig(path)

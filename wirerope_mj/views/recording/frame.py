@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import rerun as rr
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.paths import Stream
 
@@ -41,7 +40,7 @@ class Plot:
         """Units of the view per unit across and upward; the view's y points down."""
         return self.width / (self.across[1] - self.across[0]), -HEIGHT / (self.upward[1] - self.upward[0])
 
-    def points(self, across: npt.ArrayLike, upward: npt.ArrayLike) -> Array:
+    def points(self, across: ArrayLike, upward: ArrayLike) -> Array:
         """Return positions in the view, (n, 2)."""
         x, y = np.broadcast_arrays(np.asarray(across, dtype=np.float64), np.asarray(upward, dtype=np.float64))
         sx, sy = self.scale

@@ -9,6 +9,7 @@ import numpy.typing as npt
 import pyarrow as pa
 import rerun as rr
 
+from wirerope_mj.foundation.arrays import ArrayLike
 from wirerope_mj.mounts.isolator import AXES as AXES
 from wirerope_mj.views.thin import Rows as Rows
 
@@ -70,7 +71,7 @@ class Below(Stream):
 class AtEvents(Stream):
     """A recording stream that shows everything at a few instants on a timeline of their own, too."""
 
-    def __init__(self, rec: Stream, instants: npt.ArrayLike) -> None:
+    def __init__(self, rec: Stream, instants: ArrayLike) -> None:
         super().__init__(rec)
         self._instants = nanoseconds(instants)
 
@@ -98,12 +99,12 @@ class _Changed:
         return self._change(self._column.as_arrow_array())
 
 
-def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
+def nanoseconds(time: ArrayLike) -> npt.NDArray[np.timedelta64]:
     """Return instants [s] as the timeline counts them: rounded, because rerun itself truncates floats."""
     return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
 
 
-def at(time: npt.ArrayLike) -> list[rr.TimeColumn]:
+def at(time: ArrayLike) -> list[rr.TimeColumn]:
     """Return the index columns of rows at the instants `time` [s]."""
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
