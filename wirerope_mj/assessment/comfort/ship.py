@@ -41,11 +41,7 @@ def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) ->
     Raises:
         ValueError: lines are not as they must be, or none lies between 1 and 100 Hz.
     """
-    f, v = _rows(frequency, velocity)
-    inside = (f >= _RANGE_1984[0]) & (f <= _RANGE_1984[1])
-    if not inside.any():
-        raise ValueError(f"`frequency` must hold a line from 1 to 100 Hz, got {f.min():.6g} to {f.max():.6g}.")
-    f, v = f[inside], v[inside]
+    f, v = _lines_within(frequency, velocity, *_RANGE_1984)
     verdicts = []
     for name, (plateau, acceleration) in PEAKS_1984.items():
         allowed = np.where(f < _KNEE, acceleration / (2.0 * math.pi * f), plateau)
@@ -71,14 +67,7 @@ def iso_6954_2000(
     Raises:
         ValueError: lines or space are not as they must be, or no line lies in these bands.
     """
-    f, v = _rows(frequency, velocity)
-    inside = (f >= _RANGE_2000[0]) & (f <= _RANGE_2000[1])
-    if not inside.any():
-        raise ValueError(
-            f"`frequency` must hold a line from {_RANGE_2000[0]:.3g} to {_RANGE_2000[1]:.3g} Hz, got {f.min():.6g} to "
-            f"{f.max():.6g}."
-        )
-    f, v = f[inside], v[inside]
+    f, v = _lines_within(frequency, velocity, *_RANGE_2000)
     factors = np.abs(WEIGHTINGS["Wm"].gain(f)) * 2.0 * math.pi * f * _TRANSITION
     return _overall(math.sqrt(0.5 * float(np.sum((factors * v) ** 2))), subject, space)
 
@@ -176,11 +165,14 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
     )  # fmt: skip
 
 
-def _rows(frequency: ArrayLike, velocity: ArrayLike) -> tuple[Array, Array]:
-    """Return frequencies [Hz] and velocities [m/s] in any order as arrays, and refuse what are none."""
+def _lines_within(frequency: ArrayLike, velocity: ArrayLike, low: float, high: float) -> tuple[Array, Array]:
+    """Return the lines from `low` to `high` [Hz], frequencies and velocities [m/s], in any order; refuse what are none."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:
         raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")
     if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
         raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
-    return f, v
+    inside = (f >= low) & (f <= high)
+    if not inside.any():
+        raise ValueError(f"`frequency` must hold a line from {low:.3g} to {high:.3g} Hz, got {f.min():.6g} to {f.max():.6g}.")
+    return f[inside], v[inside]
