@@ -5,7 +5,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.summary import Brief, ByName
 
 
@@ -120,7 +120,7 @@ class Peak:
         return self.numbers.tolist()
 
     @classmethod
-    def from_list(cls, numbers: object) -> "Peak":
+    def from_list(cls, numbers: ArrayLike) -> "Peak":
         """Return the peak that `to_list` wrote."""
         return cls.of(np.array(numbers, dtype=np.float64))
 

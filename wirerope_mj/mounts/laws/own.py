@@ -63,7 +63,7 @@ class OwnLaw(Law):
 
     @staticmethod
     @abstractmethod
-    def force(p: object, x: float, v: float, z: object, zdot: object) -> float:
+    def force(p: Array, x: float, v: float, z: Array, zdot: Array) -> float:
         """Return the force [N] and write the rates of the states to `zdot`."""
 
     def _validate(self) -> None:
