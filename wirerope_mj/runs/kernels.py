@@ -70,7 +70,8 @@ def copy_kernels(folder: Path) -> None:
     before = set(cache_folder().iterdir())
     use_all_kernels()
     if set(cache_folder().iterdir()) != before:
-        raise RuntimeError(f"kernels were compiled: call `use_all_kernels` in another process first, with {cache_folder()}")
+        text = f"kernels were compiled: call `use_all_kernels` in another process first, with {cache_folder()}"
+        raise RuntimeError(text)
     folder.mkdir(parents=True, exist_ok=True)
     for path in LOADED:
         shutil.copyfile(path, folder / path.name)
