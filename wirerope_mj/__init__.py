@@ -7,7 +7,6 @@ names stand in `__init__.pyi`; each is imported when it is first used.
 import os
 import sys
 from importlib import import_module
-from typing import Any
 
 from lazy_loader import attach_stub
 
@@ -36,7 +35,7 @@ _RENAMED = {"read_cycles": "load_cycles", "write_cyclic_test": "save_cyclic_test
 }
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     if name not in _RENAMED:
         return _find(name)
     import warnings

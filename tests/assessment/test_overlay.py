@@ -366,7 +366,7 @@ def test_compare_prints_what_differs_and_writes_one_file(saved, tmp_path, capsys
     assert f"wirerope show {out}" in printed
     assert out.is_file()
     assert main(["compare", str(saved / "g10"), str(saved / "g12"), "--out", str(out)]) == 2
-    assert capsys.readouterr().err.endswith("Replace it with --force, or choose another place.\n")
+    assert capsys.readouterr().err.endswith("Replace it with --force (`force=True`), or choose another name.\n")
     arguments = [
         "compare",
         str(saved / "g10"),
@@ -392,7 +392,7 @@ def test_compare_prints_what_differs_and_writes_one_file(saved, tmp_path, capsys
         (["g10", "g12", "--names", "A"], "`--names` must be one for each of the 2 runs, got 1"),
         (["g10", "g12", "--names", "A", " "], "`--names` must not be empty"),
         (["g10", "g12", "--out", "x.txt"], "`--out` must be a file that ends with .rrd"),
-        (["g10", "g12", "--out", "folder.rrd"], "this is a folder; a recording is a file"),
+        (["g10", "g12", "--out", "folder.rrd"], "this is a folder; a file is written here"),
         (["g10", "g12", "--out", "new/both.rrd"], "there is no folder"),
         (["g10", "g12", "--align", "end"], "Invalid value"),
     ],

@@ -240,7 +240,7 @@ def test_files_that_are_there_are_replaced_only_with_force(folder, simple, capsy
     first = (folder / "a.toml").read_bytes()
     capsys.readouterr()
     assert main(arguments) == 2
-    assert "a.toml: there is an isolator file already. Replace it with --force" in capsys.readouterr().err
+    assert "a.toml: the file exists. Replace it with --force" in capsys.readouterr().err
     report = folder / "a-report"
     (report / "report.html").write_text("old", encoding="utf-8")
     (report / "notes.txt").write_text("mine", encoding="utf-8")
@@ -285,7 +285,7 @@ GOOD = ["good.csv", "--law", "bouc-wen", "--out", "a.toml"]
         (["good.csv", "--law", "masing", "--elements", "4.5", "--out", "a.toml"], "--elements: must be an integer"),
         ([*GOOD, "--elements", "3"], "`--elements` counts the Jenkin elements of a masing law; bouc-wen has none"),
         (["good.csv", "--law", "bouc-wen", "--out", "a.csv"], "must end with .toml, got 'a.csv'"),
-        (["good.csv", "--law", "bouc-wen", "--out", "no/a.toml"], "`--out`: there is no folder"),
+        (["good.csv", "--law", "bouc-wen", "--out", "no/a.toml"], "a.toml: there is no folder"),
         ([*GOOD, "--report", "good.csv"], "good.csv: this is a file; a report is a folder"),
         ([*GOOD, "--axis", "up"], "--axis.*roll.*shear.*axial"),
         ([*GOOD, "--fix", "n"], "`--fix` must be NAME=VALUE with a number in SI units, got 'n'"),

@@ -114,7 +114,7 @@ def test_several_elements_are_described_as_lists(folder, capsys):
         (["law.toml", "--amplitudes", "1", "--cycles", "4.5"], r"--cycles: must be an integer, got 4\.5\."),
         (["law.toml", "--amplitudes", "1", "--axis", "up"], "--axis.*roll.*shear.*axial"),
         (["law.toml", "--amplitudes", "1", "--out", "loops.docx"], "must end with .png"),
-        (["law.toml", "--amplitudes", "1", "--csv", "no/t.csv"], "`--csv`: there is no folder"),
+        (["law.toml", "--amplitudes", "1", "--csv", "no/t.csv"], "t.csv: there is no folder"),
         (["sdof_36hz", "--axis", "roll"], "has no force on this axis, only on axial"),
         (["enidine_wr16_400", "--csv", "t.csv"], "one axis: name it with --axis"),
         (["short.toml", "--amplitudes", "1"], "short.toml: .*`beta` is missing; law bouc-wen takes"),

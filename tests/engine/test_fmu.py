@@ -160,7 +160,7 @@ def test_the_command_writes_a_unit_once_and_names_what_is_wrong(tmp_path):
     assert units["mounts.m1.force.axial"] == "N"
     assert units["base.acceleration.z"] == "m/s^2"
     again = wirerope("fmu", "shock_table", "table.fmu", cwd=tmp_path)
-    assert (again.returncode, "stands here already" in again.stderr) == (2, True)
+    assert (again.returncode, "the file exists" in again.stderr) == (2, True)
     for out, said in (("table.zip", "ends in .fmu"), ("nowhere/table.fmu", "no folder")):
         with pytest.raises(RecordError, match=said):
             write_fmu(wr.load_system("shock_table"), tmp_path / out)

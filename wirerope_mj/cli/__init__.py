@@ -1,3 +1,3 @@
 """The command `wirerope`."""
 
-from wirerope_mj.cli.app import main as main
+from wirerope_mj.cli.app import main

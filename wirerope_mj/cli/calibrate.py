@@ -2,9 +2,10 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from wirerope_mj.cli.options import Flag, Repeated, RepeatedPaths, Texts
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.studies.inputs.vary_option import EXAMPLE
 
 if TYPE_CHECKING:
@@ -144,14 +145,14 @@ def _system_and_motion(model: str) -> "tuple[System, BaseMotion | None]":
     return load_system(model_source(model, folder=None, asker="a calibration")), None
 
 
-def _measured(files: Sequence[Path], texts: Sequence[str], **settings: Any) -> "list[Measured]":
+def _measured(files: Sequence[Path], texts: Sequence[str], **settings: object) -> "list[Measured]":
     """Return the tests of files, their columns as the map says."""
     from wirerope_mj.motions.records.measured import load_measured
     from wirerope_mj.runs.measured import read_map
 
     if not texts:
         raise ValueError('`--map` must say what the columns of the tests are, such as "A1=body/rack z g", got none.')
-    arguments: dict[str, Any] = settings | read_map(texts)
+    arguments: Entries = settings | read_map(texts)
     return [load_measured(file, **arguments) for file in files]
 
 

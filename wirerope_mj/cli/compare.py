@@ -8,22 +8,14 @@ from typing import Any, Literal
 
 from wirerope_mj.cli.options import Flag, Texts
 from wirerope_mj.foundation.atomic_files import check_writable
-from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import plain
 
 
 def compare(
-    *runs: Path,
-    out: Path | None = None,
-    names: Texts = None,
-    align: Literal["start", "shock"] = "start",
-    map: Texts = None,
-    start: float | None = None,
-    clock: float | None = None,
-    baseline: Literal["none", "rest", "mean"] | None = None,
-    gaps: Literal["refuse", "fill"] | None = None,
-    force: Flag = False,
-) -> int:
+    *runs: Path, out: Path | None = None, names: Texts = None, align: Literal["start", "shock"] = "start", map: Texts = None,
+    start: float | None = None, clock: float | None = None, baseline: Literal["none", "rest", "mean"] | None = None,
+    gaps: Literal["refuse", "fill"] | None = None, force: Flag = False,
+) -> int:  # fmt: skip
     """Lay two or more runs over each other, a run and measured tests, or two jobs: what differs, and how well they agree.
 
     The recording holds the scenes side by side and as ghosts in one, the histories of all runs in the same axes, their loops,
@@ -113,17 +105,14 @@ def _compare_tests(
     from wirerope_mj.views.terminal import print_title, show_answer
 
     if len(paths) < 2:
-        text = 'compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..'
-        raise ValueError(text)
+        raise ValueError('compare takes a run and a test or several: wirerope compare RUN TEST --map "COLUMN=PHRASE" ..')
     run, *files = paths
     called = _names(files, names) if names else [file.stem for file in files]
     page = out or run / "correlation.html"
     if page.suffix.lower() != ".html":
         raise ValueError(f"`--out` must be a page that ends with .html, got {page}.")
-    if out is not None and page.exists() and not force:
-        raise RecordError(f"{page}: there is a page already. Replace it with --force, or choose another place.")
     if run.is_dir():
-        check_writable(page)
+        check_writable(page, force=force or out is None)
     tests = write_correlation(run, dict(zip(called, files, strict=True)), read_map(mapped) | options, page, force=force)
     content = correlation_content(run.resolve().name, tests)
     print_title(content.title)
@@ -141,11 +130,9 @@ def _compare_jobs(jobs: Sequence[Path], names: Sequence[str], out: Path | None) 
     from wirerope_mj.views.terminal import print_headline, show
 
     if len(jobs) != 2 or not all(map(is_job, jobs)):
-        text = "compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN"
-        raise ValueError(text)
+        raise ValueError("compare takes two jobs, or two runs or more: wirerope compare JOB JOB, wirerope compare RUN RUN")
     if out is not None:
-        text = "`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs."
-        raise ValueError(text)
+        raise ValueError("`--out` is for the recording of runs; of two jobs there is none. Leave it out, or compare two runs.")
     judged = {name: judged_job(folder) for name, folder in zip(names, jobs, strict=True)}
     inputs = {
         name: {case.name: run_inputs(folder / CASES / case.folder) for case in judged[name].cases}
@@ -187,10 +174,6 @@ def _target(out: Path | None, *, force: bool) -> Path:
     target = out or Path("runs") / f"compare-{datetime.now():%Y%m%d-%H%M%S}.rrd"
     if target.suffix != ".rrd":
         raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
-    if target.is_dir():
-        raise RecordError(f"{target}: this is a folder; a recording is a file. Choose another place.")
-    if target.exists() and not force:
-        raise RecordError(f"{target}: there is a recording already. Replace it with --force, or choose another place.")
     if out is not None:
-        check_writable(out)
+        check_writable(out, force=force)
     return target

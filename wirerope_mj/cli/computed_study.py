@@ -24,16 +24,9 @@ from wirerope_mj.views.terminal import console, print_block, print_warnings, sho
 
 
 def compute_and_print(
-    make: Callable[[], Study | Search],
-    name: str,
-    *,
-    resume: bool,
-    out: Path | None,
-    by: str | None,
-    open_worst: int,
-    limit: Sequence[str] | None = None,
-    **how: Any,
-) -> None:
+    make: Callable[[], Study | Search], name: str, *, resume: bool, out: Path | None, by: str | None, open_worst: int,
+    limit: Sequence[str] | None = None, **how: Any,
+) -> None:  # fmt: skip
     """Compute the study or search that `make` returns, and print its results.
 
     `name` is its folder's, unless `out` says it; `by` is the measure by which variants are worst, `open_worst` how many of them
@@ -70,8 +63,7 @@ def _computed(study: Study | Search, folder: Path, **how: Any) -> StudyResult:
     except KeyboardInterrupt:
         if not (folder / STUDY).is_file():
             raise
-        text = f"what is done is kept; go on with the same options and --resume --out {folder}"
-        raise KeyboardInterrupt(text) from None
+        raise KeyboardInterrupt(f"what is done is kept; go on with the same options and --resume --out {folder}") from None
     if len(result.failed) == result.table.num_rows:
         number, message = next(iter(result.failed.items()))
         raise ValueError(f"every variant failed; variant {number}: {message} The table is in {folder}.")

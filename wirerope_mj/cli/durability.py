@@ -5,16 +5,10 @@ from typing import Literal
 
 
 def durability(
-    source: Path,
-    *,
-    exponent: float | None = None,
-    constant: float | None = None,
-    quantity: Literal["deflection", "force"] = "deflection",
-    repetitions: float = 1.0,
-    rows: int = 12,
-    equivalent_psd: str | None = None,
-    out: Path | None = None,
-) -> int:
+    source: Path, *, exponent: float | None = None, constant: float | None = None,
+    quantity: Literal["deflection", "force"] = "deflection", repetitions: float = 1.0, rows: int = 12,
+    equivalent_psd: str | None = None, out: Path | None = None,
+) -> int:  # fmt: skip
     """Count the cycles of the mounts of a run or a service life, and compare the damage that they do.
 
     Damage is Miner's sum with N = C / A^b, A being the amplitude. Nothing is assumed of the material: the exponent b is yours,
@@ -57,8 +51,7 @@ def durability(
         raise RecordError("`--out` is of an equivalent vibration: say it with --equivalent-psd.")
     if source.suffix == ".toml":
         if exponent is not None or constant is not None or quantity != "deflection" or repetitions != 1.0:
-            text = f"{source}: a service life says exponent, constant, quantity and repetitions in its file."
-            raise RecordError(text)
+            raise RecordError(f"{source}: a service life says exponent, constant, quantity and repetitions in its file.")
         mission = read_mission(source)
     else:
         if exponent is None:

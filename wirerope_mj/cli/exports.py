@@ -29,15 +29,10 @@ def share(folder: Path, out: Path, *, force: Flag = False) -> int:
 
 
 def export(
-    folder: Path,
-    out: Path,
-    *,
-    channels: Repeated = None,
-    at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None,
-    spectrum: str | None = None,
-    q: float = 10.0,
+    folder: Path, out: Path, *, channels: Repeated = None,
+    at: Annotated[str | None, Parameter(allow_leading_hyphen=True)] = None, spectrum: str | None = None, q: float = 10.0,
     force: Flag = False,
-) -> int:
+) -> int:  # fmt: skip
     """Write the samples of a run, or the table of a study, for other programs: CSV, HDF5, MATLAB or XLSX; or a picture.
 
     The ending of OUT says which: .csv, .h5 or .hdf5, .mat; .xlsx, a workbook with every table of the report in a sheet of its
@@ -69,8 +64,7 @@ def export(
     kind = out.suffix.lower()
     if kind == ".png" or at is not None:
         if kind != ".png" or channels or spectrum is not None:
-            text = "`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`."
-            raise ValueError(text)
+            raise ValueError("`--at` says the instant of a picture, OUT.png, which has no `--channels` and no `--spectrum`.")
         print(plain(f"written: {write_still(folder, out, at=at, force=force)}"))
         return 0
     if kind == ".xlsx" and spectrum is None:
@@ -94,14 +88,9 @@ def export(
 
 
 def fmu(
-    model: str,
-    out: Path,
-    *,
-    timestep: float | None = None,
-    initial: Literal["settled", "relaxed", "unloaded"] = "settled",
-    every: Flag = False,
-    force: Flag = False,
-) -> int:
+    model: str, out: Path, *, timestep: float | None = None, initial: Literal["settled", "relaxed", "unloaded"] = "settled",
+    every: Flag = False, force: Flag = False,
+) -> int:  # fmt: skip
     """Write a model as a co-simulation unit of FMI 3, which other programs run as a part of theirs.
 
     Inputs are the base's acceleration and force and moment at every site force/NAME, held from one instant to the next; outputs

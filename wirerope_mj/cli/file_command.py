@@ -46,7 +46,7 @@ def file_command(
         usage = f"Usage: wirerope {name} {takes} [OPTIONS]"
         made_app = App(
             name=name, usage=usage, help_epilogue=epilogue, help_flags=[], version_flags=[], suppress_keyboard_interrupt=False
-        )  # fmt: skip
+        )
         made_app.default(command)
         return made_app
 
@@ -54,15 +54,12 @@ def file_command(
 
 
 def run_with_options(
-    title: str,
-    function: Callable[..., Any],
-    own: Sequence[inspect.Parameter],
-    action: Callable[[dict[str, Any], dict[str, Any]], None],
-    tokens: Sequence[str],
-) -> None:
+    title: str, function: Callable[..., object], own: Sequence[inspect.Parameter],
+    action: Callable[[dict[str, Any], dict[str, Any]], None], tokens: Sequence[str],
+) -> None:  # fmt: skip
     """Read `tokens` as options of a file's `function`, whose docstring says them, and of the command, and act on both."""
 
-    def command(**options: Any) -> None:
+    def command(**options: object) -> None:
         values = {option.name: options.pop(option.name, option.default) for option in own}
         action(options, values)
 

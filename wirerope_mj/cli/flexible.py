@@ -6,16 +6,9 @@ from wirerope_mj.cli.options import Flag
 
 
 def flexible(
-    files: list[Path],
-    *,
-    units: str,
-    out: Path,
-    points: Path | None = None,
-    mass_kg: float | None = None,
-    damping: float = 2.0,
-    highest_hz: float | None = None,
-    force: Flag = False,
-) -> int:
+    files: list[Path], *, units: str, out: Path, points: Path | None = None, mass_kg: float | None = None, damping: float = 2.0,
+    highest_hz: float | None = None, force: Flag = False,
+) -> int:  # fmt: skip
     """Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.
 
     OP4 files (.op4) hold K and M of a Craig-Bampton reduction: 6 or 3 coordinates of each row of the table of points, then

@@ -11,7 +11,7 @@ from rich.markup import escape
 from wirerope_mj.cli.options import Flag, Integer, Texts
 from wirerope_mj.content.identification import identification_content
 from wirerope_mj.content.numbers import several
-from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
+from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, check_writable
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.identification.families import family_of
@@ -202,12 +202,7 @@ def _check_outputs(out: Path, report: Path, *, force: bool, pdf: bool) -> None:
     """Raise an error unless isolator and report can be written."""
     if out.suffix != ".toml":
         raise ValueError(f"`--out` is an isolator file and must end with .toml, got {str(out)!r}.")
-    if not out.resolve().parent.is_dir():
-        raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
-    if out.is_dir():
-        raise ValueError(f"`--out`: {out} is a folder.")
-    if out.exists() and not force:
-        raise ValueError(f"{out}: there is an isolator file already. Replace it with --force, or choose another path.")
+    check_writable(out, force=force)
     if pdf:
         check_pdf()
     check_folder(report, force=force, kind="report", marks=_marks(report))

@@ -82,15 +82,9 @@ def fit(datasheet: Path, out: Path) -> int:
 
 @isolators_app.command
 def estimate(
-    *,
-    height: float,
-    width: float,
-    rope: float,
-    loops: Integer,
-    bar: float | None = None,
-    bar_length: float | None = None,
+    *, height: float, width: float, rope: float, loops: Integer, bar: float | None = None, bar_length: float | None = None,
     out: Path | None = None,
-) -> int:
+) -> int:  # fmt: skip
     """Estimate an isolator without data sheet from its geometry, with the errors that such estimates make of known parts.
 
     Args:
@@ -131,8 +125,6 @@ def check_picture(out: Path) -> None:
 
     if out.suffix.lower() not in (".png", ".svg", ".pdf"):
         raise ValueError(f"`--out` must end with .png, .svg or .pdf, got {str(out)!r}.")
-    if not out.resolve().parent.is_dir():
-        raise ValueError(f"`--out`: there is no folder {str(out.resolve().parent)!r}.")
     check_writable(out)
 
 

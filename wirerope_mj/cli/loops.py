@@ -1,7 +1,6 @@
 """`wirerope loops` and `wirerope laws`: cyclic tests of an isolator or a law, and which law fits measured ones."""
 
 import math
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
@@ -47,6 +46,7 @@ def loops(
     from wirerope_mj.content.blocks import Chart
     from wirerope_mj.content.cyclic_tests import CyclicTests, loops_content
     from wirerope_mj.foundation.arguments import positive
+    from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.mounts.isolator.device import amplitudes_of
     from wirerope_mj.mounts.test_rig import cyclic_test, save_cyclic_test
     from wirerope_mj.views.plots.png_chart import save_charts
@@ -57,7 +57,9 @@ def loops(
     check_picture(picture)
     laws = _chosen(device, axis)
     if csv is not None:
-        _check_csv(csv, laws)
+        if len(laws) > 1:
+            raise ValueError(f"`--csv` holds the loops of one axis: name it with --axis; here are {', '.join(laws)}.")
+        check_writable(csv)
     if amplitudes is None and not rated:
         raise ValueError(f"{source} is a law without a rated travel: say at which `--amplitudes` [mm] to test it.")
     sizes = None if amplitudes is None else [positive("--amplitudes", size, unit="mm") / 1e3 for size in amplitudes]
@@ -117,16 +119,6 @@ def _chosen(device: "Isolator", axis: str | None) -> "dict[str, tuple[str, Law]]
         present = ", ".join(name for name, other in device.axes.items() if other is not None)
         raise ValueError(f"`--axis {axis}`: {device.name} has no force on this axis, only on {present}.")
     return {axis: (axis, law)}
-
-
-def _check_csv(csv: Path, laws: "Mapping[str, tuple[str, Law]]") -> None:
-    """Raise ValueError unless the loops can be written as `csv`."""
-    if len(laws) > 1:
-        raise ValueError(f"`--csv` holds the loops of one axis: name it with --axis; here are {', '.join(laws)}.")
-    if csv.is_dir():
-        raise ValueError(f"`--csv` must be a file, got the folder {str(csv)!r}.")
-    if not csv.resolve().parent.is_dir():
-        raise ValueError(f"`--csv`: there is no folder {str(csv.resolve().parent)!r}.")
 
 
 def laws(*files: Path, elements: int = 5, law: Texts = None) -> int:

@@ -8,16 +8,10 @@ from wirerope_mj.cli.options import Deck, Flag, Numbers
 
 
 def modes(
-    model: str,
-    *,
-    history: Literal["virgin", "relaxed"] = "virgin",
-    amplitude_mm: Numbers = None,
-    ddam: Literal["hull", "deck", "shell"] | None = None,
-    ship: Literal["surface", "submarine"] = "surface",
-    deck: Deck = None,
-    out: Path | None = None,
-    force: Flag = False,
-) -> int:
+    model: str, *, history: Literal["virgin", "relaxed"] = "virgin", amplitude_mm: Numbers = None,
+    ddam: Literal["hull", "deck", "shell"] | None = None, ship: Literal["surface", "submarine"] = "surface", deck: Deck = None,
+    out: Path | None = None, force: Flag = False,
+) -> int:  # fmt: skip
     """Print the modes of a model about its equilibrium: frequencies, damping, shapes, and stability against tipping over.
 
     Natural frequencies of small amplitude stand first, with those of the tangents at rest; then, for every amplitude, frequency
@@ -42,7 +36,6 @@ def modes(
     from wirerope_mj.engine.system import load_on_deck
     from wirerope_mj.foundation.arguments import positive
     from wirerope_mj.foundation.atomic_files import check_folder, check_writable
-    from wirerope_mj.foundation.errors import RecordError
     from wirerope_mj.runs.analyses import MODES_KIND, MODES_MARKS, write_modes
     from wirerope_mj.views.terminal import print_warnings, show
 
@@ -50,10 +43,8 @@ def modes(
     system = load_on_deck(model, deck_of(deck) if deck else None)
     target = out or Path("runs") / f"{system.name}-modes-{datetime.now():%Y%m%d-%H%M%S}"
     alone = target.suffix == ".rrd"
-    if alone and target.exists() and not force:
-        raise RecordError(f"{target}: there is a file already. Replace it with --force, or choose another one.")
     if alone:
-        check_writable(target)
+        check_writable(target, force=force)
     else:
         check_folder(target, force=force, kind=MODES_KIND, marks=MODES_MARKS)
     print_warnings(model_warnings(system))

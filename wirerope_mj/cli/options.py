@@ -13,7 +13,7 @@ BAD_INPUT, INTERRUPTED, DIFFERENT = 2, 130, 1
 _NUMBERS = {int: "an integer", float: "a number without a unit, with a decimal point"}
 
 
-def integers(hint: Any, tokens: Sequence[Token]) -> int | list[int]:
+def integers(hint: object, tokens: Sequence[Token]) -> int | list[int]:
     """Return the integer or the integers of an option."""
     several = get_origin(hint) is list
     numbers = []
@@ -40,13 +40,13 @@ Deck = Annotated[str | None, Parameter(help=(
 ))]  # fmt: skip
 
 
-def own_option(name: str, kind: Any, default: Any, help_text: str, **parameter_options: Any) -> inspect.Parameter:
+def own_option(name: str, kind: object, default: object, help_text: str, **parameter_options: Any) -> inspect.Parameter:
     """Return an option of the command itself: its name, type, default, and what --help says."""
     annotation = whole_integers(Annotated[kind, Parameter(help=help_text, **parameter_options)], kind)
     return inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=default, annotation=annotation)
 
 
-def whole_integers(annotation: Any, kind: Any) -> Any:
+def whole_integers(annotation: object, kind: object) -> object:
     """Return the annotation of an option; of an integer, one that refuses 2.5 instead of cutting it to 2."""
     return Annotated[annotation, Parameter(converter=integers)] if int in (kind, *get_args(kind)) else annotation
 

@@ -7,9 +7,7 @@ from wirerope_mj.cli.options import Flag
 from wirerope_mj.foundation.plain_text import plain
 
 
-def report(
-    folder: Path, *, out: Path | None = None, pdf: Flag = False, docx: Flag = False, force: Flag = False
-) -> int:  # fmt: skip
+def report(folder: Path, *, out: Path | None = None, pdf: Flag = False, docx: Flag = False, force: Flag = False) -> int:
     """Make the report of a run, a job or a study: one HTML page that holds everything it shows, and a PDF or DOCX of it.
 
     Question and verdicts first, then model and mounts with the provenance of their figures, statics, modes, the base's motion,

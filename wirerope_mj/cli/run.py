@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
 from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
 from wirerope_mj.cli.tables import print_questions, run_and_print
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import limit_from_text
 from wirerope_mj.runs.scenario import load_scenario, shipped_scenarios
 
@@ -32,12 +32,9 @@ def list_scenarios() -> None:
 
 
 @file_command(
-    "SCENARIO",
-    "the scenario comes first: wirerope run SCENARIO",
-    "`wirerope run SCENARIO --help` also shows the options of that scenario.",
-    [*NUMERICS, *_OWN, _LIST],
-    list_scenarios,
-)
+    "SCENARIO", "the scenario comes first: wirerope run SCENARIO",
+    "`wirerope run SCENARIO --help` also shows the options of that scenario.", [*NUMERICS, *_OWN, _LIST], list_scenarios,
+)  # fmt: skip
 def run(name: str, tokens: Sequence[str]) -> None:
     """Simulate a scenario into one folder and print its peaks against the limits.
 
@@ -48,7 +45,7 @@ def run(name: str, tokens: Sequence[str]) -> None:
     # A scenario with an option of such a name decides itself what becomes of it.
     numerics = [option for option in NUMERICS if option.name not in scenario.defaults]
 
-    def action(options: dict[str, Any], own: dict[str, Any]) -> None:
+    def action(options: Entries, own: Entries) -> None:
         folder = own["out"] or Path("runs") / f"{scenario.name}-{datetime.now():%Y%m%d-%H%M%S}"
         made = scenario.make(**options)
         simulate = with_numerics(made.simulate, **{option.name: own.get(option.name) for option in NUMERICS})

@@ -3,7 +3,7 @@
 from dataclasses import replace
 from datetime import datetime
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, with_numerics
 
@@ -151,7 +151,7 @@ def shock(
         phrases, levels=levels or (), record=record, channels=channels, direction=direction, played=played, duration=duration,
     )  # fmt: skip
     name = f"shock-{Path(model).stem}-{'-'.join(names)}"
-    options: dict[str, Any] = {kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in spoken}
+    options: dict[str, object] = {kind: "; ".join(text for one, text in phrases if one == kind) or None for kind in spoken}
     options |= {
         "levels": " ".join(file.name for file in levels or ()) or None, "record": record.name if record else None,
         "direction": direction, "channels": None if channels is None else " ".join(channels), "duration": duration,

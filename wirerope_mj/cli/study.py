@@ -4,7 +4,7 @@ import inspect
 import warnings
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 from rich.markup import escape
 
@@ -15,6 +15,7 @@ from wirerope_mj.cli.tables import print_questions, say_where
 from wirerope_mj.engine.flexible import deck_of
 from wirerope_mj.engine.statics import model_warnings
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, study_of, what_can_vary
@@ -77,12 +78,9 @@ def list_studies() -> None:
 
 
 @file_command(
-    "STUDY-OR-SCENARIO",
-    "the study comes first: wirerope study STUDY",
-    "`wirerope study NAME --help` also shows the options of that study.",
-    [*_VARY, *_RUN, _LIST],
-    list_studies,
-)
+    "STUDY-OR-SCENARIO", "the study comes first: wirerope study STUDY",
+    "`wirerope study NAME --help` also shows the options of that study.", [*_VARY, *_RUN, _LIST], list_studies,
+)  # fmt: skip
 def study(name: str, tokens: Sequence[str]) -> None:
     """Compute many variants of one system into one folder: what is likely, which inputs matter, which variants are worst.
 
@@ -126,8 +124,7 @@ def _check_known(name: str) -> None:
             f"study that was interrupted goes on with the command that began it and --resume --out {path}."
         )
     if path.is_dir():
-        text = f"{path}: this folder is no run, of which a study could be made; there is no {SCENARIO} in it."
-        raise ModelError(text)
+        raise ModelError(f"{path}: this folder is no run, of which a study could be made; there is no {SCENARIO} in it.")
     if path.suffix or len(path.parts) > 1:
         raise ModelError(f"{name}: there is no such file.")
     raise ModelError(
@@ -140,7 +137,7 @@ def _of_file(file: StudyFile, tokens: Sequence[str]) -> None:
     """Compute the study of a study file."""
     _check_names(file.path, "study", file.function, _RUN)
 
-    def action(options: dict[str, Any], own: dict[str, Any]) -> None:
+    def action(options: Entries, own: Entries) -> None:
         compute_and_print(lambda: file.make(**options), file.name, **own)
 
     run_with_options(f"wirerope study {file.name}", file.function, _RUN, action, tokens)
@@ -152,7 +149,7 @@ def _of_scenario(file: ScenarioFile, tokens: Sequence[str]) -> None:
     names = {one.name: _OTHER_NAME.format(one.name) if one.name in file.defaults else one.name for one in _VARY}
     vary = [option.replace(name=names[option.name]) for option in _VARY]
 
-    def action(options: dict[str, Any], own: dict[str, Any]) -> None:
+    def action(options: Entries, own: Entries) -> None:
         arguments = {name: own.pop(names[name]) for name in names}
         deck, scenario = arguments.pop("deck"), file.make(**options)
         if deck is not None:
@@ -169,7 +166,7 @@ def _of_job(path: Path, tokens: Sequence[str]) -> None:
     job = load_job(path)
     kept = [option for option in _RUN if option.name not in ("by", "limit", "open_worst")]
 
-    def action(_: dict[str, Any], own: dict[str, Any]) -> None:
+    def action(_: Entries, own: Entries) -> None:
         from wirerope_mj.runs.job_study import study_job
 
         drawn = {name: own.pop(name) for name in ("variants", "sampling", "seed", "timestep", "accuracy")}
@@ -215,7 +212,7 @@ def _quantities(scenario: Scenario, vary: Sequence[str] | None) -> dict[str, Dis
         raise ValueError(f"`--vary`: {error}") from None
 
 
-def _check_names(path: Path, kind: str, function: Callable[..., Any], own: Sequence[inspect.Parameter]) -> None:
+def _check_names(path: Path, kind: str, function: Callable[..., object], own: Sequence[inspect.Parameter]) -> None:
     """Raise ValueError if an option of the file is called as one of the command."""
     names = {option.name for option in own}
     taken = [name for name in inspect.signature(function).parameters if name in names]

@@ -27,12 +27,10 @@ _MOST_CORNERS = 100  # a record has a corner at every sample: its samples are en
 _BETWEEN = 64  # instants between two corners: the peak of a half-sine is then met to 0.03 %
 _MOST_SAMPLES = 200_000  # of a response whose corners are joined to its samples
 _TEXTS = {
-    "none": "no baseline correction",
-    "rest": "baseline: the level at rest taken off",
-    "mean": "baseline: the mean taken off",
+    "none": "no baseline correction", "rest": "baseline: the level at rest taken off", "mean": "baseline: the mean taken off",
     "velocity": "baseline: the constant taken off that leaves no final velocity",
     "highpass": "baseline: high-pass filter without phase",
-}
+}  # fmt: skip
 
 
 def base_blocks(run: JudgedRun) -> Iterator[Block | None]:

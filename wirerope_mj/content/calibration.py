@@ -16,9 +16,7 @@ from wirerope_mj.studies.calibration.predict import Prediction
 from wirerope_mj.studies.calibration.result import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 
-_ACROSS = {
-    "time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": "",
-}  # fmt: skip
+_ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}
 
 _DRAWN = 8  # channels that are drawn, those that the model follows least first
 _NORMAL = 1.645  # standard deviations about the middle of a normal distribution that hold 90 % of it
@@ -26,13 +24,9 @@ _BEST = 1e-3  # probability below which less is said than "less than 0.1 %": as 
 
 
 def calibration_content(
-    result: Calibration,
-    *,
-    title: str,
-    sources: Sequence[str],
-    warnings: Sequence[str] = (),
+    result: Calibration, *, title: str, sources: Sequence[str], warnings: Sequence[str] = (),
     predictions: Sequence[tuple[Prediction, Sequence[StatedLimit]]] = (),
-) -> Content:
+) -> Content:  # fmt: skip
     """Compose what a calibration says: values, how the model follows, and predictions of other motions against their limits."""
     return Content(
         title=title,

@@ -26,9 +26,8 @@ _TONES = ("within", "near", "exceeded")
 
 
 def comfort_content(
-    name: str, response: Response, subjects: Sequence[str], *, spaces: Sequence[str] = tuple(RMS_2000),
-    discard: float = 0.0,
-) -> Content:  # fmt: skip
+    name: str, response: Response, subjects: Sequence[str], *, spaces: Sequence[str] = tuple(RMS_2000), discard: float = 0.0
+) -> Content:
     """Describe what people feel at bodies and points of a run, in classes of `spaces` of ISO 6954:2000, after `discard` [s].
 
     ValueError if there is no such body or point, or nothing is left of the run.
@@ -127,6 +126,4 @@ def _row(edition: str, subject: str, axes: Sequence[Sequence[Verdict]]) -> Row:
     worst = max(range(3), key=lambda axis: axes[axis][0].utilisation or 0.0)
     lower, upper = axes[worst]
     height = (lower.verdict == "exceeded") + (upper.verdict == "exceeded")
-    return (
-        edition, subject, "xyz"[worst], lower.value, lower.limit, upper.limit, Mark(_HEIGHT[height], _TONES[height]),
-    )  # fmt: skip
+    return (edition, subject, "xyz"[worst], lower.value, lower.limit, upper.limit, Mark(_HEIGHT[height], _TONES[height]))

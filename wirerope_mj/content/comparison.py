@@ -162,9 +162,7 @@ def _mounts(comparison: Comparison) -> Iterator[Block]:
 
 def _apart(comparison: Comparison) -> Iterator[Block]:
     first = comparison.runs[0].name
-    columns = (
-        Column(align="left"), Column("farthest apart"), Column("at", "ms", "z.1f"), Column(f"of {first}'s peak"),
-    )  # fmt: skip
+    columns = (Column(align="left"), Column("farthest apart"), Column("at", "ms", "z.1f"), Column(f"of {first}'s peak"))
     for run in comparison.runs[1:]:
         own = [entry for entry in comparison.differences if entry.run == run.name and entry.value > 0.0]
         rows = [(subject_label(e.subject), size_text(e), e.time, ratio_text(e)) for e in own]

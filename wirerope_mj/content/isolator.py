@@ -1,7 +1,6 @@
 """Isolators: their ratings, and of one its laws, its geometry and where its figures come from."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any
 
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.numbers import ABSENT, number, with_unit
@@ -99,7 +98,7 @@ def law_text(law: Law) -> str:
     return f"{values['law']}: {', '.join(parameters)}"
 
 
-def _value(value: Any) -> str:
+def _value(value: object) -> str:
     """Return a parameter as text: a number, a list of them, or a choice."""
     if isinstance(value, list):
         return f"[{', '.join(map(_value, value))}]"

@@ -12,7 +12,6 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.mounts import EXTREMES
 from wirerope_mj.content.numbers import listed
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, short
-from wirerope_mj.content.payload import in_si
 from wirerope_mj.content.run_spectra import BASE
 from wirerope_mj.content.selection import worst_names
 from wirerope_mj.content.spectra import spectrum_panel
@@ -42,7 +41,7 @@ def _base(runs: Mapping[str, JudgedRun]) -> Table:
         moved = [float(np.linalg.norm(one, axis=1).max()) for one in (base.velocity, base.displacement)]
         peak = max((row.value for row in body_peaks(run.response) if row.kind == "base"), default=0.0)
         deck = area_forces(run.response)[0]
-        rows.append([case, in_si(peak), *moved, deck.at_rest, deck.down, deck.up, deck.across])
+        rows.append([case, peak, *moved, deck.at_rest, deck.down, deck.up, deck.across])
     return Table(
         id="envelope-base", title="Base motion, and loads of all mounts on the deck",
         columns=[
@@ -87,8 +86,8 @@ def _accelerations(runs: Mapping[str, JudgedRun]) -> Table:
     rows: list[Row] = []
     for name, peaks in found.items():
         case, worst = max(peaks, key=lambda pair: pair[1].value)
-        axes = [in_si(max(peak.axes[axis] for _, peak in peaks)) for axis in range(3)]
-        rows.append([name, Mark(in_si(worst.value), "strong"), case, *axes])
+        axes = [max(peak.axes[axis] for _, peak in peaks) for axis in range(3)]
+        rows.append([name, Mark(worst.value, "strong"), case, *axes])
     columns = [Column(align="left"), Column("peak", "g", "z.2f"), Column("in", align="left")]
     return Table(
         id="envelope-accelerations", title="Largest accelerations of all load cases",

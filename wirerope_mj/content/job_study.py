@@ -4,12 +4,12 @@ from collections.abc import Iterator, Mapping
 from functools import partial
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.numbers import several
 from wirerope_mj.content.study import failed_blocks, measures_table, varied_table
 from wirerope_mj.content.study_statements import exceedance_text, not_counted, percent
+from wirerope_mj.foundation.arrays import Booleans
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
@@ -17,7 +17,6 @@ from wirerope_mj.studies.results.measure import measure_of, values_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance
 from wirerope_mj.studies.results.study_summary import StudySummary
 
-Mask = npt.NDArray[np.bool_]
 _LOAD = "static_load"  # is judged of every study, though shown only where it is exceeded
 
 
@@ -46,7 +45,7 @@ def _case(summary: StudySummary) -> list[Block]:
     return [Statement(id="motion", text=f"Base motion: {motion}."), measures_table(summary)]
 
 
-def exceeded(summary: StudySummary) -> dict[str, Mask]:
+def exceeded(summary: StudySummary) -> dict[str, Booleans]:
     """Return which variants are beyond each limit of a study, (n,), by what it is on: of parts and model, and those stated."""
     table = summary.result.independent
     own = {one.measure.name: one.measure for one in summary.statistics if one.measure.limit is not None}

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property, partial
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import TypeVar
 
 import numpy as np
 
@@ -22,6 +22,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import Absent, WireRopeError
 from wirerope_mj.motions import BaseMotion, Sweep, motion_from_dict
 from wirerope_mj.motions.records.record import record_warnings
@@ -80,7 +81,7 @@ class JudgedRun(RunResult):
     statics: StaticTable | Absent  # where the system rests, on the first loading and relaxed
     # what the model says that is perhaps not meant, see `wirerope_mj.engine.statics.model_warnings`
     model_warnings: tuple[str, ...] = ()
-    inputs: Mapping[str, Any] = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
+    inputs: Entries = field(default_factory=dict)  # resolved inputs, the content of the run's scenario.toml
 
     @property
     def acting(self) -> str:
@@ -140,7 +141,7 @@ class JudgedRun(RunResult):
         return {history: result_or_absent(partial(modes, self.system, history=history)) for history in histories}
 
 
-def judged_run(system: System, motion: BaseMotion, response: Response, inputs: Mapping[str, Any] | None = None) -> JudgedRun:
+def judged_run(system: System, motion: BaseMotion, response: Response, inputs: Entries | None = None) -> JudgedRun:
     """Judge a run of `system`; `inputs` is the content of its scenario.toml."""
     statics = result_or_absent(partial(static_table, system))
     has_gravity = bool(system.model.opt.gravity.any())  # without a load there is no static load to judge

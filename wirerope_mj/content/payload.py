@@ -20,7 +20,7 @@ from wirerope_mj.content.spectra import densities_chart, shock_chart, spectra_bl
 from wirerope_mj.content.verdicts import acceleration_limits, used_mark
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
-from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
+from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.motions import Sweep
 
 
@@ -58,8 +58,7 @@ def _accelerations(run: RunResult) -> Table:
     rows: list[Row] = []
     for row in body_peaks(run.response):
         name = row.name if row.kind == "body" else f"{row.name} ({row.kind})"
-        sizes = [in_si(value) for value in (row.value, *row.axes)]
-        cells: list[Cell] = [name, Mark(sizes[0], "strong"), *sizes[1:], row.time]
+        cells: list[Cell] = [name, Mark(row.value, "strong"), *row.axes, row.time]
         cells += [] if sweep is None else [float(sweep.frequency([row.time])[0])]
         if limited:
             worst = limited.get(row.name)
@@ -74,11 +73,6 @@ def _accelerations(run: RunResult) -> Table:
         columns=columns,
         rows=rows,
     )
-
-
-def in_si(g: float) -> float:
-    """Convert an acceleration in g to m/s^2."""
-    return g * STANDARD_GRAVITY
 
 
 def _random(verdicts: Sequence[Verdict]) -> Table | None:

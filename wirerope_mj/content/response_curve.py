@@ -23,9 +23,7 @@ from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
 
 _MARKED = 0.05  # Ratio to the fundamental from which another harmonic gives a peak its name
 _BESIDE, _ABOVE = 1.01, 1.12  # room about the curves, as factors
-_NUMBERS = (
-    Column("frequency", "Hz", ".5g"), Column("amplitude", "m/s²", ".4g"), Column("transmissibility", form=".4g"),
-)  # fmt: skip
+_NUMBERS = (Column("frequency", "Hz", ".5g"), Column("amplitude", "m/s²", ".4g"), Column("transmissibility", form=".4g"))
 
 
 def response_content(result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = ()) -> Content:
@@ -118,9 +116,7 @@ def peak_table(findings: Sequence[LevelSummary]) -> Table:
         for way, seen in summary.comparisons.items():
             ratio = level.transmissibility(seen.peak)
             rows.append((level.acceleration, f"peak of the sweep {way}", seen.peak_frequency, seen.peak, ratio, ""))
-    columns = (
-        Column("level", "m/s²", ".4g"), Column("peak", align="left"), *_NUMBERS, Column("harmonic", align="text"),
-    )  # fmt: skip
+    columns = (Column("level", "m/s²", ".4g"), Column("peak", align="left"), *_NUMBERS, Column("harmonic", align="text"))
     note = "Harmonic: the largest one besides the fundamental, of which it is so many percent."
     return Table(id="peaks", title="Peaks", columns=columns, rows=rows, note=note)
 
@@ -209,9 +205,8 @@ def _sweep_sentences(summary: LevelSummary, way: str, sweep: FrequencySweep, rat
 
 
 def amplitude_chart(
-    result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = (), *,
-    relative: bool = False,
-) -> Chart:  # fmt: skip
+    result: FrequencyResponse, findings: Sequence[LevelSummary], bands: Sequence[OrderBand] = (), *, relative: bool = False
+) -> Chart:
     """Draw the payload's largest acceleration over frequency for all levels, or its ratio to that of the base."""
     options = result.options
     assert options.response_direction is not None

@@ -13,14 +13,9 @@ from wirerope_mj.engine.simulation.run import aliasing
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.motions import BaseMotion, RandomVibration
-from wirerope_mj.motions.spectra import (
-    PowerSpectralDensity,
-    ShockResponseSpectrum,
-    power_spectral_density,
-    shock_response_spectrum,
-)
+from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum, power_spectral_density
 from wirerope_mj.motions.spectra.ramp import octave_grid
-from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held
+from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, held, shock_response_spectrum
 
 BASE = "base"  # Name of the base among the spectra
 Q = 10.0  # Amplification of the oscillators: the convention where nothing else is agreed

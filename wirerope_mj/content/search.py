@@ -3,14 +3,13 @@
 from collections.abc import Iterator
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
 from wirerope_mj.content.numbers import number, several
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Note, Panel
 from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts, study_question, varied_table
 from wirerope_mj.content.study_statements import travel_statements
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.tables import Column, Table
 from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of
 from wirerope_mj.studies.results.statistics import row_of
@@ -172,9 +171,8 @@ def _range(values: Array, limit: float | None, measure: Measure | None) -> tuple
 
 
 def _labels(
-    result: SearchResult, front: npt.NDArray[np.int64], at: tuple[Array, Array],
-    limits: tuple[tuple[float, float], tuple[float, float]],
-) -> list[Note]:  # fmt: skip
+    result: SearchResult, front: Integers, at: tuple[Array, Array], limits: tuple[tuple[float, float], tuple[float, float]]
+) -> list[Note]:
     """Name designs of the front, and those that were given, by their number of mounts, where there is room."""
     mounts, notes, heights = np.asarray(result.table["mounts"]), list[Note](), list[float]()
     first = [*range(result.start), *([] if result.knee is None else [result.knee])]

@@ -3,7 +3,6 @@
 import math
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
 
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.credibility import study_credibility_blocks
@@ -249,7 +248,7 @@ def worst_table(summary: StudySummary) -> Table:
     )  # fmt: skip
 
 
-def input_cell(value: Any) -> Cell:
+def input_cell(value: object) -> Cell:
     """Return the value of an input; of the mount that fails "none" where none does."""
     return value if isinstance(value, float) else str(value) or "none"
 

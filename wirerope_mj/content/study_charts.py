@@ -103,9 +103,7 @@ def sensitivity_chart(summary: StudySummary) -> Chart:
     sizes = np.array([max(100.0 * one.index, 0.0) for one in effects])
     ways: list[int | str] = [BASE if math.isnan(one.rank) else 0 if one.rank >= 0.0 else 1 for one in effects]
     kinds = [way if one.certain else OTHERS for one, way in zip(effects, ways, strict=True)]
-    names: dict[int | str, str] = {
-        0: "rises with the input", 1: "falls", BASE: "has no order", OTHERS: "not significant",
-    }  # fmt: skip
+    names: dict[int | str, str] = {0: "rises with the input", 1: "falls", BASE: "has no order", OTHERS: "not significant"}
     end = _TEXT * max(float(sizes.max()), 2.5)
     panel = _bar_panel(
         [summary.labels.get(one.name, one.name) for one in effects],
@@ -343,7 +341,7 @@ def _limits(shown: Measure) -> list[tuple[str, float]]:
     return [] if shown.limit is None else [("limit", shown.factor * shown.limit)]
 
 
-def _name_of(choice: Any) -> str:
+def _name_of(choice: object) -> str:
     """Return one of some choices; that of the mount that fails is "" where none does."""
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
 

@@ -3,13 +3,12 @@
 import math
 import re
 from collections.abc import Mapping, Sequence
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.studies.ended import ended_early, still_growing, why_early
 from wirerope_mj.studies.inputs.sobol import SAMPLING
@@ -20,6 +19,7 @@ from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_of, row_of, struck_variants, worst
+from wirerope_mj.studies.results.varied import value_text
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
 _NUMBERED = 6  # variants of one message that are listed by their numbers
@@ -201,16 +201,16 @@ def exceeding_inputs(table: pa.Table, inputs: Sequence[str], values: Array, limi
     kind = table.schema.field(name).type
     if pa.types.is_floating(kind):
         return _crossing(name, np.asarray(table[name], dtype=np.float64), values, limit)
-    texts = [_value(value) for value, is_beyond in zip(table[name].to_pylist(), beyond, strict=True) if is_beyond]
+    texts = [value_text(value) for value, is_beyond in zip(table[name].to_pylist(), beyond, strict=True) if is_beyond]
     rest = len(texts) - _CHOICES
     return f" ({name}: {', '.join(texts[:_CHOICES])}{f' and {rest} more' if rest > 0 else ''})"
 
 
-def inputs_text(row: dict[str, Any], inputs: Sequence[str]) -> str:
+def inputs_text(row: Entries, inputs: Sequence[str]) -> str:
     """Return the inputs of a variant; "" if there are more than two."""
     if not 1 <= len(inputs) <= _INPUTS:
         return ""
-    return f" ({', '.join(f'{name} {_value(row[name])}' for name in inputs)})"
+    return f" ({', '.join(f'{name} {value_text(row[name])}' for name in inputs)})"
 
 
 def _crossing(name: str, x: Array, values: Array, limit: float) -> str:
@@ -224,7 +224,3 @@ def _crossing(name: str, x: Array, values: Array, limit: float) -> str:
     fraction = (limit - values[first - 1]) / (values[first] - values[first - 1])
     at = x[first - 1] + fraction * (x[first] - x[first - 1])
     return f", first at {name} {at:.3g} (interpolated between {x[first - 1]:.4g} and {x[first]:.4g})"
-
-
-def _value(value: Any) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value) or "none"

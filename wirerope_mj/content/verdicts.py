@@ -4,20 +4,10 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-from wirerope_mj.assessment.criteria import (
-    CLEAR,
-    COMBINED,
-    EXCEEDED,
-    NOT_JUDGED,
-    STRUCK,
-    TOUCHING,
-    WITHIN,
-    Verdict,
-    verdict_lines,
-)
+from wirerope_mj.assessment.criteria import CLEAR, COMBINED, EXCEEDED, NOT_JUDGED, STRUCK, TOUCHING, WITHIN, Verdict
 from wirerope_mj.assessment.criteria import headline as verdicts_headline
 from wirerope_mj.assessment.criteria.judge import PASS
-from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines
+from wirerope_mj.assessment.criteria.summary import against_limit, rule_lines, verdict_lines
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, most_used
 from wirerope_mj.content.blocks import Block, Statement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult

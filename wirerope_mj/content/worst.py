@@ -35,9 +35,7 @@ def worst_instant(run: JudgedRun) -> SceneView | None:
     view = scene_at(run.response, instant, title=title)
     if view is None or view.moved is None:
         return None
-    return replace(
-        view, id="worst-instant", ring=_ring(view.moved, worst), exceeded=worst.verdict == EXCEEDED
-    )  # fmt: skip
+    return replace(view, id="worst-instant", ring=_ring(view.moved, worst), exceeded=worst.verdict == EXCEEDED)
 
 
 def scene_at(response: Response, instant: float, *, title: str = "") -> SceneView | None:

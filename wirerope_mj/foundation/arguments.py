@@ -5,16 +5,15 @@ from collections.abc import Collection, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.plain_text import quoted
 
 
-def finite(name: str, value: Any, *, unit: str = "") -> float:
+def finite(name: str, value: object, *, unit: str = "") -> float:
     """Return a finite number as a float; text and booleans are none. `unit` stands in the message: "m"."""
     try:
-        number = math.nan if isinstance(value, str | bool | np.bool_) else float(value)
+        number = math.nan if isinstance(value, str | bool | np.bool_) else float(value)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         number = math.nan
     if not math.isfinite(number):
@@ -22,7 +21,7 @@ def finite(name: str, value: Any, *, unit: str = "") -> float:
     return number
 
 
-def positive(name: str, value: Any, *, unit: str = "") -> float:
+def positive(name: str, value: object, *, unit: str = "") -> float:
     """Return a finite number > 0 as a float."""
     number = finite(name, value, unit=unit)
     if number <= 0.0:
@@ -30,7 +29,7 @@ def positive(name: str, value: Any, *, unit: str = "") -> float:
     return number
 
 
-def not_negative(name: str, value: Any, *, unit: str = "") -> float:
+def not_negative(name: str, value: object, *, unit: str = "") -> float:
     """Return a finite number >= 0 as a float."""
     number = finite(name, value, unit=unit)
     if number < 0.0:
@@ -38,7 +37,7 @@ def not_negative(name: str, value: Any, *, unit: str = "") -> float:
     return number
 
 
-def between(name: str, value: Any, low: float, high: float) -> float:
+def between(name: str, value: object, low: float, high: float) -> float:
     """Return a number from `low` to `high`, both included, as a float."""
     number = finite(name, value)
     if not low <= number <= high:
@@ -46,7 +45,7 @@ def between(name: str, value: Any, low: float, high: float) -> float:
     return number
 
 
-def nonzero(name: str, value: Any) -> float:
+def nonzero(name: str, value: object) -> float:
     """Return a finite number of either sign as a float."""
     number = finite(name, value)
     if number == 0.0:
@@ -54,14 +53,14 @@ def nonzero(name: str, value: Any) -> float:
     return number
 
 
-def integer(name: str, value: Any, *, least: int) -> int:
+def integer(name: str, value: object, *, least: int) -> int:
     """Return an integer >= `least` as an int; 2.0 and booleans are none."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or value < least:
         raise ValueError(f"`{name}` must be an integer >= {least}, got {quoted(_plain(value))}.")
     return int(value)
 
 
-def one_of(name: str, value: Any, choices: Collection[str]) -> str:
+def one_of(name: str, value: object, choices: Collection[str]) -> str:
     """Return a string that is one of the choices."""
     if not isinstance(value, str) or value not in choices:
         raise ValueError(f"`{name}` must be one of {', '.join(map(repr, choices))}, got {quoted(value)}.")
@@ -90,5 +89,5 @@ def _in(unit: str) -> str:
     return f" [{unit}]" if unit else ""
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     return value.item() if isinstance(value, np.generic) else value

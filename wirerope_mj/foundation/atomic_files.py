@@ -53,8 +53,8 @@ def write_json(path: Path, content: object) -> None:
         temporary.write_text(json_text(content), encoding="utf-8")
 
 
-def check_writable(path: Path) -> None:
-    """Raise RecordError if no file can be written at `path`: cheap, before what takes time.
+def check_writable(path: Path, *, force: bool = True) -> None:
+    """Raise RecordError if no file can be written at `path`, or one is there and must not be replaced: before what takes time.
 
     Folders are not made: one that is not there is a slip of the pen more often than a wish.
     """
@@ -65,6 +65,8 @@ def check_writable(path: Path) -> None:
         raise RecordError(f"{path}: there is no folder {str(folder)!r}. Make it first, or choose another place.")
     if not os.access(folder, os.W_OK | os.X_OK):
         raise RecordError(f"{path}: cannot write here (Permission denied). Choose another place.")
+    if path.exists() and not force:
+        raise RecordError(f"{path}: the file exists. Replace it with --force (`force=True`), or choose another name.")
 
 
 def check_folder(folder: Path, *, force: bool, kind: str, marks: Sequence[str]) -> None:

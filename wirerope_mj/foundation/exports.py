@@ -9,16 +9,18 @@ from fnmatch import fnmatchcase
 from importlib import import_module
 from io import FileIO
 from pathlib import Path
-from typing import Any
+from types import ModuleType
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
+from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.atomic_files import atomic_file, check_writable
 from wirerope_mj.foundation.errors import RecordError
 
-Column = npt.NDArray[Any]
+if TYPE_CHECKING:
+    import pandas
 
 # Endings of files, and what is written into them.
 ENDINGS = {".csv": "csv", ".h5": "hdf5", ".hdf5": "hdf5", ".mat": "mat"}
@@ -32,9 +34,9 @@ class Exported:
 
     names: Sequence[str]  # of the columns, parts of a name apart by "/"
     units: Sequence[str]  # of each column; "" for none
-    column: Callable[[int], Column]  # returns one column by its position, (n,), numbers or texts
+    column: Callable[[int], AnyArray]  # returns one column by its position, (n,), numbers or texts
     # yields all columns some rows after the other, so that a long table is never in memory as a whole
-    blocks: Callable[[], Iterator[Sequence[Column]]]
+    blocks: Callable[[], Iterator[Sequence[AnyArray]]]
     about: Mapping[str, str]  # texts that are kept with it where the format has room
     # whether "/" makes groups in HDF5; else "." stands for it there, as where a name is also that of a group
     grouped: bool = True
@@ -60,12 +62,9 @@ def picked(table: Exported, patterns: Sequence[str]) -> Exported:
         kept += found
     kept = sorted(set(kept))
     return replace(
-        table,
-        names=[table.names[n] for n in kept],
-        units=[table.units[n] for n in kept],
-        column=lambda number: table.column(kept[number]),
-        blocks=lambda: ([block[n] for n in kept] for block in table.blocks()),
-    )
+        table, names=[table.names[n] for n in kept], units=[table.units[n] for n in kept],
+        column=lambda number: table.column(kept[number]), blocks=lambda: ([block[n] for n in kept] for block in table.blocks()),
+    )  # fmt: skip
 
 
 class Exportable:
@@ -100,7 +99,7 @@ class Exportable:
         """Write the table as a MATLAB file, whatever the ending, as `export` does."""
         return write_export(self.exported, path, force=force, kind="mat")
 
-    def to_dataframe(self) -> Any:
+    def to_dataframe(self) -> "pandas.DataFrame":
         """Return the table as a pandas DataFrame, units in the names of its columns; RecordError without pandas."""
         return data_frame(self.exported)
 
@@ -118,18 +117,15 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
         raise ValueError(
             f"{target}: the ending says what is written, one of {', '.join(ENDINGS)}, of a run .xlsx and .png, too."
         )
-    check_writable(target)
-    if target.exists() and not force:
-        raise RecordError(f"{target}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    check_writable(target, force=force)
     with atomic_file(target) as temporary:
         {"csv": _write_csv, "hdf5": _write_hdf5, "mat": _write_mat}[kind](table, temporary)
     return target
 
 
-def data_frame(table: Exported) -> Any:
+def data_frame(table: Exported) -> "pandas.DataFrame":
     """Return a table as a pandas DataFrame; its columns are called as in the CSV file, units included."""
-    pandas = _needed("pandas")
-    return pandas.DataFrame({heading: table.column(number) for number, heading in enumerate(table.headings)})
+    return _needed("pandas").DataFrame({heading: table.column(number) for number, heading in enumerate(table.headings)})
 
 
 def _write_csv(table: Exported, path: Path) -> None:
@@ -190,7 +186,7 @@ def _write_hdf5(table: Exported, path: Path) -> None:
 def _write_mat(table: Exported, path: Path) -> None:
     """Write a variable for every column; MATLAB's names hold letters and digits only: `names` and `units` say what each is."""
     names = _matlab_names(table.names)
-    values: dict[str, Any] = {name: table.column(number)[:, np.newaxis] for number, name in enumerate(names)}
+    values: dict[str, object] = {name: table.column(number)[:, np.newaxis] for number, name in enumerate(names)}
     for extra, texts in (("variables", names), ("names", table.names), ("units", table.units)):
         values[extra] = np.array([*texts, ""], dtype=object)[:-1]
     values["about"] = dict(table.about)
@@ -213,7 +209,7 @@ def _matlab_names(names: Sequence[str]) -> list[str]:
     return result
 
 
-def _needed(package: str) -> Any:
+def _needed(package: str) -> ModuleType:
     try:
         return import_module(package)
     except ImportError:

@@ -8,7 +8,7 @@ import os
 from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -16,6 +16,9 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import regular
+
+if TYPE_CHECKING:
+    import pyarrow as pa
 
 # Key of the JSON text in a file's metadata.
 _KEY = b"wirerope_mj"
@@ -45,7 +48,7 @@ class TableWriter:
         columns = [pa.array(np.ascontiguousarray(column)) for column in rows.T]
         self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
 
-    def close(self, content: Mapping[str, Any]) -> None:
+    def close(self, content: Mapping[str, object]) -> None:
         """Finish the file with its metadata."""
         self._writer.add_key_value_metadata({_KEY: json.dumps(content).encode()})
         self._writer.close()
@@ -58,7 +61,7 @@ class TableWriter:
         self._temporary.unlink(missing_ok=True)
 
 
-def write_rows(path: Path, names: Sequence[str], rows: Array, content: Mapping[str, Any]) -> None:
+def write_rows(path: Path, names: Sequence[str], rows: Array, content: Mapping[str, object]) -> None:
     """Write float64 rows, (n, n_columns), and their metadata; an existing file is replaced."""
     writer = TableWriter(path, names)
     try:
@@ -69,7 +72,7 @@ def write_rows(path: Path, names: Sequence[str], rows: Array, content: Mapping[s
         raise
 
 
-def write_columns(path: Path, columns: Mapping[str, Any], content: Mapping[str, Any] | None = None) -> None:
+def write_columns(path: Path, columns: Mapping[str, object], content: Mapping[str, object] | None = None) -> None:
     """Write columns of any type, and metadata if there is any; an existing file is replaced."""
     import pyarrow as pa
     import pyarrow.parquet as pq
@@ -81,7 +84,7 @@ def write_columns(path: Path, columns: Mapping[str, Any], content: Mapping[str, 
         pq.write_table(table, temporary, compression="zstd")
 
 
-def read_table(path: Path, *, kind: str, remedy: str) -> Any:
+def read_table(path: Path, *, kind: str, remedy: str) -> "pa.Table":
     """Read the columns of a file as a `pyarrow.Table`.
 
     Raises:
@@ -96,7 +99,7 @@ def read_table(path: Path, *, kind: str, remedy: str) -> Any:
         raise _unreadable(path, kind, remedy) from None
 
 
-def read_content(path: Path, *, kind: str, remedy: str, version: int | None = None) -> tuple[Any, Any]:
+def read_content(path: Path, *, kind: str, remedy: str, version: int | None = None) -> tuple["pa.Schema", Any]:
     """Read the `pyarrow.Schema` of a file's columns and its metadata, which state `version` as their `format` if one is given.
 
     Raises:

@@ -3,7 +3,6 @@
 import errno
 from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
@@ -31,7 +30,7 @@ def is_inside(path: Path, folder: Path) -> bool:
         return False
 
 
-def file_inside(folder: Path, name: Any, kind: str) -> Path:
+def file_inside(folder: Path, name: object, kind: str) -> Path:
     """Return the path of the file `name` of a run or a study.
 
     Raises:

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -16,12 +16,12 @@ class State:
     values: Array
     time: float
 
-    def to_plain(self) -> list[Any]:
+    def to_plain(self) -> list[object]:
         """Return the state as plain values, bit by bit: the instant, and the numbers as base64 of little-endian float64."""
         return [self.time, base64.b64encode(self.values.astype("<f8").tobytes()).decode()]
 
     @classmethod
-    def from_plain(cls, content: Any) -> "State":
+    def from_plain(cls, content: Entries | list[Any]) -> "State":
         """Return the state that `to_plain` wrote, or an earlier version as a table of `time` and `values`."""
         if isinstance(content, dict):
             return cls(values=np.array(content["values"], dtype=np.float64), time=float(content["time"]))

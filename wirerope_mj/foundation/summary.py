@@ -75,7 +75,7 @@ class ByName(dict[str, Item]):
         return f"{len(self)} by name: {_listed(self)}"
 
 
-def in_brief(value: Any) -> str:
+def in_brief(value: object) -> str:
     """Return a value in a few words."""
     if isinstance(value, np.ndarray):
         return f"array of shape {value.shape}"

@@ -3,9 +3,10 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.units import in_unit, significant
 
 # Tones in which a cell or a paragraph is set; the text says the same, so that nothing depends on colour alone.
@@ -84,7 +85,7 @@ class Table:
             if len(row) != len(self.columns):
                 raise ValueError(f"`rows` must have {len(self.columns)} cells each, got {row!r}.")
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return titles, headings, units and rows as JSON takes them: values in SI, cells without one as None."""
         return {
             "title": self.title,

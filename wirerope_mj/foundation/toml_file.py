@@ -2,13 +2,13 @@
 
 import tomllib
 from pathlib import Path
-from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 
 
-def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
+def read_toml(path: str | Path, kind: str) -> Entries:
     """Read a TOML file, which messages call a `kind`, as "isolator file".
 
     Raises:
@@ -29,7 +29,7 @@ def read_toml(path: str | Path, kind: str) -> dict[str, Any]:
         ) from None
 
 
-def toml_content(path: str | Path) -> dict[str, Any]:
+def toml_content(path: str | Path) -> Entries:
     """Return the content of a TOML file.
 
     Raises:

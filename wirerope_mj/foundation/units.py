@@ -13,18 +13,9 @@ FORCE_UNITS = {"N": 1.0, "daN": 10.0, "kN": 1e3, "lbf": 4.4482216152605, "kip": 
 STIFFNESS_UNITS = {"N/mm": 1e3, "lb/in": 175.12683524647636}  # of vendors' tables; 4.4482216152605 N / 0.0254 m
 VELOCITY_UNITS = {"m/s": 1.0, "mm/s": 1e-3, "cm/s": 1e-2, "in/s": 0.0254}
 ACCELERATION_UNITS = {
-    "m/s^2": 1.0,
-    "m/s2": 1.0,
-    "m/s²": 1.0,
-    "g": STANDARD_GRAVITY,
-    "mm/s^2": 1e-3,
-    "mm/s2": 1e-3,
-    "cm/s^2": 1e-2,
-    "cm/s2": 1e-2,
-    "gal": 1e-2,
-    "in/s^2": 0.0254,
-    "ft/s^2": 0.3048,
-}
+    "m/s^2": 1.0, "m/s2": 1.0, "m/s²": 1.0, "g": STANDARD_GRAVITY, "mm/s^2": 1e-3, "mm/s2": 1e-3, "cm/s^2": 1e-2, "cm/s2": 1e-2,
+    "gal": 1e-2, "in/s^2": 0.0254, "ft/s^2": 0.3048,
+}  # fmt: skip
 _POUND = 0.45359237
 # units of each kind of quantity in the tables of a model, in SI; an inch is 25.4 mm, a pound 0.45359237 kg (both exact)
 UNITS: dict[str, Mapping[str, float]] = {

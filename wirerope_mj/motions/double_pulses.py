@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import between
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
@@ -106,7 +106,7 @@ class DoublePulse(StartedMotion):
         """Length of the shorter pulse [s]."""
         return min(self.first_duration, self.second_duration)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         levels = {"peak": self.peak, "velocity": self.peak_velocity, "displacement": self.final_displacement}
         return {**levels, "direction": plain_direction(self.direction), "start": self.start}
 
@@ -221,7 +221,7 @@ class DoubleTriangle(DoublePulse):
     def _piecewise(self) -> PiecewiseLinear:
         return PiecewiseLinear(self._knots, np.array([0.0, self.peak, 0.0, self.second_peak, 0.0]))
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         return {**super()._parameters(files), "r1": self.r1, "r2": self.r2}
 
     def _along(self, t: Array, order: int) -> Array:

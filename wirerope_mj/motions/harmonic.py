@@ -5,13 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times, the_one_given
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
@@ -70,7 +69,7 @@ class Sine(StraightMotion):
         """Period [s]."""
         return 1 / self.frequency
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         direction = plain_direction(self.direction)
         values = {"frequency": self.frequency, "acceleration": self.amplitude, "direction": direction}
         return {**values, "duration": self.duration} if math.isfinite(self.duration) else values
@@ -178,7 +177,7 @@ class Sweep(StraightMotion):
         """Period at the highest frequency [s]."""
         return 1 / max(self.start, self.stop)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}
         return {**values, "direction": plain_direction(self.direction)}
 

@@ -6,13 +6,12 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.summary import AsCall
 
@@ -105,7 +104,7 @@ class BaseMotion(ABC):
         """The elementary motions that this one is made of by adding, scaling and turning; itself if it is one."""
         return (self,)
 
-    def to_dict(self, *, files: Mapping[Path, str] | None = None) -> dict[str, Any]:
+    def to_dict(self, *, files: Mapping[Path, str] | None = None) -> Entries:
         """Return every parameter as plain TOML values, from which `motion_from_dict` rebuilds the motion exactly.
 
         Args:
@@ -114,12 +113,12 @@ class BaseMotion(ABC):
         """
         return {"kind": self.kind, **self._parameters(files or {})}
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         """Return the constructor's arguments as plain values: the fields of the motion, but for lengths without an end."""
         stated = {item.name: getattr(self, item.name) for item in fields(self) if item.init}  # type: ignore[arg-type]
         return {name: _plain(value) for name, value in stated.items() if value != math.inf}
 
-    def _set(self, **values: Any) -> None:
+    def _set(self, **values: object) -> None:
         """Set attributes of a frozen motion while it is made."""
         for name, value in values.items():
             object.__setattr__(self, name, value)
@@ -257,7 +256,7 @@ class SumOfMotions(AsCall, BaseMotion):
         """Elementary motions of all terms."""
         return tuple(part for term in self.terms for part in term.parts)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         return {"terms": [term.to_dict(files=files) for term in self.terms]}
 
 
@@ -267,7 +266,7 @@ def unique_times(times: Iterable[float] | Array) -> Array:
     return ordered[np.diff(ordered, prepend=-np.inf) > SAME_TIME]
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Return a value with lists for tuples."""
     return [_plain(one) for one in value] if isinstance(value, tuple) else value
 

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from os.path import isfile  # as `Path.is_file`, but a name that is too long is none
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from wirerope_mj.foundation.directions import Direction, directions_in
 from wirerope_mj.foundation.plain_text import short
@@ -34,6 +34,8 @@ _OF_UNIT = {unit: (quantity, factor) for quantity, units in UNITS.items() for un
 _NUMBER = re.compile(r"([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(.*)", re.DOTALL)
 _SIGNIFICANT = re.compile(r"[1-9]")
 START = {"at": "time"}
+
+Read = TypeVar("Read")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,15 +150,15 @@ class SpokenMotion:
     words: Mapping[str, str] = field(default_factory=lambda: START)  # quantity of what may follow each word
     needed_words: tuple[str, ...] = ()  # words that must be there
     # takes what stands before the phrase, a file or a name, off it: returns what it means and the rest of the text
-    begins: Callable[[str, Path], tuple[Any, str]] | None = None
+    begins: Callable[[str, Path], tuple[object, str]] | None = None
     may: Mapping[str, int] = field(default_factory=dict)  # quantities that may be there, and how many values at most
     directed: bool = True  # whether it has a direction
 
 
-def file_first(read: Callable[[Path], Any]) -> Callable[[str, Path], tuple[Any, str]]:
+def file_first(read: Callable[[Path], Read]) -> Callable[[str, Path], tuple[Read, str]]:
     """Make the reader of the file that a phrase begins with, whose name may hold spaces."""
 
-    def begins(text: str, folder: Path) -> tuple[Any, str]:
+    def begins(text: str, folder: Path) -> tuple[Read, str]:
         words = text.split(" ")
         for count in range(len(words), 0, -1):
             path = folder / " ".join(words[:count])

@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import finite
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
@@ -189,7 +189,7 @@ class VelocityStep(StartedMotion):
         """Infinite [s]: away from its jump the step has no time scale."""
         return math.inf
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         direction = plain_direction(self.direction)
         return {"velocity": self.velocity_change, "direction": direction, "start": self.start}
 

@@ -100,11 +100,9 @@ class RandomVibration(AsCall, StartedMotion):
         """Start, full level, fall and end."""
         full, falls = self.steady
         return (
-            (self.start, "random vibration begins"),
-            (full, f"full level, {self.rms / STANDARD_GRAVITY:.4g} g rms"),
-            (falls, "vibration falls"),
-            (self.end, "random vibration ends"),
-        )
+            (self.start, "random vibration begins"), (full, f"full level, {self.rms / STANDARD_GRAVITY:.4g} g rms"),
+            (falls, "vibration falls"), (self.end, "random vibration ends"),
+        )  # fmt: skip
 
     @property
     def shortest_time(self) -> float:

@@ -1,7 +1,5 @@
 """Ranges of the numbers of a motion: far beyond what moves equipment, and near enough for all its integrals to be finite."""
 
-from typing import Any
-
 from wirerope_mj.foundation.arguments import finite, nonzero, not_negative, positive
 
 SLOWEST, FASTEST = 1e-6, 1e6  # frequencies [Hz]
@@ -11,17 +9,17 @@ LATEST = 1e6  # instants [s]: later ones are not told apart to 1e-10 s
 SMALLEST, LARGEST = 1e-12, 1e12
 
 
-def frequency(name: str, value: Any, *, least: float = SLOWEST) -> float:
+def frequency(name: str, value: object, *, least: float = SLOWEST) -> float:
     """Check a frequency [Hz]; `least` is 0 where a standstill may be meant."""
     return _within(name, value, least, FASTEST, "Hz")
 
 
-def sweep_rate(name: str, value: Any) -> float:
+def sweep_rate(name: str, value: object) -> float:
     """Check the rate of a sweep [octaves/min]."""
     return _within(name, value, SMALLEST, FASTEST, "octaves/min")
 
 
-def length(name: str, value: Any, *, least: float = SHORTEST) -> float:
+def length(name: str, value: object, *, least: float = SHORTEST) -> float:
     """Check the length of a part of a motion [s]; `least` is 0 where it may happen at once."""
     number = finite(name, value)
     if number == 0.0 == least:
@@ -31,12 +29,12 @@ def length(name: str, value: Any, *, least: float = SHORTEST) -> float:
     return _within(name, number, SHORTEST, LONGEST, "s")
 
 
-def start(name: str, value: Any) -> float:
+def start(name: str, value: object) -> float:
     """Check the instant at which a motion begins [s]."""
     return _within(name, value, -LATEST, LATEST, "s")
 
 
-def level(name: str, value: Any) -> float:
+def level(name: str, value: object) -> float:
     """Check a magnitude of either sign, in SI units."""
     number = nonzero(name, value)
     if not SMALLEST <= abs(number) <= LARGEST:
@@ -44,7 +42,7 @@ def level(name: str, value: Any) -> float:
     return number
 
 
-def _within(name: str, value: Any, low: float, high: float, unit: str) -> float:
+def _within(name: str, value: object, low: float, high: float, unit: str) -> float:
     number = (positive if low > 0.0 else not_negative if low == 0.0 else finite)(name, value)
     if not low <= number <= high:
         raise ValueError(f"`{name}` must be {low:g} to {high:g} {unit}, got {number!r}.")

@@ -2,11 +2,11 @@
 
 import inspect
 import shutil
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.foundation.arguments import nonzero
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.regular_files import file_inside
 from wirerope_mj.foundation.resources import scenarios_folder
@@ -33,7 +33,7 @@ _KINDS: tuple[type[BaseMotion], ...] = (
 _FACTORIES: dict[str, Callable[..., BaseMotion]] = {one.kind: load_record if one is Record else one for one in _KINDS}
 
 
-def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = None) -> BaseMotion:
+def motion_from_dict(stored: Entries, *, folder: str | Path | None = None) -> BaseMotion:
     """Return the motion that `BaseMotion.to_dict` stored; its numbers are the same to the last bit.
 
     Relative paths of records start in `folder`, the current one by default.
@@ -58,7 +58,7 @@ def motion_from_dict(stored: Mapping[str, Any], *, folder: str | Path | None = N
     return _FACTORIES[kind](**parameters)
 
 
-def _check_names(kind: str, parameters: Mapping[str, Any], factory: Callable[..., BaseMotion]) -> None:
+def _check_names(kind: str, parameters: Entries, factory: Callable[..., BaseMotion]) -> None:
     known = inspect.signature(factory).parameters
     unknown = [name for name in parameters if name not in known]
     missing = [name for name, item in known.items() if item.default is item.empty and name not in parameters]
@@ -81,7 +81,7 @@ def copy_records(motions: Sequence[BaseMotion], folder: Path) -> dict[Path, str]
     return names
 
 
-def check_records(motion: Mapping[str, Any], folder: Path) -> None:
+def check_records(motion: Entries, folder: Path) -> None:
     """Raise RecordError if a motion that `folder` holds, as `to_dict` stored it, names a record that is not in the folder."""
     if "path" in motion:
         file_inside(folder, motion["path"], "record")
@@ -117,7 +117,7 @@ def motion_of_levels(path: Path) -> BaseMotion:
     return sum(motions[1:], start=motions[0])
 
 
-def _motion(path: Path, number: int, table: dict[str, Any]) -> BaseMotion:
+def _motion(path: Path, number: int, table: Entries) -> BaseMotion:
     location = f"{path}, motion {number}"
     kinds = [key for key in table if key != "factor"]
     if len(kinds) != 1 or kinds[0] not in SPOKEN_MOTIONS:

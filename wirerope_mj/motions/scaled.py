@@ -8,9 +8,8 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
@@ -93,7 +92,7 @@ class Scaled(_Changed):
     def _changed(self, vectors: Array) -> Array:
         return self.factor * vectors
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         return {"motion": self.motion.to_dict(files=files), "factor": self.factor}
 
 
@@ -114,9 +113,8 @@ class Turned(_Changed):
     direction: Direction | None
 
     def __init__(
-        self, motion: BaseMotion, *, rotation: ArrayLike | None = None,
-        direction: str | Sequence[float] | Array | None = None,
-    ) -> None:  # fmt: skip
+        self, motion: BaseMotion, *, rotation: ArrayLike | None = None, direction: str | Sequence[float] | Array | None = None
+    ) -> None:
         object.__setattr__(self, "motion", motion)
         super().__post_init__()
         if (rotation is None) == (direction is None):
@@ -152,8 +150,8 @@ class Turned(_Changed):
         columns = vectors[:, :, np.newaxis] * self.matrix.T[np.newaxis]
         return columns[:, 0] + columns[:, 1] + columns[:, 2]
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values: dict[str, Any] = {"motion": self.motion.to_dict(files=files)}
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
+        values: Entries = {"motion": self.motion.to_dict(files=files)}
         if self.direction is not None:
             return {**values, "direction": plain_direction(self.direction)}
         return {**values, "rotation": [list(row) for row in self.rotation or ()]}

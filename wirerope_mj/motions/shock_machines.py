@@ -6,12 +6,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import between, finite, positive, the_one_given
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
@@ -121,7 +121,7 @@ class DecayingSine(StartedMotion):
         """Period, or the length of the blow if that is shorter [s]."""
         return min(1 / self.frequency, self.impact_duration or math.inf)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values = {"frequency": self.frequency, "damping": self.damping, self.quantity: self.level}
         direction = plain_direction(self.direction)
         return {**values, "direction": direction, "impact_duration": self.impact_duration, "start": self.start}
@@ -260,7 +260,7 @@ class ShockTableImpact(StartedMotion):
         peak = math.pi * self.velocity_change / (2 * length)
         return HalfSine(peak=peak, duration=length, direction=self.direction, start=self.impact)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values = {"drop_height": self.drop_height, "rebound": self.rebound, "start": self.start, "fall": self.fall}
         length = {} if self.pulse_duration is None else {"pulse_duration": self.pulse_duration}
         return {**values, **length, "gravity": self.gravity, "direction": plain_direction(self.direction)}

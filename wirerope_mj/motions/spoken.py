@@ -6,6 +6,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import Direction, directions_in, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.plain_text import short
@@ -29,7 +30,7 @@ Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
 _PULSE = {"acceleration": 1, "time": 1}
 _RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
-_SHAFT: dict[str, Any] = {
+_SHAFT: Entries = {
     "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
     "may": {"time": 1, "frequency": 2},
 }  # fmt: skip
@@ -38,7 +39,7 @@ _SHAFT: dict[str, Any] = {
 def _pulse(shape: Callable[..., BaseMotion]) -> Make:
     """Make a pulse of one shape."""
 
-    def make(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+    def make(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
         named = {"rise": phrase.named.get("rise", _RISE * phrase.one("time"))} if shape is Trapezoid else {}
         peak, duration = phrase.one("acceleration"), phrase.one("time")
         return shape(peak=peak, duration=duration, direction=direction, start=phrase.start, **named)
@@ -46,29 +47,29 @@ def _pulse(shape: Callable[..., BaseMotion]) -> Make:
     return make
 
 
-def _double_pulse(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+def _double_pulse(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
     spectrum = DesignSpectrum(**{name: phrase.one(name) for name in ("displacement", "velocity", "acceleration")})
     return spectrum.double_half_sine(direction=direction, start=phrase.start)
 
 
-def _struck_deck(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+def _struck_deck(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
     return DecayingSine(
         frequency=phrase.one("frequency"), damping=phrase.named["damping"], velocity=phrase.one("velocity"),
         direction=direction, impact_duration=phrase.named["blow"], start=phrase.start,
     )  # fmt: skip
 
 
-def _sine(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+def _sine(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
     frequency, amplitude, length = (phrase.one(quantity) for quantity in ("frequency", "acceleration", "time"))
     return Sine(frequency=frequency, acceleration=amplitude, direction=direction, duration=length)
 
 
-def _sweep(phrase: Phrase, direction: Direction, _: int, __: Any) -> BaseMotion:
+def _sweep(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
     (start, stop), rate = phrase.quantities["frequency"], phrase.one("sweep rate")
     return Sweep(start=start, stop=stop, rate=rate, acceleration=phrase.one("acceleration"), direction=direction)
 
 
-def _lasting(phrase: Phrase, direction: Direction, number: int) -> dict[str, Any]:
+def _lasting(phrase: Phrase, direction: Direction, number: int) -> Entries:
     """Read length, seed and ramps of a vibration; along several directions each has a seed of its own."""
     seed = phrase.named.get("seed", 1.0)
     if seed != int(seed) or not 0 <= seed <= LARGEST_SEED:
@@ -92,13 +93,13 @@ def _dwells(phrase: Phrase, direction: Direction, _: int, table: tuple[str, Poin
     lasting += [((frequency, amplitudes[frequency]), phrase.named["dwell"]) for frequency in chosen]
     dwells, start = [], phrase.start
     for line, length in lasting:
-        amplitude: dict[str, Any] = {table[0]: [line]}
+        amplitude: Entries = {table[0]: [line]}
         dwells.append(VibrationLines(direction=direction, duration=length, start=start, **amplitude))
         start += length
     return sum(dwells[1:], start=dwells[0])
 
 
-def _matched(phrase: Phrase, direction: Direction, number: int, points: Any) -> SpectrumMatch:
+def _matched(phrase: Phrase, direction: Direction, number: int, points: Points) -> SpectrumMatch:
     return match_spectrum(points, damping=phrase.named["damping"], **_lasting(phrase, direction, number))
 
 
@@ -109,7 +110,7 @@ def _shaft(kind: str) -> Make:
         named, frequencies = phrase.named, phrase.quantities.get("frequency", ())
         if len(frequencies) != (2 if "time" in phrase.quantities else 1):
             raise ValueError("one frequency must stand there, or two and the time of the run-up between them.")
-        values: dict[str, Any] = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
+        values: Entries = {"unbalance": phrase.one("unbalance"), "frequency": frequencies[0], kind: direction}
         values |= {"order": named.get("order", 1.0), "start": phrase.start}
         if len(frequencies) == 2:
             values |= {"final_frequency": frequencies[1], "run_up": phrase.one("time")}
@@ -120,7 +121,7 @@ def _shaft(kind: str) -> Make:
 
 def _harmonic(quantity: str) -> Make:
     def make(phrase: Phrase, direction: Direction, _: int, site: str) -> BaseMotion:
-        amplitude: dict[str, Any] = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
+        amplitude: Entries = {quantity: (phrase.one(quantity) * unit_vector(direction)).tolist()}
         length = phrase.one("time")
         amplitude |= {"frequency": phrase.one("frequency"), "duration": length}
         return HarmonicForce(site=site, start=phrase.start, **amplitude)

@@ -5,9 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 
 # From here on thirty terms of the series are exact to 1e-15 of the leading one: 30! / 50^30 is 3e-19.
 _SERIES_FROM = 50.0
@@ -22,7 +21,7 @@ _NODES = np.exp(_S - np.exp(-_S))
 _WEIGHTS = _STEP * _NODES * (1 + np.exp(-_S)) * np.exp(-_NODES)
 
 
-def oscillating_tail(u: Array, order: int) -> NDArray[np.complex128]:
+def oscillating_tail(u: Array, order: int) -> ComplexArray:
     """Return h1 (order 1) or h2 (order 2) of the integrals from u > 0, (n,), to infinity, without their fast factor e^(iu).
 
         int e^(is) / s ds          = e^(iu) h1(u)    (so e^(iu) h1 = E1(-iu) = -Ci(u) + i (pi/2 - Si(u)))
@@ -43,7 +42,7 @@ def oscillating_tail(u: Array, order: int) -> NDArray[np.complex128]:
     return h
 
 
-def _by_series(u: Array, order: int) -> NDArray[np.complex128]:
+def _by_series(u: Array, order: int) -> ComplexArray:
     """With q = -i/u: h1 = (i/u) sum n! q^n and h2 = -(i/u) sum n! (1 + 1/2 + ... + 1/n) q^n."""
     factors = _FACTORIALS if order == 1 else _HARMONIC_FACTORIALS
     factors = factors[:_FEW] if u.min(initial=np.inf) >= _FEW_FROM else factors
@@ -55,7 +54,7 @@ def _by_series(u: Array, order: int) -> NDArray[np.complex128]:
     return (1j if order == 1 else -1j) / u * total
 
 
-def _by_quadrature(u: Array, order: int) -> NDArray[np.complex128]:
+def _by_quadrature(u: Array, order: int) -> ComplexArray:
     h = np.zeros(u.shape, dtype=complex)
     for y, weight in zip(_NODES, _WEIGHTS, strict=True):
         term = 1j * weight / (u + 1j * y)
@@ -134,7 +133,7 @@ class Course:
         return self.sign * np.log1p(passed) / self.growth
 
 
-def _tail(course: Course, within: Array, order: int) -> NDArray[np.complex128]:
+def _tail(course: Course, within: Array, order: int) -> ComplexArray:
     """Return e^(i (u - u0)) h1(u) for order 1 and e^(i (u - u0)) h2(u) for order 2."""
     return np.exp(1j * course.angle(within)) * oscillating_tail(course.u(within), order)
 

@@ -5,13 +5,12 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.foundation.arguments import as_times, finite, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.payload_forces import PayloadForce
@@ -128,8 +127,8 @@ class Unbalance(PayloadForce):
         """Period at the highest speed [s]."""
         return 1.0 / (self.order * max(self.frequency, self.final_frequency or 0.0))
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values: dict[str, Any] = {"site": self.site, "unbalance": self.unbalance, "frequency": self.frequency}
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
+        values: Entries = {"site": self.site, "unbalance": self.unbalance, "frequency": self.frequency}
         for name in ("axis", "line"):
             if getattr(self, name) is not None:
                 values[name] = plain_direction(getattr(self, name))

@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, integer, the_one_given
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
@@ -131,8 +131,8 @@ class VibrationLines(AsCall, StartedMotion):
         """Period of the highest frequency [s]."""
         return 1 / self.lines[-1][0]
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values: dict[str, Any] = {self.quantity: [list(line) for line in self.lines]}
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
+        values: Entries = {self.quantity: [list(line) for line in self.lines]}
         if self.phases is not None:
             values["phases"] = list(self.phases)
         if self.seed is not None:

@@ -13,11 +13,7 @@ checksums.txt      SHA-256 of every other file, as sha256sum writes them: what s
 ```
 """
 
-from wirerope_mj.runs.job import JobRun as JobRun
-from wirerope_mj.runs.job import run_job as run_job
-from wirerope_mj.runs.job_file import Job as Job
-from wirerope_mj.runs.job_file import load_job as load_job
-from wirerope_mj.runs.repeat import Replay as Replay
-from wirerope_mj.runs.repeat import replay as replay
-from wirerope_mj.runs.write import run_scenario as run_scenario
-from wirerope_mj.runs.write import write_run as write_run
+from wirerope_mj.runs.job import JobRun, run_job
+from wirerope_mj.runs.job_file import Job, load_job
+from wirerope_mj.runs.repeat import Replay, replay
+from wirerope_mj.runs.write import run_scenario, write_run

@@ -4,7 +4,6 @@ from collections.abc import Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 
@@ -16,6 +15,7 @@ from wirerope_mj.dynamics.frequency_response.summary import LevelSummary, plain_
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.model_files import model_table, write_model
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.directions import plain_direction
 from wirerope_mj.foundation.tables import Table
@@ -27,9 +27,7 @@ SETTINGS = "settings.toml"
 MODES_KIND, MODES_MARKS = "folder of modes", (SETTINGS, "modes.json")
 KIND, MARKS = "frequency response", (SETTINGS, "frequency_response.json")
 # Files of the charts, by their ids.
-PICTURES = {
-    "amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png",
-}  # fmt: skip
+PICTURES = {"amplitude": "frequency_response.png", "transmissibility": "transmissibility.png", "orbit-loops": "loops.png"}
 _PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba", "rerun-sdk")
 
 
@@ -67,7 +65,7 @@ def write_frequency_response(
         _write_views(result, findings, content, temporary)
 
 
-def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, Any], *packages: str) -> None:
+def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str, object], *packages: str) -> None:
     """Write the model as it was used, every input with nothing left open, and the versions that computed it."""
     settings = {
         "format": FORMAT, "name": name, "written": datetime.now(UTC).replace(microsecond=0),
@@ -77,12 +75,12 @@ def _write_settings(folder: Path, name: str, system: System, tables: Mapping[str
     (folder / SETTINGS).write_text(tomli_w.dumps(settings), encoding="utf-8")
 
 
-def _question(result: FrequencyResponse) -> dict[str, Any]:
+def _question(result: FrequencyResponse) -> Entries:
     """Return what was asked: the tables of the options that count for the method."""
     options = result.options
     start, stop = options.range
     assert options.response_direction is not None
-    content: dict[str, Any] = {
+    content: Entries = {
         "question": {
             "accelerations": list(options.accelerations), "method": options.method,
             "direction": plain_direction(options.direction), "payload": options.payload,

@@ -2,12 +2,12 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.assessment.correlation import Correlation, correlate
 from wirerope_mj.content.correlation import correlation_content
 from wirerope_mj.content.judged_run import RunResult
 from wirerope_mj.engine.response import load_response
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import load_measured
@@ -18,7 +18,7 @@ from wirerope_mj.views.report import report_html
 
 
 def write_correlation(
-    folder: Path, files: Mapping[str, Path], options: Mapping[str, Any], page: Path, *, force: bool
+    folder: Path, files: Mapping[str, Path], options: Entries, page: Path, *, force: bool
 ) -> tuple[Correlation, ...]:
     """Compare a run with tests, keep their files in its folder, and write a page, and a recording beside it.
 

@@ -2,14 +2,13 @@
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import same_columns
 from wirerope_mj.engine.response.scene import scene_to_dict
+from wirerope_mj.foundation.arrays import Entries, Integers
 from wirerope_mj.runs.folder import SUMMARY
 
 # A difference, relative to what its kind of number is compared with, and where it is; infinite for texts and NaN.
@@ -85,7 +84,7 @@ def peak_differences(stored: Response, again: Response) -> Iterator[Difference]:
 _INSTANTS = {1: 0, **{8 + axis: 5 + axis for axis in range(3)}, **{14 + axis: 11 + axis for axis in range(3)}}
 
 
-def other_differences(stored: Response, again: Response, parts: Sequence[npt.NDArray[np.int64]]) -> Iterator[Difference]:
+def rest_differences(stored: Response, again: Response, parts: Sequence[Integers]) -> Iterator[Difference]:
     """Yield the differences of states, scene, events and step, relative to themselves.
 
     Of states each of the `parts`, positions, rates and internal states by their indices, is compared with its largest number.
@@ -114,7 +113,7 @@ def other_differences(stored: Response, again: Response, parts: Sequence[npt.NDA
         yield from _plain_differences(here, there, name)
 
 
-def summary_differences(stored: Mapping[str, Any], computed: Mapping[str, Any], *, texts: bool) -> Iterator[Difference]:
+def summary_differences(stored: Mapping[str, object], computed: Mapping[str, object], *, texts: bool) -> Iterator[Difference]:
     """Yield the differences between the stored content of summary.json and what the stored response gives.
 
     With `texts`, texts and the entries themselves are compared, which another version may write otherwise, as it may judge
@@ -124,7 +123,7 @@ def summary_differences(stored: Mapping[str, Any], computed: Mapping[str, Any], 
 
 
 def _plain_differences(
-    mine: Any, other: Any, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
+    mine: object, other: object, where: str, *, texts: bool = True, without: tuple[str, ...] = ()
 ) -> Iterator[Difference]:
     """Yield the differences between plain values: numbers relative to themselves, anything else infinite."""
     one, two = _flat(mine), _flat(other)
@@ -146,7 +145,7 @@ def _plain_differences(
             yield np.inf, f"{where} {key}"
 
 
-def _flat(value: Any, where: str = "") -> dict[str, Any]:
+def _flat(value: object, where: str = "") -> Entries:
     """Return the numbers and texts in nested tables and lists by name; entries of a list by what they are called."""
     if isinstance(value, Mapping):
         items = [(str(key), item) for key, item in value.items()]
@@ -160,10 +159,10 @@ def _flat(value: Any, where: str = "") -> dict[str, Any]:
     return flat
 
 
-def _label(item: Any, number: int) -> str:
+def _label(item: object, number: int) -> str:
     known = [str(item[key]) for key in _LABELS if key in item] if isinstance(item, Mapping) else []
     return " of ".join(known) or str(number)
 
 
-def _is_number(value: Any) -> bool:
+def _is_number(value: object) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool)

@@ -1,13 +1,12 @@
 """The table `[document]` of a job, read and written; and the check of what tables of a job hold."""
 
-from collections.abc import Mapping
 from dataclasses import asdict, fields
 from datetime import date
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.content.document import TEXTS, Document, Revision
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.regular_files import regular
@@ -20,7 +19,7 @@ _SAID = {
 }  # fmt: skip
 
 
-def checked(table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> None:
+def checked(table: Entries, known: Entries, where: str) -> None:
     """Raise ModelError unless a table has known keys with values of their kinds; a list is one of texts, or of tables."""
     for key, value in table.items():
         if key not in known:
@@ -37,7 +36,7 @@ def checked(table: Mapping[str, Any], known: Mapping[str, Any], where: str) -> N
             raise ModelError(f"{where}: `{key}` must be {_SAID[kind]}, got {quoted(value)}.")
 
 
-def read_document(table: Mapping[str, Any], path: Path) -> Document:
+def read_document(table: Entries, path: Path) -> Document:
     """Read the data of a document; a logo lies relative to the file at `path`.
 
     ModelError if a key is unknown or of another kind, or the logo is no PNG or JPEG; names it.
@@ -75,9 +74,9 @@ def logo_ending(logo: Path, where: str) -> str:
     return ending
 
 
-def document_table(document: Document, logo: str) -> dict[str, Any]:
+def document_table(document: Document, logo: str) -> Entries:
     """Return the table of a document as `read_document` reads it; `logo` is the name of the logo's copy."""
-    table: dict[str, Any] = {name: getattr(document, name) for name in _LINES if getattr(document, name)}
+    table: Entries = {name: getattr(document, name) for name in _LINES if getattr(document, name)}
     table |= {"logo": logo} if logo else {}
     table |= {"history": [asdict(one) for one in document.history]} if document.history else {}
     return table | ({"text": dict(document.texts)} if document.texts else {})

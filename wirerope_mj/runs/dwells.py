@@ -8,8 +8,8 @@ import numpy as np
 
 from wirerope_mj.dynamics.sweep.sweeps import stepped_sine
 from wirerope_mj.engine.system import System
-from wirerope_mj.motions.phrases import parse_phrase
-from wirerope_mj.motions.psd_lines import Points
+from wirerope_mj.motions.phrases import file_first, parse_phrase
+from wirerope_mj.motions.psd_lines import Points, table_lines
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
 
 KIND = "amplitude-table"
@@ -33,9 +33,8 @@ def with_dwells_found(
 
 def _completed(text: str, system: System, folder: Path) -> str:
     spoken = SPOKEN_MOTIONS[KIND]
-    assert spoken.begins is not None
     try:
-        (quantity, lines), rest = spoken.begins(text, folder)
+        (quantity, lines), rest = file_first(table_lines)(text, folder)
         phrase = parse_phrase(rest, words=spoken.words)
     except ValueError:
         return text  # what is wrong with it is said where the motion is made

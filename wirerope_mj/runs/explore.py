@@ -6,7 +6,6 @@ from dataclasses import replace
 from itertools import count
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.content.numbers import title_of
@@ -15,6 +14,7 @@ from wirerope_mj.engine.simulation.simulate import RING_DOWN
 from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import directions_in
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.resources import model_file, shipped_models
@@ -110,14 +110,14 @@ class Exploration:
         self._shown = (self._simulated(checked_values(self.sliders, {}), passing=False, exact=True),)
         self._step = self._shown[0].response.numerics.timestep
 
-    def start(self) -> dict[str, Any]:
+    def start(self) -> Entries:
         """Return title, question, sliders and the last answer."""
         return {
             "title": title_of(self._scenario.name), "question": self._scenario.question.strip().split("\n", 1)[0],
             "sliders": [vars(slider) for slider in self.sliders], "answer": self._answer(),
         }  # fmt: skip
 
-    def run(self, values: object, *, passing: bool = False, exact: bool = False) -> dict[str, Any]:
+    def run(self, values: object, *, passing: bool = False, exact: bool = False) -> Entries:
         """Simulate with the sliders at some values, and return what came out beside the run before it.
 
         A run that was passing gives way to this one; every other one is what this one is compared with from now on. Values of
@@ -159,7 +159,7 @@ class Exploration:
         if self._recorder is not None:
             self._recorder.close()
 
-    def _answer(self) -> dict[str, Any]:
+    def _answer(self) -> Entries:
         shown = self._shown  # another thread may put others in their place
         return answer(shown[-1], shown[0] if len(shown) > 1 else None, self._tests)
 

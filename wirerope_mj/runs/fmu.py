@@ -37,9 +37,7 @@ def write_fmu(
     target = Path(path)
     if target.suffix != ".fmu":
         raise RecordError(f"{target}: a functional mock-up unit is a file that ends in .fmu.")
-    if target.exists() and not force:
-        raise RecordError(f"{target}: a file stands here already; --force replaces it.")
-    check_writable(target)
+    check_writable(target, force=force)
     try:
         from pythonfmu3.builder import FmuBuilder
     except ImportError:

@@ -7,7 +7,6 @@ which the unit is run.
 import tomllib
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from pythonfmu3 import Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepResult, Fmi3Variability, Unit
@@ -15,6 +14,7 @@ from pythonfmu3 import Float64, Fmi3Causality, Fmi3Slave, Fmi3Status, Fmi3StepRe
 from wirerope_mj.engine.response.histories import unit_of
 from wirerope_mj.engine.simulation.stepwise import Stepwise
 from wirerope_mj.engine.system import load_system
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import WireRopeError
 
 _UNITS = {
@@ -27,7 +27,7 @@ _WRENCH = (("force", "N"), ("moment", "N m"))
 class WireRopeUnit(Fmi3Slave):
     """A system of wire-rope mounts as a co-simulation unit of FMI 3: base acceleration and loads in, motion and forces out."""
 
-    def __init__(self, **arguments: Any) -> None:
+    def __init__(self, **arguments: object) -> None:
         """Read the model and name the variables."""
         super().__init__(**arguments)
         folder = Path(self.resources)
@@ -55,7 +55,7 @@ class WireRopeUnit(Fmi3Slave):
                 dotted = ".".join(_quoted(part) for part in name.split("/"))
                 self._add(dotted, unit_of(name), self._output(number), causality=Fmi3Causality.output)
 
-    def _add(self, name: str, unit: str, getter: Callable[[], float], setter: Any = None, *, causality: Any) -> None:
+    def _add(self, name: str, unit: str, getter: Callable[[], float], setter: object = None, *, causality: object) -> None:
         how = {"causality": causality, "variability": Fmi3Variability.continuous, "getter": getter, "setter": setter}
         self.register_variable(Float64(name, unit=unit or None, **how), nested=False)
 
@@ -74,7 +74,7 @@ class WireRopeUnit(Fmi3Slave):
         """Begin anew, at rest."""
         self._begin()
 
-    def do_step(self, current_time: float, step_size: float) -> Any:
+    def do_step(self, current_time: float, step_size: float) -> object:
         """Go on by a step [s] with the inputs held."""
         assert self._going is not None
         if abs(current_time - self._going.time) > 1e-9 * max(1.0, abs(current_time)):
@@ -86,12 +86,12 @@ class WireRopeUnit(Fmi3Slave):
             return self._refused(str(error))
         return Fmi3StepResult()
 
-    def _refused(self, why: str) -> Any:
+    def _refused(self, why: str) -> object:
         self.log(why, Fmi3Status.error)
         return Fmi3StepResult(status=Fmi3Status.error)
 
 
-def _entry(values: Any, number: int) -> tuple[Callable[[], float], Callable[[float], None]]:
+def _entry(values: Array, number: int) -> tuple[Callable[[], float], Callable[[float], None]]:
     """Return how an entry of an array is read and written."""
     return lambda: float(values[number]), lambda value: values.__setitem__(number, float(value))
 

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import UNITS, PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -24,17 +24,10 @@ _CARRIED = ("duration", "timestep", "accuracy", "sample_rate", "initial")
 
 
 def study_of(
-    scenario: Scenario | str | Path,
-    *,
-    vary: Mapping[str, Distribution],
-    variants: int | None = None,
-    sampling: str = "sobol",
-    seed: int = 1,
-    timestep: float | None = None,
-    accuracy: float | None = None,
-    options: Mapping[str, Any] | None = None,
+    scenario: Scenario | str | Path, *, vary: Mapping[str, Distribution], variants: int | None = None, sampling: str = "sobol",
+    seed: int = 1, timestep: float | None = None, accuracy: float | None = None, options: Mapping[str, object] | None = None,
     name: str | None = None,
-) -> Study:
+) -> Study:  # fmt: skip
     """Return the study of a scenario; model, motion, duration, step and initial state are those of the scenario.
 
     Args:
@@ -106,7 +99,7 @@ def _text(limit: PayloadLimit) -> str:
     return f"{limit.kind}/{limit.name} = {values} {'g' if accelerates else UNITS[limit.kind]}"
 
 
-def _carried(scenario: Scenario) -> dict[str, Any]:
+def _carried(scenario: Scenario) -> Entries:
     """Return the arguments of the simulation that a study shares; ModelError if there is another that matters."""
     arguments, asks = dict(scenario.simulate), f"scenario {scenario.name!r}"
     if (callback := arguments.pop("callback", "native")) != "native":

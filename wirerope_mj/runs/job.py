@@ -21,13 +21,13 @@ from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import tomli_w
 
 from wirerope_mj.content.job import JudgedCase, JudgedJob, job_content, job_headline
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import write_model
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file, check_folder, full_disk_named, worked_on_alone, write_json
 from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRopeError
 from wirerope_mj.foundation.half_written import clear_half_written
@@ -154,11 +154,11 @@ def judged_job(folder: Path) -> JudgedJob:
     )  # fmt: skip
 
 
-def job_table(folder: Path) -> dict[str, Any]:
+def job_table(folder: Path) -> Entries:
     """Return what `job.toml` of a job's folder says; RecordError unless it is as it was written."""
     path = folder / JOB
     content = read_toml(path, "job")
-    kinds: dict[str, Any] = {"name": str, "question": str, "report": list, "written": datetime, "case": list}
+    kinds: dict[str, type] = {"name": str, "question": str, "report": list, "written": datetime, "case": list}
     right = content.get("format") == FORMAT and all(isinstance(content.get(key), kind) for key, kind in kinds.items())
     cases = content["case"] if right else ()
     if not cases or not all({"name", "folder", "note"} <= table.keys() for table in cases):
@@ -203,7 +203,7 @@ def _with_digests(scenario: Scenario, model: str) -> Scenario:
     return replace(scenario, options={**scenario.options, INPUTS: f"{said}, version {version('wirerope-mj')}"})
 
 
-def _digest(value: Any) -> str:
+def _digest(value: object) -> str:
     return hashlib.sha256(json.dumps(value, sort_keys=True).encode()).hexdigest()[:_CHARACTERS]
 
 

@@ -1,16 +1,16 @@
 """A job: load cases of one installation, their limits and the document that they make, read from one TOML file."""
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.job import REPORTED
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.simulation.simulate import check_arguments, check_direction, duration_of
 from wirerope_mj.engine.system import System, load_system
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, WireRopeError
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limit_from_text
 from wirerope_mj.foundation.plain_text import quoted, short
@@ -27,16 +27,14 @@ from wirerope_mj.runs.scenario_file import judged_by
 KIND = "file of a job"
 QUESTION = "Does the equipment keep its limits, and do the mounts keep theirs, under every load case?"
 
-_SIMULATE: dict[str, Any] = {
-    "duration": float, "initial": str, "sample_rate": float, "accuracy": float, "timestep": float,
-}  # fmt: skip
-_RECORD: dict[str, Any] = {"channels": list, "direction": str} | dict.fromkeys(PLAYED, float) | {
+_SIMULATE: Entries = {"duration": float, "initial": str, "sample_rate": float, "accuracy": float, "timestep": float}
+_RECORD: Entries = {"channels": list, "direction": str} | dict.fromkeys(PLAYED, float) | {
     "baseline": str, "gaps": str, "unit": str,
 }  # fmt: skip
-_CASE: dict[str, Any] = {
+_CASE: Entries = {
     "name": str, "note": str, **dict.fromkeys(SPOKEN_MOTIONS, list), "levels": list, "record": str, **_RECORD, **_SIMULATE,
 }  # fmt: skip
-_JOB: dict[str, Any] = {
+_JOB: Entries = {
     "name": str, "question": str, "model": str, "report": list, "combined_travel": bool, "sheet": str, "case": list,
     "records": dict, "simulate": dict, "limits": dict, "document": dict,
 }  # fmt: skip
@@ -84,8 +82,7 @@ def load_job(path: str | Path) -> Job:
     content = read_toml(path, KIND)
     checked(content, _JOB, f"{path}")
     if "model" not in content:
-        text = f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".'
-        raise ModelError(text)
+        raise ModelError(f'{path}: `model` is missing: the path of a model or the name of one that ships, model = "cabinet".')
     source = model_source(content["model"], folder=path.resolve().parent, asker=str(path))
     limits = tuple(_limits(path, content.get("limits", {})))
     combined = content.get("combined_travel", True)
@@ -104,8 +101,7 @@ def load_job(path: str | Path) -> Job:
         if not slug:
             raise ModelError(f'{where}: `name` is missing: it names the case and its folder, name = "vertical shock".')
         if any(other.folder == slug for other in cases):
-            text = f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit."
-            raise ModelError(text)
+            raise ModelError(f"{where}: {quoted(name)} is given twice; names of cases must differ by a letter or a digit.")
         said = _scenario(f"{where} {quoted(name)}", every | table, folder, system)
         made = Scenario(question=question, model=source, name=name, limits=limits, combined_travel=combined, **said)
         cases.append(LoadCase(name=name, folder=slug, note=table.get("note", ""), scenario=made))
@@ -120,7 +116,7 @@ def load_job(path: str | Path) -> Job:
     )  # fmt: skip
 
 
-def _limits(path: Path, table: Mapping[str, Any]) -> Iterator[PayloadLimit]:
+def _limits(path: Path, table: Entries) -> Iterator[PayloadLimit]:
     for key, value in table.items():
         if not isinstance(value, str):
             raise ModelError(f'{path}, [limits]: `{short(key)}` must be a text such as "15 g", got {quoted(value)}.')
@@ -130,7 +126,7 @@ def _limits(path: Path, table: Mapping[str, Any]) -> Iterator[PayloadLimit]:
             raise ModelError(f'{path}, [limits]: {error} Here it is "acceleration/rack" = "15 g".') from None
 
 
-def _report(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
+def _report(path: Path, content: Entries) -> tuple[str, ...]:
     names = tuple(_texts(content.get("report", list(REPORTED[:7]))))
     for name in names:
         if name not in REPORTED:
@@ -138,7 +134,7 @@ def _report(path: Path, content: Mapping[str, Any]) -> tuple[str, ...]:
     return names
 
 
-def _tables(path: Path, content: Mapping[str, Any]) -> Iterator[tuple[str, Path, dict[str, Any]]]:
+def _tables(path: Path, content: Entries) -> Iterator[tuple[str, Path, Entries]]:
     """Yield place, folder of its files, and table of each case: of the file, of its sheet, of its directory of records."""
     folder = path.parent
     for number, table in enumerate(content.get("case", []), start=1):
@@ -155,7 +151,7 @@ def _tables(path: Path, content: Mapping[str, Any]) -> Iterator[tuple[str, Path,
         yield from _records(path, content["records"])
 
 
-def _records(path: Path, table: dict[str, Any]) -> Iterator[tuple[str, Path, dict[str, Any]]]:
+def _records(path: Path, table: Entries) -> Iterator[tuple[str, Path, Entries]]:
     """Yield a case for each record that a pattern finds."""
     where = f"{path}, [records]"
     checked(table, {"files": str, "note": str, **_RECORD, **_SIMULATE}, where)
@@ -170,7 +166,7 @@ def _records(path: Path, table: dict[str, Any]) -> Iterator[tuple[str, Path, dic
         yield where, path.parent, {"name": file.stem, "record": str(file.relative_to(path.parent)), **shared}
 
 
-def _scenario(where: str, table: dict[str, Any], folder: Path, system: System) -> dict[str, Any]:
+def _scenario(where: str, table: Entries, folder: Path, system: System) -> Entries:
     """Return motion, simulation and options of a case's scenario."""
     phrases = [(kind, text) for kind in SPOKEN_MOTIONS for text in _texts(table.get(kind, []))]
     levels = [folder / file for file in _texts(table.get("levels", []))]

@@ -2,10 +2,10 @@
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.content.blocks import Content
 from wirerope_mj.content.job_study import job_study_content
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.runs.from_scenario import limits_of, study_of
 from wirerope_mj.runs.job_file import Job
@@ -18,9 +18,7 @@ from wirerope_mj.studies.results.study_summary import StudySummary, summary_of
 from wirerope_mj.views.json_content import plain_content
 
 
-def study_job(
-    job: Job, folder: str | Path, *, vary: Mapping[str, Distribution], how: Mapping[str, Any], drawn: Mapping[str, Any]
-) -> Content:
+def study_job(job: Job, folder: str | Path, *, vary: Mapping[str, Distribution], how: Entries, drawn: Entries) -> Content:
     """Compute the same variants under every load case, write them and what they say into a folder, and return that.
 
     Each case is a study of its own in the folder of its name, judged by the job's limits on accelerations and on clearances

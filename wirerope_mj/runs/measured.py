@@ -1,12 +1,12 @@
 """Tests that a run is compared with: their files stand in the run's folder, each with a map of what its columns are."""
 
 import shutil
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import tomli_w
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.regular_files import file_inside
@@ -19,7 +19,7 @@ _KIND = "map of a measurement"
 _OPTIONS = ("start", "clock", "baseline", "gaps")
 
 
-def read_map(items: Sequence[str]) -> dict[str, Any]:
+def read_map(items: Sequence[str]) -> Entries:
     """Read what the columns of a measurement are, as `load_measured` takes it: `COLUMN=PHRASE`, or a TOML file.
 
     The file has a table `channels`, COLUMN = "PHRASE", and maybe `start`, `clock`, `baseline` and `gaps`. ValueError if
@@ -27,16 +27,15 @@ def read_map(items: Sequence[str]) -> dict[str, Any]:
     unknown.
     """
     channels: dict[str, str] = {}
-    options: dict[str, Any] = {}
+    options: Entries = {}
     for item in items:
         column, sign, phrase = item.partition("=")
         if sign:
-            found: Mapping[str, Any] = {"channels": {column.strip(): phrase.strip()}}
+            found: Entries = {"channels": {column.strip(): phrase.strip()}}
         elif item.endswith(".toml"):
             found = _checked(Path(item), read_toml(Path(item), _KIND))
         else:
-            text = f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.'
-            raise ValueError(text)
+            raise ValueError(f'`--map` must be COLUMN=PHRASE, such as "A1=point/rack_top z g", or a TOML file, got {item!r}.')
         for name, phrase in found["channels"].items():
             if name in channels:
                 raise ValueError(f"`--map` must say once what a column is, got {name!r} twice.")
@@ -84,13 +83,12 @@ def tests_of(folder: Path) -> tuple[Measured, ...]:
     return tuple(tests)
 
 
-def _checked(path: Path, content: dict[str, Any]) -> dict[str, Any]:
+def _checked(path: Path, content: Entries) -> Entries:
     """Return the content of a map; RecordError for an unknown key, or if it names no columns."""
     unknown = [key for key in content if key not in (*_OPTIONS, "channels")]
     if unknown:
         raise RecordError(f"{path}: `{unknown[0]}` is unknown; known: channels, {', '.join(_OPTIONS)}.")
     channels = content.get("channels")
     if not isinstance(channels, dict) or not all(isinstance(phrase, str) for phrase in channels.values()):
-        text = f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".'
-        raise RecordError(text)
+        raise RecordError(f'{path}: a table [channels] must say what each column is, for instance A1 = "point/rack_top z g".')
     return content

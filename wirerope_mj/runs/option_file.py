@@ -9,15 +9,17 @@ from difflib import get_close_matches
 from importlib.util import module_from_spec, spec_from_file_location
 from numbers import Integral, Real
 from pathlib import Path, PurePath
-from typing import Any, Self
+from types import UnionType
+from typing import Self
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
 
 _PACKAGE = Path(__file__).resolve().parents[1]
 # Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well.
-_KINDS: tuple[tuple[type, Any, str], ...] = (
+_KINDS: tuple[tuple[type, type | UnionType, str], ...] = (
     (bool, bool, "true or false"), (int, Integral, "an integer"), (float, Real, "a number"),
     (str, str | PurePath, "text"),
 )  # fmt: skip
@@ -38,7 +40,7 @@ class OptionFile:
 
     name: str
     path: Path
-    function: Callable[..., Any]
+    function: Callable[..., object]
 
     @classmethod
     def load(cls, name_or_path: str | Path, shipped: Mapping[str, Path], kind: str) -> Self:
@@ -64,11 +66,11 @@ class OptionFile:
         return (self.function.__doc__ or "").strip().split("\n", 1)[0]
 
     @property
-    def defaults(self) -> dict[str, Any]:
+    def defaults(self) -> Entries:
         """Options and their default values."""
         return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
 
-    def made(self, options: dict[str, Any]) -> tuple[Any, dict[str, Any]]:
+    def made(self, options: Entries) -> tuple[object, Entries]:
         """Call the function with some options; return its result, and all options with their values or defaults.
 
         ModelError if an option is unknown or of another kind, or the function fails; says in which line.
@@ -82,7 +84,7 @@ class OptionFile:
         return guarded(self.path, lambda: self.function(**values)), values
 
 
-def load_function(path: Path, name: str) -> Callable[..., Any]:
+def load_function(path: Path, name: str) -> Callable[..., object]:
     """Return the function `name` of a Python file; its docstring is the file's, followed by its own arguments.
 
     ModelError if the file cannot be read or has no such function with keyword options only; says in which line.
@@ -115,14 +117,14 @@ def _check_text(path: Path, name: str) -> None:
         raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
 
 
-def _check_kind(path: Path, option: str, default: Any, value: Any) -> None:
+def _check_kind(path: Path, option: str, default: object, value: object) -> None:
     """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
     known, accepted, kind = next((one for one in _KINDS if isinstance(default, one[0])), (object, object, ""))
     if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
         raise ModelError(f"{path}: option `{option}` must be {kind}, as its default {default!r} is, got {value!r}.")
 
 
-def guarded(path: Path, action: Callable[[], Any]) -> Any:
+def guarded(path: Path, action: Callable[[], object]) -> object:
     """Return what `action` returns; ModelError with file and line if the file's own code fails."""
     try:
         return action()

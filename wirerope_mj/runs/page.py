@@ -21,14 +21,12 @@ def page_files(folder: Path, out: str | Path | None, *, pdf: bool, force: bool, 
 
     page = folder / REPORT if out is None else Path(out)
     if page.suffix.lower() not in (".html", ".htm"):
-        text = f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`)."
-        raise ValueError(text)
+        raise ValueError(f"`out` must end with .html, got {str(out)!r}; a PDF is written beside it with --pdf (`pdf=True`).")
     wanted = ((".pdf", pdf, check_pdf), (".docx", docx, check_docx))
     files = [page, *(page.with_suffix(ending) for ending, asked, _ in wanted if asked)]
     for path in files:
         if out is not None and path.exists() and not (force and path.is_file()):
-            text = f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name."
-            raise RecordError(text)
+            raise RecordError(f"{path}: this exists already. Replace it with --force (`force=True`), or choose another name.")
     for _, asked, check in wanted:
         if asked:
             check()

@@ -16,13 +16,7 @@ from wirerope_mj.engine.simulation.in_lanes import moving
 from wirerope_mj.engine.simulation.simulate import versions
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.runs.differences import (
-    Difference,
-    other_differences,
-    peak_differences,
-    sample_differences,
-    summary_differences,
-)
+from wirerope_mj.runs.differences import Difference, peak_differences, rest_differences, sample_differences, summary_differences
 from wirerope_mj.runs.folder import SUMMARY, Alterations, alterations
 from wirerope_mj.runs.scenario_file import scenario_content
 from wirerope_mj.runs.sources import check_one_run, system_and_motion
@@ -94,12 +88,11 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
             differences += sample_differences(stored, again)
             differences += peak_differences(stored, again)
             parts = np.split(moving(system), [system.model.nq, system.model.nq + system.model.nv])
-            differences += other_differences(stored, again, parts)
+            differences += rest_differences(stored, again, parts)
     difference, where = _largest(differences)
     return Replay(
-        identical=not where, largest_difference=difference, column=where, response=None if long else again,
-        alterations=altered,
-    )  # fmt: skip
+        identical=not where, largest_difference=difference, column=where, response=None if long else again, alterations=altered
+    )
 
 
 def replay_study(folder: str | Path) -> tuple[float, str]:

@@ -93,9 +93,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
     from wirerope_mj.content.worst import scene_at, worst_instant
     from wirerope_mj.views.plots.scene_plan import save_still
 
-    check_writable(out)
-    if out.exists() and not force:
-        raise RecordError(f"{out}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    check_writable(out, force=force)
     run = judged_folder(_run_folder(folder))
     last, instant = float(run.response.time[-1]), None
     if at is not None:
@@ -107,8 +105,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
             raise ValueError(f'`at` must be a time within the run, 0 to {last:g} s, such as "120 ms"; got {at!r}.')
     view = worst_instant(run) if instant is None else scene_at(run.response, instant)
     if view is None:
-        text = "nothing that is drawn has moved from its modelled place at this instant; say another with `at`."
-        raise ValueError(text)
+        raise ValueError("nothing that is drawn has moved from its modelled place at this instant; say another with `at`.")
     save_still(view, out, title=run.title)
     return out
 
@@ -116,8 +113,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
 def _run_folder(folder: Path) -> Path:
     """Return the folder; RecordError if it is something else than a run."""
     if not folder.is_dir():
-        text = f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote."
-        raise RecordError(text)
+        raise RecordError(f"{folder}: there is no such folder; a report is made of the folder that `wirerope run` wrote.")
     if all((folder / mark).is_file() for mark in MARKS):
         raise RecordError(f"{folder}: this is a {KIND}, whose {REPORT} stands in its folder; reports are made of runs.")
     return folder
@@ -136,8 +132,7 @@ def share_run(folder: str | Path, out: str | Path, *, force: bool = False) -> li
     folder, target = Path(folder), Path(out)
     report = folder / REPORT
     if not report.is_file():
-        text = f"{folder}: there is no {REPORT} here to share. `wirerope report {folder}` makes one of a run."
-        raise RecordError(text)
+        raise RecordError(f"{folder}: there is no {REPORT} here to share. `wirerope report {folder}` makes one of a run.")
     recording = find_recording(folder)
     if target.resolve().is_relative_to(folder.resolve()):
         raise RecordError(f"{target}: this is inside the run, whose files are its record; choose a place outside.")

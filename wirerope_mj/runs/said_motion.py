@@ -1,9 +1,9 @@
 """Base motions as commands and files of jobs say them: phrases, files of levels and a record added."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import direction_in
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion, load_record
@@ -17,7 +17,7 @@ PLAYED = ("scale", "baseline", "start", "highpass", "resample", "gaps", "unit")
 
 def said_motion(
     phrases: Sequence[tuple[str, str]], *, levels: Sequence[Path] = (), record: Path | None = None,
-    channels: Sequence[str] | None = None, direction: str | None = None, played: Mapping[str, Any] | None = None,
+    channels: Sequence[str] | None = None, direction: str | None = None, played: Entries | None = None,
     duration: float | None = None, folder: Path | None = None,
 ) -> BaseMotion:  # fmt: skip
     """Add the motions of phrases, each a kind of `SPOKEN_MOTIONS` and a text, of files of levels and of a measured record.
@@ -44,8 +44,7 @@ def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> 
     """Raise an error for a record that would leave the base at rest all the time."""
     if not motion.samples.any():
         zero = "all of its samples are zero" if motion.baseline == "none" else "nothing but zeros is left of it"
-        text = f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?"
-        raise RecordError(text)
+        raise RecordError(f"{path}: {zero}, so that the base would not move. Is it the right file, and the right channel?")
     if motion.end <= 0.0:
         raise ValueError(
             f"`start` {motion.start:g} lets the record end at {motion.end:g} s, before the simulation begins at 0 s: the "
@@ -56,7 +55,7 @@ def _check_that_it_moves(path: Path, motion: Record, duration: float | None) -> 
         raise ValueError(text)
 
 
-def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> dict[str, Any] | None:
+def _channels(record: Path, channels: Sequence[str] | None, direction: str | None) -> Entries | None:
     """Return which channel moves the base in which direction; None leaves it to their names."""
     if channels is None and direction is None:
         return None

@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from types import UnionType
 from typing import Any
 
 from wirerope_mj.engine.flexible import Deck
@@ -17,7 +18,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.runs.option_file import OptionFile
 
 # What each attribute of a scenario must be, and what a message calls it.
-_KINDS: dict[str, tuple[Any, str]] = {
+_KINDS: dict[str, tuple[type | UnionType, str]] = {
     "question": (str, "text"),
     "model": (str | Path, "the path of a model, its name, or its text"),
     "motion": (BaseMotion, "a base motion, such as HalfSine(...)"),
@@ -80,7 +81,7 @@ class Scenario:
 class ScenarioFile(OptionFile):
     """A file with one function `scenario(*, ...) -> Scenario`, whose keyword arguments are the options."""
 
-    def make(self, **options: Any) -> Scenario:
+    def make(self, **options: object) -> Scenario:
         """Return the scenario of some options; the others have their defaults.
 
         ModelError if an option is unknown, or the function does not return a Scenario, or fails; says in which line.

@@ -2,7 +2,7 @@
 
 import math
 import tomllib
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -10,6 +10,7 @@ from typing import Any
 from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.declared import is_subject, limit_subjects
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit, limits_by_patterns
 from wirerope_mj.foundation.toml_file import toml_content
@@ -21,15 +22,15 @@ def judged_by(system: System, *, combined_travel: bool, limits: Sequence[Payload
     return replace(_with_limits(system, limits), combined_travel=system.combined_travel and combined_travel)
 
 
-def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> dict[str, Any]:
+def judge_table(*, combined_travel: bool, limits: Sequence[PayloadLimit]) -> Entries:
     """Return the table `judge` of a run's scenario.toml; empty if the model alone decides."""
-    content: dict[str, Any] = {} if combined_travel else {"combined_travel": False}
+    content: Entries = {} if combined_travel else {"combined_travel": False}
     if limits:
         content["limits"] = {f"{limit.kind}/{limit.name}": list(limit.values) for limit in limits}
     return content
 
 
-def read_judge_table(content: Mapping[str, Any]) -> dict[str, Any]:
+def read_judge_table(content: Entries) -> Entries:
     """Return the arguments of `judged_by` that `judge_table` stored; ValueError names the key that is not what it must be."""
     unknown = [key for key in content if key not in ("combined_travel", "limits")]
     if unknown:
@@ -87,12 +88,10 @@ _NEEDED = {
     "motion": ("kind", "description"), "options": (), "versions": (),
 }  # fmt: skip
 _REMEDY = "Put it right, or take the file from another copy of the folder."
-_CHOICES = {
-    "initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel"),
-}  # fmt: skip
+_CHOICES = {"initial": ("settled", "relaxed", "unloaded"), "callback": ("native", "python"), "engine": ("mujoco", "kernel")}
 
 
-def scenario_content(folder: Path) -> dict[str, Any]:
+def scenario_content(folder: Path) -> Entries:
     """Return the scenario of a run as it stands in its folder, with everything there and of the right type.
 
     RecordError if the folder is not a run, or its scenario is damaged; names the key.
@@ -106,8 +105,7 @@ def scenario_content(folder: Path) -> dict[str, Any]:
         raise RecordError(f"{path}: {why_unread(error)}") from None
     except UnicodeDecodeError as error:
         line = error.object[: error.start].count(b"\n") + 1
-        text = f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}"
-        raise RecordError(text) from None
+        raise RecordError(f"{path}, line {line}: this is not the scenario of a run, nor text in UTF-8. {_REMEDY}") from None
     except tomllib.TOMLDecodeError as error:
         raise RecordError(f"{path}: this is not the scenario of a run, nor TOML: {error}. {_REMEDY}") from None
     if "format" in content and content["format"] != FORMAT:
@@ -119,7 +117,7 @@ def scenario_content(folder: Path) -> dict[str, Any]:
     return content
 
 
-def _check(content: dict[str, Any]) -> None:
+def _check(content: Entries) -> None:
     """Raise ValueError that names the key unless the scenario is what `run_scenario` writes."""
     for name in ("format", "name", "question"):
         if name not in content:
@@ -133,7 +131,7 @@ def _check(content: dict[str, Any]) -> None:
             if key not in content[table]:
                 raise ValueError(f"`{table}.{key}` is missing.")
         for key in content[table]:
-            if key not in _TABLES.get(table, content[table]):
+            if table in _TABLES and key not in _TABLES[table]:
                 raise ValueError(f"`{table}.{key}` is unknown; known: {', '.join(_TABLES[table])}.")
     for table, names in (("model", _TABLES["model"]), ("motion", _NEEDED["motion"]), ("versions", content["versions"])):
         for key in names:
@@ -147,7 +145,7 @@ def _check(content: dict[str, Any]) -> None:
     check_motion("motion", content["motion"])
 
 
-def _check_simulate(simulate: dict[str, Any]) -> None:
+def _check_simulate(simulate: Entries) -> None:
     for name in ("duration", "sample_rate", "timestep", "accuracy"):
         if name in simulate and not (_is_finite(simulate[name]) and simulate[name] > 0.0):
             raise ValueError(f"`simulate.{name}` must be a number > 0, got {simulate[name]!r}.")

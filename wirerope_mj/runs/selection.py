@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.engine.system.rewritten import with_part
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
@@ -29,7 +29,7 @@ _PLACED = "WR16-400"  # part of the box's mounts before every part takes their p
 
 
 def equipment(
-    model: str | None, cases: Mapping[str, BaseMotion], *, box: Mapping[str, Any] | None = None,
+    model: str | None, cases: Mapping[str, BaseMotion], *, box: Entries | None = None,
     mounts: Sequence[str] = (), limits: Sequence[PayloadLimit] = (), fragility: float | None = None,
     travel: float | None = None,
 ) -> tuple[dict[str, System], dict[str, BaseMotion]]:  # fmt: skip
@@ -92,7 +92,7 @@ def read_prices(path: Path) -> dict[str, dict[str, float]]:
     return {row.text("name"): {key: row.number(key) for key in ("price", "mass") if row.has(key)} for row in rows}
 
 
-def write_selected(chosen: TriedPart, folder: Path, *, box: Mapping[str, Any] | None = None, force: bool = False) -> Path:
+def write_selected(chosen: TriedPart, folder: Path, *, box: Entries | None = None, force: bool = False) -> Path:
     """Write the model on a part that was chosen, its limits in it, into `folder`, and return the path of the model.
 
     The folder's last part is the model's name. With the `box` that `equipment` took a deck is drawn below the part's own

@@ -1,8 +1,7 @@
 """System and motion of a run, read from its folder alone, and the check that its response is theirs."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,6 +15,7 @@ from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import missing_isolators, read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.restore import check_records, motion_from_dict
@@ -72,7 +72,7 @@ def judged_folder(folder: Path, response: Response | None = None) -> JudgedRun:
 _REMEDY = "One of the two was changed or belongs to another run: take them from one copy of the folder."
 
 
-def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, BaseMotion]:
+def system_and_motion(folder: Path, content: Entries) -> tuple[System, BaseMotion]:
     """Return system and motion of a run, whose `content` is what `scenario_content` returned.
 
     RecordError if one of their files is not in the folder, or the motion's parameters are not what they must be; ModelError
@@ -96,7 +96,7 @@ def system_and_motion(folder: Path, content: dict[str, Any]) -> tuple[System, Ba
         raise RecordError(f"{folder / SCENARIO}: `motion`: {error} {remedy}") from None
 
 
-def check_one_run(folder: Path, content: Mapping[str, Any], system: System, response: Response) -> None:
+def check_one_run(folder: Path, content: Entries, system: System, response: Response) -> None:
     """Raise RecordError unless the response in a run's folder is that of the scenario and the model beside it.
 
     Compared is what both hold: the motion, the sampling, the step, and the names of bodies, points and mounts.
@@ -115,14 +115,13 @@ def check_one_run(folder: Path, content: Mapping[str, Any], system: System, resp
     ]  # fmt: skip
     for name, here, there in pairs:
         if here != there:
-            text = f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}"
-            raise RecordError(text)
+            raise RecordError(f"{folder / SCENARIO}: `{name}` is {here}, and {FILE} was computed with {there}. {_REMEDY}")
     if not same_columns(response.samples.names, column_plan(system).names):
         what = f"the bodies, points and mounts of {content['model']['file']}"
         raise RecordError(f"{folder}: {what} are not those of {FILE}. {_REMEDY}")
 
 
-def _motion_pairs(here: Any, there: Any, where: str) -> Iterator[tuple[str, Any, Any]]:
+def _motion_pairs(here: object, there: object, where: str) -> Iterator[tuple[str, object, object]]:
     """Yield name and both values of every parameter of two stored motions; records lie elsewhere in the folder."""
     if isinstance(here, dict) and isinstance(there, dict):
         for key in sorted({*here, *there} - {"path", "description"}):

@@ -131,9 +131,7 @@ def _inputs(result: StudyResult, number: int) -> dict[str, str]:
 def _scenario(result: StudyResult, number: int) -> Scenario:
     """Return the scenario of one variant, from the study's folder; its options are the variant's inputs."""
     study, work = result.study, result.study.work
-    simulate = {
-        "duration": work.duration, "timestep": work.timestep, "sample_rate": work.sample_rate, "initial": work.initial,
-    }  # fmt: skip
+    simulate = {"duration": work.duration, "timestep": work.timestep, "sample_rate": work.sample_rate, "initial": work.initial}
     if len(study.motions) > 1:  # steps of all variants end at the corners of all motions
         simulate["corners"] = work.corners.tolist()
     row = study.row(number)

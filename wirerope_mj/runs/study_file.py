@@ -1,7 +1,6 @@
 """A file with one function that makes a study from options, and the studies that ship with the package."""
 
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import scenarios_folder
@@ -13,15 +12,14 @@ from wirerope_mj.studies.study import Study
 class StudyFile(OptionFile):
     """A file with one function `study(*, ...) -> Study`, or `-> Search`, whose keyword arguments are the options."""
 
-    def make(self, **options: Any) -> Study | Search:
+    def make(self, **options: object) -> Study | Search:
         """Return the study of some options; the others have their defaults.
 
         ModelError if an option is unknown, or the function does not return a Study, or fails; says in which line.
         """
         made, _ = self.made(options)
         if not isinstance(made, Study | Search):
-            text = f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}."
-            raise ModelError(text)
+            raise ModelError(f"{self.path}: `study` must return a wirerope_mj.Study or a wirerope_mj.Search, got {made!r}.")
         made.name = self.name if made.name == "study" else made.name
         made.question = made.question or (self.function.__doc__ or "").split("\nArgs:")[0].strip()
         return made

@@ -2,12 +2,12 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.assessment.criteria import summary
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.run import run_content
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.summary import json_values
@@ -17,7 +17,7 @@ from wirerope_mj.views.json_content import plain_content
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
 
-def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
+def summary_content(judged: JudgedRun, *, seconds: float) -> Entries:
     """Return the content of summary.json; `seconds` is how long the simulation took."""
     response, content = judged.response, run_content(judged)
     numerics = response.numerics
@@ -39,7 +39,7 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _random_content(judged: JudgedRun) -> dict[str, Any]:
+def _random_content(judged: JudgedRun) -> Entries:
     """Return rms and 3-sigma accelerations of random vibration [m/s^2], standard errors in their notes; nothing without any."""
     if isinstance(judged.random, Absent) or not judged.random:
         return {}
@@ -47,7 +47,7 @@ def _random_content(judged: JudgedRun) -> dict[str, Any]:
     return {"random": [{name: getattr(row, name) for name in names} for row in judged.random]}
 
 
-def read_summary(folder: str | Path) -> dict[str, Any]:
+def read_summary(folder: str | Path) -> Entries:
     """Return the content of a run's summary.json; RecordError if there is none, or it cannot be read."""
     path = Path(folder) / SUMMARY
     try:

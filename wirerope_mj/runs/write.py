@@ -4,14 +4,13 @@ import math
 import os
 import shutil
 import tomllib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from datetime import UTC, datetime
 from importlib.metadata import version
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import tomli_w
 
@@ -25,6 +24,7 @@ from wirerope_mj.engine.system import load_system
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, json_text
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
@@ -157,7 +157,7 @@ def _linked(source: str, target: str) -> None:
         shutil.copyfile(source, target)
 
 
-def _options(scenario: Scenario) -> dict[str, Any]:
+def _options(scenario: Scenario) -> Entries:
     """Return the options of a scenario as a file says them."""
     return {
         name: value if isinstance(value, bool | int | float | str) else str(value)
@@ -170,12 +170,12 @@ def _now() -> datetime:
     return datetime.now(UTC).replace(microsecond=0)
 
 
-def is_streamed(arguments: Mapping[str, Any]) -> bool:
+def is_streamed(arguments: Entries) -> bool:
     """Return whether a simulation with these arguments writes its samples to a file while it goes on."""
     return bool(arguments["duration"] * arguments.get("sample_rate", SAMPLE_RATE) > STREAM_SAMPLES)
 
 
-def checked_arguments(scenario: Scenario) -> dict[str, Any]:
+def checked_arguments(scenario: Scenario) -> Entries:
     """Return the arguments of a scenario's simulation; ModelError for one that a file could not say, or that is missing."""
     arguments = dict(scenario.simulate)
     for name in arguments:
@@ -196,7 +196,7 @@ def checked_arguments(scenario: Scenario) -> dict[str, Any]:
     return arguments
 
 
-def _check_numbers(arguments: Mapping[str, Any]) -> None:
+def _check_numbers(arguments: Entries) -> None:
     """Raise ValueError unless the arguments of a simulation are of the right kind; None leaves a step to be chosen."""
     for name in ("duration", "sample_rate", "timestep", "accuracy"):
         value = arguments.get(name, SAMPLE_RATE)
@@ -207,9 +207,7 @@ def _check_numbers(arguments: Mapping[str, Any]) -> None:
     checked_corners(arguments.get("corners", ()))
 
 
-def _scenario_text(
-    scenario: Scenario, response: Response, folder: Path, *, model: dict[str, str], arguments: dict[str, Any]
-) -> str:
+def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, model: dict[str, str], arguments: Entries) -> str:
     """Return the scenario with every input resolved, as TOML; files of the motion are copied into `folder`."""
     numerics = response.numerics
     resolved = {
@@ -248,7 +246,7 @@ def _write_views(
 
     title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
     writing("the recording")
-    how: dict[str, Any] = {"state": state, "over_frequency": panel_over_frequency(judged), "case": case}
+    how: Entries = {"state": state, "over_frequency": panel_over_frequency(judged), "case": case}
     record_run(judged, folder / "run.rrd", title=title, scenario_text=text, **how)
     writing("the pictures")
     charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}

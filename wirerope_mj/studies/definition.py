@@ -4,7 +4,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from copy import copy
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import pyarrow as pa
@@ -20,6 +20,7 @@ from wirerope_mj.engine.system.model_files import read_changes
 from wirerope_mj.engine.system.named_files import check_inside
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arguments import integer, one_of
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.budget import require_time
 from wirerope_mj.foundation.resources import model_source
 from wirerope_mj.motions import BaseMotion
@@ -42,26 +43,12 @@ class StudyDefinition:
     """Variants of one system under one base motion, or under several; `Study` computes them."""
 
     def __init__(
-        self,
-        *,
-        model: str | Path,
-        motion: BaseMotion | None = None,
-        motions: Sequence[BaseMotion] = (),
-        duration: float,
-        vary: Mapping[str, Distribution],
-        variants: int | None = None,
-        sampling: str = "sobol",
-        seed: int = 1,
-        timestep: float | None = None,
-        accuracy: float = 1e-4,
-        sample_rate: float = 1000.0,
-        initial: str = "settled",
-        isolators: Mapping[str, Isolator] | None = None,
-        changes: Sequence[Changes] = (),
-        name: str = "study",
-        question: str = "",
-        folder: Path | None = None,
-    ) -> None:
+        self, *, model: str | Path, motion: BaseMotion | None = None, motions: Sequence[BaseMotion] = (), duration: float,
+        vary: Mapping[str, Distribution], variants: int | None = None, sampling: str = "sobol", seed: int = 1,
+        timestep: float | None = None, accuracy: float = 1e-4, sample_rate: float = 1000.0, initial: str = "settled",
+        isolators: Mapping[str, Isolator] | None = None, changes: Sequence[Changes] = (), name: str = "study",
+        question: str = "", folder: Path | None = None,
+    ) -> None:  # fmt: skip
         """Prepare a study; nothing is simulated, and names and distributions are checked.
 
         Args:
@@ -117,7 +104,7 @@ class StudyDefinition:
         )
 
     @classmethod
-    def restored(cls, folder: Path, content: Mapping[str, Any]) -> Self:
+    def restored(cls, folder: Path, content: Entries) -> Self:
         """Return the study whose `study.toml` says `content`, from its folder alone."""
         model = check_inside(folder, content["model"])
         for motion in content["motions"]:

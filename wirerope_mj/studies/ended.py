@@ -1,16 +1,15 @@
 """Variants whose runs end before their peaks are over: nothing of them is judged but what is exceeded already."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import pyarrow.compute as pc
 
 from wirerope_mj.assessment.criteria.ended import GROWS, TOO_EARLY, ends_early, quiet_from
 from wirerope_mj.engine.simulation.stability import slowest_period
+from wirerope_mj.foundation.arrays import Booleans, Entries
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 from wirerope_mj.studies.inputs.variants import Maker, Work
 
@@ -31,22 +30,22 @@ class Lengths:
         all_act = not any(column.name.endswith(_TAKEN_AWAY) for column in work.columns)
         self._enough = {number for number, holds in enumerate(far) if holds and all_act}
 
-    def early(self, row: Mapping[str, Any]) -> str:
+    def early(self, row: Entries) -> str:
         """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not."""
         number = self._number(row)
         return "" if number in self._enough else self._early(number, slowest_period(self._make.system(row)))
 
-    def quiet_from(self, row: Mapping[str, Any]) -> float:
+    def quiet_from(self, row: Entries) -> float:
         """Return the instant [s] from which on nothing of a variant may grow; infinite where that may be until the end."""
         return quiet_from(*self._asked(self._number(row)))
 
-    def _number(self, row: Mapping[str, Any]) -> int:
+    def _number(self, row: Entries) -> int:
         return MotionSettings.of([column for column in self._work.columns if not column.targets], row).record
 
     def _early(self, number: int, slowest: float) -> str:
         return ends_early(*self._asked(number), slowest)
 
-    def _asked(self, number: int) -> tuple[Mapping[str, Any], tuple[float, float], float]:
+    def _asked(self, number: int) -> tuple[Entries, tuple[float, float], float]:
         """Return what the rules of runs want to know of a motion."""
         motion = self._work.motions[number]
         over = motion.end if math.isfinite(motion.end) else math.nan
@@ -62,7 +61,7 @@ def growth_text(note: str, kinds: Sequence[str]) -> str:
     return f"{note}{_LISTED}{', '.join(kinds)}"
 
 
-def ended_early(table: pa.Table, measure: str = "") -> npt.NDArray[np.bool_]:
+def ended_early(table: pa.Table, measure: str = "") -> Booleans:
     """Return the mask of the variants whose runs end before their peaks are over, (n,); none for a measure of the rest.
 
     With a measure, those are among them of which such a one still grows.

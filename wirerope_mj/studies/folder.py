@@ -5,13 +5,13 @@ import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
 import tomli_w
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import (
     atomic_file,
     atomic_folder,
@@ -36,7 +36,7 @@ ROW_GROUP = 64  # Parts that are joined in one row group of the table: some 2000
 
 
 def prepare(
-    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: dict[str, Any] | None = None
+    study: StudyDefinition, folder: Path, *, keep: str, resume: bool, force: bool, search: Entries | None = None
 ) -> str:
     """Make `folder` that of `study`: a new one, or the one of this very study that `resume` goes on with; return its id.
 
@@ -65,7 +65,7 @@ def prepare(
         )
 
 
-def _begin(study: StudyDefinition, folder: Path, keep: str, search: dict[str, Any] | None, *, force: bool) -> str:
+def _begin(study: StudyDefinition, folder: Path, keep: str, search: Entries | None, *, force: bool) -> str:
     """Make a new folder of a study, in which nothing is done yet, and return its id."""
     with atomic_folder(folder, force=force, kind="study", marks=MARKS) as temporary_path:
         content = write_inputs(study, temporary_path, keep, search)
@@ -152,8 +152,7 @@ def _check_table(path: Path, table: pa.Table, names: Sequence[str]) -> None:
     """Raise RecordError unless the columns of these names are what studies write, and the variants are numbered in order."""
     for name in names:
         if name not in table.column_names or table[name].type != _ALWAYS[name] or table[name].null_count:
-            text = f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}"
-            raise RecordError(text)
+            raise RecordError(f"{path}: column {name!r} must hold {_ALWAYS[name]} in every row; the table was changed. {_COPY}")
     if "variant" in names and not np.array_equal(table["variant"].to_numpy(), np.arange(table.num_rows)):
         raise RecordError(f"{path}: column 'variant' must number the rows from 0 on; the table was changed. {_COPY}")
 
@@ -183,7 +182,7 @@ def _table_file(folder: Path) -> Iterator[Path]:
         raise RecordError(f"{folder / TABLE}: this table is damaged. {remedy}") from None
 
 
-def finish(folder: Path, chunks: int, summary: Callable[[], dict[str, Any]]) -> None:
+def finish(folder: Path, chunks: int, summary: Callable[[], Entries]) -> None:
     """Write the table from all parts, and the summary, if they are not there, and remove the parts.
 
     They stay where a process died, so that the study can go on. `summary` is asked once the table is there.

@@ -4,9 +4,8 @@ import hashlib
 import inspect
 import re
 import tomllib
-from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
-from typing import Any, get_args
+from typing import get_args
 
 import pyarrow as pa
 import tomli_w
@@ -14,6 +13,7 @@ import tomli_w
 from wirerope_mj.engine.response.checked import check_motion
 from wirerope_mj.engine.system.model_files import model_table, write_model
 from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
 from wirerope_mj.foundation.toml_file import toml_content
@@ -29,16 +29,16 @@ _SHIFT = re.compile(r"^(body/.+/centre|mount/.+/position)(?=/[xyz]$)")
 FORMAT = 2  # Of these files; those of format 1 are read, too, but such a study does not resume
 _TEXTS = ("id", "name", "question")  # Keys that may differ between two folders of the same study
 _FILES = "files."  # Start of the keys of digests of model and records
-_KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
+_KINDS: dict[str, type] = {kind.__name__: kind for kind in get_args(Distribution)}
 # Keys of each table that must be there, and that may be, with the types of their values; None: any may.
-_TABLES: dict[str, tuple[dict[str, Any], dict[str, Any] | None]] = {
+_TABLES: dict[str, tuple[Entries, Entries | None]] = {
     "model": ({"file": str}, {"changes": str, "path": str}),
-    "simulate": ({"duration": Any, "timestep": Any, "sample_rate": Any, "initial": Any}, {}),
+    "simulate": (dict.fromkeys(("duration", "timestep", "sample_rate", "initial"), object), {}),
     "sampling": ({"method": str, "variants": int, "seed": int}, {}), "versions": ({}, None), "files": ({}, None),
 }  # fmt: skip
 
 
-def read_inputs(folder: Path) -> dict[str, Any]:
+def read_inputs(folder: Path) -> Entries:
     """Return the content of a study's `study.toml`, inputs by the names that they have today.
 
     RecordError if there is no study, or it is damaged.
@@ -67,13 +67,13 @@ def read_inputs(folder: Path) -> dict[str, Any]:
     return {**content, "vary": [{**one, "name": todays_name(one["name"])} for one in content["vary"]]}
 
 
-def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: dict[str, Any] | None) -> dict[str, Any]:
+def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: Entries | None) -> Entries:
     """Write model and records into `folder` and return what `study.toml` says."""
     model = write_model(study.base, folder / "model")
     names = copy_records(study.motions, folder)
     files = sorted(path for path in folder.rglob("*") if path.is_file())
     work = study.work
-    content: dict[str, Any] = {
+    content: Entries = {
         "format": FORMAT, "name": study.name, "question": study.question.strip(),
         "model": model_table(study.base, model),
         "simulate": {
@@ -93,13 +93,13 @@ def write_inputs(study: StudyDefinition, folder: Path, keep: str, search: dict[s
     return {"id": identity(content), **content}
 
 
-def identity(content: dict[str, Any]) -> str:
+def identity(content: Entries) -> str:
     """Return the id of a study: a digest of every input that a number may depend on."""
     inputs = {key: value for key, value in content.items() if key not in _TEXTS}
     return hashlib.sha256(tomli_w.dumps(inputs).encode()).hexdigest()[:16]
 
 
-def check_same(folder: Path, content: dict[str, Any], *, computed: bool) -> None:
+def check_same(folder: Path, content: Entries, *, computed: bool) -> None:
     """Raise RecordError if another study than that of `content` stands in the folder; `computed`: nothing of it is missing."""
     there = read_inputs(folder)
     if there["id"] == content["id"]:
@@ -120,7 +120,7 @@ def check_same(folder: Path, content: dict[str, Any], *, computed: bool) -> None
     raise RecordError(f"{folder}: {_difference(key, old, new)}")
 
 
-def _difference(key: str, old: dict[str, Any], new: dict[str, Any]) -> str:
+def _difference(key: str, old: Entries, new: Entries) -> str:
     """Return as text the difference between a study that stands in a folder and the one that was to resume."""
     if key == "keep":
         kept = old.get(key, PEAKS)
@@ -144,7 +144,7 @@ def _difference(key: str, old: dict[str, Any], new: dict[str, Any]) -> str:
     )
 
 
-def _flat(content: Any, path: str = "") -> dict[str, Any]:
+def _flat(content: object, path: str = "") -> Entries:
     """Return the values of nested tables and lists by their paths, "simulate.duration"."""
     if not isinstance(content, dict | list):
         return {path: content}
@@ -152,7 +152,7 @@ def _flat(content: Any, path: str = "") -> dict[str, Any]:
     return {k: v for key, value in items for k, v in _flat(value, f"{path}.{key}" if path else str(key)).items()}
 
 
-def _check_inputs(content: Mapping[str, Any]) -> None:
+def _check_inputs(content: Entries) -> None:
     """Raise ValueError that names the key unless a study can be made from the inputs."""
     for name, (needed, further) in _TABLES.items():
         if name == "files" and name not in content:  # of the first format
@@ -167,23 +167,23 @@ def _check_inputs(content: Mapping[str, Any]) -> None:
         check_motion(f"motions.{number}", motion)
 
 
-def _check_table(name: str, table: Any, needed: Mapping[str, Any], further: Mapping[str, Any] | None) -> None:
+def _check_table(name: str, table: object, needed: Entries, further: Entries | None) -> None:
     if not isinstance(table, dict):
         raise ValueError(f"`{name}` must be a table, got {quoted(table)}.")
     for key in needed:
         if key not in table:
             raise ValueError(f"`{name}.{key}` is missing.")
     for key, value in table.items():
-        kind = {**needed, **(further or {})}.get(key, Any if further is None else None)
+        kind = {**needed, **(further or {})}.get(key, object if further is None else None)
         if kind is None:
             raise ValueError(f"`{name}.{key}` is unknown; known: {', '.join([*needed, *(further or {})])}.")
-        if kind is not Any and (not isinstance(value, kind) or isinstance(value, bool)):
+        if kind is not object and (not isinstance(value, kind) or isinstance(value, bool)):
             raise ValueError(f"`{name}.{key}` must be {'text' if kind is str else 'an integer'}, got {quoted(value)}.")
         if name == "model" and "\0" in value:
             raise ValueError(f"`{name}.{key}` must be the path of a file, got {quoted(str(PurePosixPath(value)))}.")
 
 
-def _check_distribution(name: str, table: Any) -> None:
+def _check_distribution(name: str, table: object) -> None:
     if not isinstance(table, dict) or not isinstance(table.get("name"), str):
         raise ValueError(f"`{name}` must be a table with the `name` of what varies, got {quoted(table)}.")
     one_of(f"{name}.kind", table.get("kind"), _KINDS)
@@ -205,7 +205,7 @@ def todays_name(name: str) -> str:
     return _SHIFT.sub(r"\1_shift", name)
 
 
-def todays_table(table: pa.Table, content: dict[str, Any]) -> pa.Table:
+def todays_table(table: pa.Table, content: Entries) -> pa.Table:
     """Return the table of the folder of `content` with today's names."""
     if content["format"] != FIRST:
         return table

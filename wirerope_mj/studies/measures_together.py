@@ -5,25 +5,22 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.travel import combined_utilisation
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.simulation.in_lanes import InLanes
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.measures import clearances_used, latest, payload_bodies, payload_points, sides_of
-
-Flags = npt.NDArray[np.bool_]
 
 
 @dataclass(frozen=True, kw_only=True)
 class Extremes:
     """Peaks of variants over every step."""
 
-    failed: Flags  # whether the kernel gave a variant up, (n,)
+    failed: Booleans  # whether the kernel gave a variant up, (n,)
     value: Array  # largest norm of every channel, (n, n_channels); of what is fixed to the base 0
     # lowest, highest: extremes of the components, (n, n_channels, 3)
     lowest: Array

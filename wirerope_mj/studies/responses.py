@@ -50,8 +50,7 @@ def kept_response(folder: Path, variant: int) -> Response | None:
     try:
         return load_response(path) if path.is_file() else None
     except RecordError as error:
-        text = f"{error} It was kept by a study: remove it, and it is simulated when it is asked for."
-        raise RecordError(text) from None
+        raise RecordError(f"{error} It was kept by a study: remove it, and it is simulated when it is asked for.") from None
 
 
 def kept_numbers(folder: Path) -> set[int]:

@@ -7,7 +7,6 @@ from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -15,6 +14,7 @@ import pyarrow.compute as pc
 
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arguments import finite, integer
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.summary import Summarised
@@ -44,7 +44,7 @@ class StudyResult(Exportable, Summarised):
     """
 
     folder: Path  #: of the study
-    inputs: dict[str, Any] = field(repr=False)  #: content of its `study.toml`
+    inputs: Entries = field(repr=False)  #: content of its `study.toml`
     variants: int  #: number of variants of the study
     complete: bool  #: whether all of them are in the table
     study_class: type[StudyDefinition] = field(default=StudyDefinition, repr=False)  #: of `study`

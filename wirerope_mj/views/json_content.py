@@ -1,14 +1,13 @@
 """Content as plain values: what a file of a result says under the ids that every output uses."""
 
-from typing import Any
-
 from wirerope_mj.content.blocks import Content, Statement
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.tables import Table
 
 
-def plain_content(content: Content, *sections: str) -> dict[str, Any]:
+def plain_content(content: Content, *sections: str) -> Entries:
     """Return statements and tables of some sections by their ids, the headline first: SI values, texts and tones."""
-    said: dict[str, Any] = {"headline": _statement(content.verdict)}
+    said: Entries = {"headline": _statement(content.verdict)}
     for section in content.sections:
         for block in section.blocks if section.id in sections else ():
             if isinstance(block, Table) and block.id:
@@ -18,6 +17,6 @@ def plain_content(content: Content, *sections: str) -> dict[str, Any]:
     return said
 
 
-def _statement(block: Statement) -> dict[str, Any]:
+def _statement(block: Statement) -> Entries:
     parts = {"text": block.text, "items": list(block.items), "tone": block.tone, "values": dict(block.values)}
     return {name: part for name, part in parts.items() if part}

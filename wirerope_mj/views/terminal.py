@@ -19,9 +19,7 @@ from wirerope_mj.foundation.tables import Table
 WIDTH = 120  # Width of tables where there is no terminal to fit them into [characters]
 _ROOMY = 100  # characters below which columns have no padding
 _LONG = 16  # characters of a heading above numbers that stands on several lines
-_STYLES = {
-    "exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold", "unjudged": "yellow", "within": "green",
-}  # fmt: skip
+_STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold", "unjudged": "yellow", "within": "green"}
 
 
 class _Screen(Console):

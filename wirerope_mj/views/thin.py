@@ -3,7 +3,7 @@
 import numpy as np
 import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 
 Rows = npt.NDArray[np.intp]
 # Rows of a drawn series; a plot is a few thousand pixels wide, and the viewer slows down far above this.
@@ -60,7 +60,7 @@ def _needed(time: Array, values: Array, tolerance: Array | float, *, hold: bool)
     return np.flatnonzero(keep)
 
 
-def _drop(keep: npt.NDArray[np.bool_], time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> None:
+def _drop(keep: Booleans, time: Array, values: Array, tolerance: Array | float, *, hold: bool) -> None:
     """Clear `keep` where a row is not needed."""
     size = 2
     while size <= _LONGEST and size < time.size:

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -19,6 +19,9 @@ from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.foundation.units import in_unit
+
+if TYPE_CHECKING:
+    import openpyxl
 
 _ROWS, _COLUMNS = 1_048_576, 16_384  # of a sheet, by the format
 _LONGEST = 31  # letters of a sheet's name
@@ -34,9 +37,7 @@ def write_workbook(content: Content, samples: Exported | None, path: Path, *, fo
         from openpyxl import Workbook
     except ImportError:
         raise RecordError(f"{path}: XLSX needs openpyxl: pip install 'wirerope-mj[xlsx]', or write CSV.") from None
-    check_writable(path)
-    if path.exists() and not force:
-        raise RecordError(f"{path}: the file exists. Replace it with --force (`force=True`), or choose another name.")
+    check_writable(path, force=force)
     with full_disk_named(path), _full_disk_told():
         _write(Workbook(write_only=True), content, samples, path)
     return path
@@ -60,10 +61,10 @@ def _full_disk_told() -> Iterator[None]:
         raise OSError(number, "")
 
 
-def _write(book: Any, content: Content, samples: Exported | None, path: Path) -> None:
+def _write(book: "openpyxl.Workbook", content: Content, samples: Exported | None, path: Path) -> None:
     page = _sheet(book, "summary", 2)
-    for row in _said(content):
-        page.append(row)
+    for said in _said(content):
+        page.append(said)
     for table in content.blocks():
         if isinstance(table, Table):
             page = _sheet(book, table.id or table.title, len(table.columns))
@@ -77,8 +78,7 @@ def _write(book: Any, content: Content, samples: Exported | None, path: Path) ->
         page.append(samples.headings)
         for number, row in enumerate(_rows(samples), start=2):
             if number > _ROWS or len(row) > _COLUMNS:
-                text = f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5."
-                raise RecordError(text)
+                raise RecordError(f"{path}: these samples are too many for a sheet: choose columns, or write CSV or HDF5.")
             page.append(row)
     written = BytesIO()
     book.save(written)
@@ -86,7 +86,7 @@ def _write(book: Any, content: Content, samples: Exported | None, path: Path) ->
         temporary.write_bytes(written.getvalue())
 
 
-def _sheet(book: Any, name: str, columns: int) -> Any:
+def _sheet(book: "openpyxl.Workbook", name: str, columns: int) -> "openpyxl.worksheet.worksheet.Worksheet":
     """Begin a sheet whose columns are wide enough for their headings."""
     from openpyxl.utils import get_column_letter
 
@@ -113,7 +113,7 @@ def _value(column: Column, cell: Cell) -> str | float | None:
     return float(in_unit(content, column.unit))
 
 
-def _rows(samples: Exported) -> Iterator[list[Any]]:
+def _rows(samples: Exported) -> Iterator[list[str | float | None]]:
     for block in samples.blocks():
         for row in zip(*(np.asarray(column).tolist() for column in block), strict=True):
             yield [None if isinstance(value, float) and not np.isfinite(value) else value for value in row]

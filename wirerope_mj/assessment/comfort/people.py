@@ -4,10 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import not_negative
-from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.arrays import Array, ArrayLike, ComplexArray
 from wirerope_mj.motions.spectra.ramp import check_samples
 
 _RUNNING = 1.0  # time over which the running rms is taken [s] (ISO 2631-1, 6.3.1)
@@ -33,7 +32,7 @@ class Weighting:
     q4: float
     step: tuple[float, ...] = ()  # f5 [Hz], Q5, f6 [Hz], Q6 of the upward step; empty without one
 
-    def gain(self, frequency: npt.ArrayLike) -> ComplexArray:
+    def gain(self, frequency: ArrayLike) -> ComplexArray:
         """Evaluate H at frequencies [Hz], (...)."""
         p = 1j * np.asarray(frequency, dtype=np.complex128)
         root = math.sqrt(2.0)
@@ -80,7 +79,7 @@ class Exposure:
         return np.divide(self.peak, self.rms, out=np.full(3, math.nan), where=self.rms > 1e-9 * self.total)
 
 
-def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float = 0.0) -> Exposure:
+def exposure(time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0) -> Exposure:
     """Evaluate what a person feels of an acceleration by ISO 2631-1.
 
     Args:
@@ -95,8 +94,7 @@ def exposure(time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float
     rate = 1.0 / check_samples(instants, values)[1]
     kept = instants.size - round(min(not_negative("discard", discard) * rate, instants.size))
     if kept < 2:
-        text = f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s."
-        raise ValueError(text)
+        raise ValueError(f"`discard` must leave something of the {instants[-1] - instants[0]:.6g} s, got {discard:.6g} s.")
     horizontal, vertical = (weighted(values[:, axes], rate, name) for axes, name in ((slice(2), "Wd"), (slice(2, 3), "Wk")))
     felt = np.concatenate([horizontal, vertical], axis=1)[-kept:]
     sick = weighted(values[:, 2:], rate, "Wf")[-kept:]

@@ -7,13 +7,12 @@ import math
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.assessment.comfort.people import WEIGHTINGS
 from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.motions.spectra import power_spectral_density
 
 # Peak velocity from 5 to 100 Hz [m/s], and peak acceleration from 1 to 5 Hz [m/s^2].
@@ -30,7 +29,7 @@ _TRANSITION = 0.028  # weighted acceleration times this is weighted velocity [s]
 _HOPS = 32  # Windows begun in the length of one: what passes the filter, four resolutions, is followed within 2 %
 
 
-def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
+def iso_6954_1984(frequency: ArrayLike, velocity: ArrayLike, *, subject: str) -> tuple[Verdict, ...]:
     """Return the verdicts of ISO 6954:1984 on the lines of a spectrum: the worst line against the lower and upper limit.
 
     Args:
@@ -42,11 +41,7 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
     Raises:
         ValueError: lines are not as they must be, or none lies between 1 and 100 Hz.
     """
-    f, v = _rows(frequency, velocity)
-    inside = (f >= _RANGE_1984[0]) & (f <= _RANGE_1984[1])
-    if not inside.any():
-        raise ValueError(f"`frequency` must hold a line from 1 to 100 Hz, got {f.min():.6g} to {f.max():.6g}.")
-    f, v = f[inside], v[inside]
+    f, v = _lines_within(frequency, velocity, *_RANGE_1984)
     verdicts = []
     for name, (plateau, acceleration) in PEAKS_1984.items():
         allowed = np.where(f < _KNEE, acceleration / (2.0 * math.pi * f), plateau)
@@ -59,7 +54,7 @@ def iso_6954_1984(frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject:
 
 
 def iso_6954_2000(
-    frequency: npt.ArrayLike, velocity: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
+    frequency: ArrayLike, velocity: ArrayLike, *, subject: str, space: Literal["A", "B", "C"]
 ) -> tuple[Verdict, ...]:
     """Return the verdicts of ISO 6954:2000 on the lines of a spectrum: the overall weighted rms velocity.
 
@@ -72,20 +67,13 @@ def iso_6954_2000(
     Raises:
         ValueError: lines or space are not as they must be, or no line lies in these bands.
     """
-    f, v = _rows(frequency, velocity)
-    inside = (f >= _RANGE_2000[0]) & (f <= _RANGE_2000[1])
-    if not inside.any():
-        raise ValueError(
-            f"`frequency` must hold a line from {_RANGE_2000[0]:.3g} to {_RANGE_2000[1]:.3g} Hz, got {f.min():.6g} to "
-            f"{f.max():.6g}."
-        )
-    f, v = f[inside], v[inside]
+    f, v = _lines_within(frequency, velocity, *_RANGE_2000)
     factors = np.abs(WEIGHTINGS["Wm"].gain(f)) * 2.0 * math.pi * f * _TRANSITION
     return _overall(math.sqrt(0.5 * float(np.sum((factors * v) ** 2))), subject, space)
 
 
 def iso_6954_2000_of_history(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
+    time: ArrayLike, acceleration: ArrayLike, *, subject: str, space: Literal["A", "B", "C"],
     discard: float = 0.0, resolution: float = 0.25,
 ) -> tuple[Verdict, ...]:  # fmt: skip
     """Return the verdicts of ISO 6954:2000 on a history: the overall weighted rms velocity from 1 to 80 Hz.
@@ -112,7 +100,7 @@ def iso_6954_2000_of_history(
 
 
 def velocity_lines(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float = 0.0, resolution: float = 0.25
+    time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0, resolution: float = 0.25
 ) -> tuple[Array, Array]:
     """Return frequencies [Hz] and the largest peak velocities [m/s] of the lines of an acceleration, for `iso_6954_1984`.
 
@@ -177,12 +165,14 @@ def _overall(velocity: float, subject: str, space: str) -> tuple[Verdict, ...]:
     )  # fmt: skip
 
 
-def _rows(frequency: npt.ArrayLike, velocity: npt.ArrayLike) -> tuple[Array, Array]:
-    """Return frequencies [Hz] and velocities [m/s] in any order as arrays, and refuse what are none."""
+def _lines_within(frequency: ArrayLike, velocity: ArrayLike, low: float, high: float) -> tuple[Array, Array]:
+    """Return the lines from `low` to `high` [Hz], frequencies and velocities [m/s], in any order; refuse what are none."""
     f, v = np.atleast_1d(np.asarray(frequency, dtype=np.float64)), np.atleast_1d(np.asarray(velocity, dtype=np.float64))
     if f.ndim != 1 or f.shape != v.shape or not f.size:
-        text = f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}."
-        raise ValueError(text)
+        raise ValueError(f"`frequency` and `velocity` must be rows of the same length, got the shapes {f.shape} and {v.shape}.")
     if not (np.isfinite(f).all() and np.isfinite(v).all() and f.min() > 0.0 and v.min() >= 0.0):
         raise ValueError("`frequency` must be finite and > 0 Hz and `velocity` finite and >= 0.")
-    return f, v
+    inside = (f >= low) & (f <= high)
+    if not inside.any():
+        raise ValueError(f"`frequency` must hold a line from {low:.3g} to {high:.3g} Hz, got {f.min():.6g} to {f.max():.6g}.")
+    return f[inside], v[inside]

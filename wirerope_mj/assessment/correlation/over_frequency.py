@@ -4,10 +4,9 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirerope_mj.assessment.correlation.pairs import Pair
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.motions.spectra import power_spectral_density, shock_response_spectrum
 from wirerope_mj.motions.spectra.ramp import octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD
@@ -152,8 +151,8 @@ class Transmissibility:
 
     frequency: Array = field(repr=False)  # [Hz], (n_f,), where the measured base moves
     # measured, model: complex, (n_f,)
-    measured: NDArray[np.complex128] = field(repr=False)
-    model: NDArray[np.complex128] = field(repr=False)
+    measured: ComplexArray = field(repr=False)
+    model: ComplexArray = field(repr=False)
 
     @property
     def frac(self) -> float:
@@ -193,7 +192,7 @@ def spectral_assurance(pair: Pair) -> float:
     return assurance(one[kept], other[kept])
 
 
-def assurance(one: NDArray[np.complex128], other: NDArray[np.complex128]) -> float:
+def assurance(one: ComplexArray, other: ComplexArray) -> float:
     """Return |sum H_m conj(H_c)|^2 / (sum |H_m|^2 sum |H_c|^2): FRAC of Heylen and Lammens, ISMA 21 (1996) 17.
 
     1 for functions that differ by a factor, 0 for orthogonal ones.

@@ -71,9 +71,7 @@ def model_history(response: Response, measured: Measured, channel: MeasuredChann
     base, quantity = response.base, channel.quantity
     if kind == "base":
         return np.asarray(getattr(base, quantity))[:, axis]
-    groups: Mapping[str, Mapping[str, object]] = {
-        "body": response.bodies, "point": response.points, "mount": response.mounts,
-    }  # fmt: skip
+    groups: Mapping[str, Mapping[str, object]] = {"body": response.bodies, "point": response.points, "mount": response.mounts}
     part = groups[kind].get(name)
     if part is None:
         there = ", ".join(groups[kind]) or "none"

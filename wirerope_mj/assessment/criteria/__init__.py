@@ -1,31 +1,23 @@
 """Criteria by which a response is judged: each gives a value, its limit, the margin and a verdict; and all of them together."""
 
-from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts as acceleration_verdicts
-from wirerope_mj.assessment.criteria.judge import headline as headline
-from wirerope_mj.assessment.criteria.judge import judge as judge
-from wirerope_mj.assessment.criteria.loads import closing_text as closing_text
-from wirerope_mj.assessment.criteria.loads import contact_verdicts as contact_verdicts
-from wirerope_mj.assessment.criteria.loads import starting_load_verdicts as starting_load_verdicts
-from wirerope_mj.assessment.criteria.loads import static_load_verdicts as static_load_verdicts
-from wirerope_mj.assessment.criteria.peaks import BodyPeak as BodyPeak
-from wirerope_mj.assessment.criteria.peaks import MountPeak as MountPeak
-from wirerope_mj.assessment.criteria.peaks import body_peaks as body_peaks
-from wirerope_mj.assessment.criteria.peaks import mount_peaks as mount_peaks
-from wirerope_mj.assessment.criteria.points import spectrum_verdict as spectrum_verdict
-from wirerope_mj.assessment.criteria.random import judge_random as judge_random
-from wirerope_mj.assessment.criteria.random import random_verdicts as random_verdicts
-from wirerope_mj.assessment.criteria.rattle import rattle_verdicts as rattle_verdicts
-from wirerope_mj.assessment.criteria.summary import summary as summary
-from wirerope_mj.assessment.criteria.summary import verdict_lines as verdict_lines
-from wirerope_mj.assessment.criteria.travel import bottoming_verdicts as bottoming_verdicts
-from wirerope_mj.assessment.criteria.travel import travel_verdicts as travel_verdicts
-from wirerope_mj.assessment.criteria.verdict import CLEAR as CLEAR
-from wirerope_mj.assessment.criteria.verdict import COMBINED as COMBINED
-from wirerope_mj.assessment.criteria.verdict import EXCEEDED as EXCEEDED
-from wirerope_mj.assessment.criteria.verdict import NOT_JUDGED as NOT_JUDGED
-from wirerope_mj.assessment.criteria.verdict import STOP as STOP
-from wirerope_mj.assessment.criteria.verdict import STRUCK as STRUCK
-from wirerope_mj.assessment.criteria.verdict import TOUCHING as TOUCHING
-from wirerope_mj.assessment.criteria.verdict import WITHIN as WITHIN
-from wirerope_mj.assessment.criteria.verdict import Criterion as Criterion
-from wirerope_mj.assessment.criteria.verdict import Verdict as Verdict
+from wirerope_mj.assessment.criteria.acceleration import acceleration_verdicts
+from wirerope_mj.assessment.criteria.judge import headline, judge
+from wirerope_mj.assessment.criteria.loads import closing_text, contact_verdicts, starting_load_verdicts, static_load_verdicts
+from wirerope_mj.assessment.criteria.peaks import BodyPeak, MountPeak, body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria.points import spectrum_verdict
+from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts
+from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
+from wirerope_mj.assessment.criteria.summary import summary, verdict_lines
+from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
+from wirerope_mj.assessment.criteria.verdict import (
+    CLEAR,
+    COMBINED,
+    EXCEEDED,
+    NOT_JUDGED,
+    STOP,
+    STRUCK,
+    TOUCHING,
+    WITHIN,
+    Criterion,
+    Verdict,
+)

@@ -42,14 +42,9 @@ class DesignValues:
 
 
 def ddam_design_values(
-    weight: float,
-    frequency: float,
-    *,
-    location: Location,
-    direction: Direction,
-    ship: Ship = "surface",
+    weight: float, frequency: float, *, location: Location, direction: Direction, ship: Ship = "surface",
     deformation: Deformation = "elastic",
-) -> DesignValues:
+) -> DesignValues:  # fmt: skip
     """Return the design values of a mode after NRL memorandum 1396, the unclassified interim values of 1963.
 
     With the modal weight W in kip, A0 = a (37.5 + W)(12 + W)/(6 + W)^2 g and V0 = v (12 + W)/(6 + W) in/s on surface ships,

@@ -7,9 +7,8 @@ nothing new.
 """
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -30,7 +29,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 )
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.payload_limits import BETWEEN
 from wirerope_mj.mounts.isolator.travel import travel_in
 
@@ -124,12 +123,11 @@ def too_short(response: Response) -> str:
     """Return why a run ends before its peaks are over, as a note; "" if it does not, or if older responses do not say it."""
     numerics = response.numerics
     return ends_early(
-        response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end,
-        numerics.slowest_period,
-    )  # fmt: skip
+        response.motion, (response.initial_state.time, response.final_state.time), numerics.motion_end, numerics.slowest_period
+    )
 
 
-def ends_early(motion: Mapping[str, Any], run: tuple[float, float], over: float, slowest: float) -> str:
+def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: float) -> str:
     """Return why a run from and to [s] ends before its peaks are over, as a note; "" if it does not.
 
     The motion, plain values, is over at `over`, NaN if it has no end; `slowest` is the slowest period for small amplitudes,
@@ -200,7 +198,7 @@ def growth_note(end: float) -> str:
     return f"{GROWS} at {_seconds(end)}: run longer"
 
 
-def quiet_from(motion: Mapping[str, Any], run: tuple[float, float], over: float) -> float:
+def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:
     """Return the instant [s] from which on nothing may grow; infinite where that may be until the end.
 
     After a shock that is half of the free vibration: what a strong one passes on slowly, as to rocking, peaks late.

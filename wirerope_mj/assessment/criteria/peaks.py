@@ -6,7 +6,6 @@ from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.travel import peak_travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import EXCEEDED, WITHIN, Verdict
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.isolator.travel import SIDES
 
 Vector = tuple[float, float, float]
@@ -14,7 +13,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True, kw_only=True)
 class BodyPeak:
-    """Largest acceleration of a body or a point [g]: its size, instant [s] and the largest along x, y and z."""
+    """Largest acceleration of a body or a point [m/s^2]: its size, instant [s] and the largest along x, y and z."""
 
     name: str
     kind: str
@@ -65,9 +64,8 @@ def body_peaks(response: Response) -> list[BodyPeak]:
     peaks += [("point", name, points[name].acceleration) for name in points]
     rows = []
     for kind, name, peak in peaks:
-        x, y, z = (float(max(high, -low)) / STANDARD_GRAVITY for low, high in zip(peak.minimum, peak.maximum, strict=True))
-        value = peak.value / STANDARD_GRAVITY
-        rows.append(BodyPeak(name=name, kind=kind, value=value, time=peak.time, axes=(x, y, z)))
+        x, y, z = (float(max(high, -low)) for low, high in zip(peak.minimum, peak.maximum, strict=True))
+        rows.append(BodyPeak(name=name, kind=kind, value=peak.value, time=peak.time, axes=(x, y, z)))
     return sorted(rows, key=lambda row: (row.kind != "base", -row.value))
 
 

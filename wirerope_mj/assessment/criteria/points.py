@@ -3,14 +3,13 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.motions.spectra import ShockResponseSpectrum
 
 
-def check_points(name: str, frequency: npt.ArrayLike, value: npt.ArrayLike) -> tuple[Array, Array]:
+def check_points(name: str, frequency: ArrayLike, value: ArrayLike) -> tuple[Array, Array]:
     """Return frequencies [Hz] and values of a curve as arrays.
 
     ValueError if they are not as many, not positive, or the frequencies do not increase.
@@ -33,13 +32,9 @@ def curve_at(points: tuple[Array, Array], frequency: Array) -> Array:
 
 
 def spectrum_verdict(
-    spectrum: ShockResponseSpectrum,
-    frequency: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    subject: str,
+    spectrum: ShockResponseSpectrum, frequency: ArrayLike, acceleration: ArrayLike, *, subject: str,
     criterion: str = "shock response spectrum",
-) -> Verdict:
+) -> Verdict:  # fmt: skip
     """Return the verdict on a maximax spectrum against a test spectrum, at the frequency of the highest utilisation.
 
     Not part of `judge`: call it with a measured test spectrum.

@@ -5,14 +5,13 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
 from wirerope_mj.assessment.criteria.sampled import elements, read_columns, sampled_peak, sampled_text, steady_interval
 from wirerope_mj.assessment.criteria.verdict import LARGEST, RMS, SIGMA, Criterion, Verdict, limits_by_name, payload_bodies
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, power_spectral_density
 
@@ -20,17 +19,9 @@ SIGMAS = 3.0
 
 
 def random_verdicts(
-    time: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    subject: str,
-    discard: float,
-    end: float | None = None,
-    limit: float | None = None,
-    rms_limit: float | None = None,
-    resolution: float | None = None,
-    along: str = "",
-) -> tuple[Verdict, ...]:
+    time: ArrayLike, acceleration: ArrayLike, *, subject: str, discard: float, end: float | None = None,
+    limit: float | None = None, rms_limit: float | None = None, resolution: float | None = None, along: str = "",
+) -> tuple[Verdict, ...]:  # fmt: skip
     """Return verdicts on the rms, the 3-sigma value and the largest value of a stationary acceleration.
 
     Only what is stationary may count: neither the settling at the beginning nor the fall of the vibration and what follows
@@ -81,13 +72,9 @@ def random_verdicts(
 
 
 def judge_random(
-    response: Response,
-    *,
-    discard: float | None = None,
-    end: float | None = None,
-    limits: Sequence[PayloadLimit] | None = None,
+    response: Response, *, discard: float | None = None, end: float | None = None, limits: Sequence[PayloadLimit] | None = None,
     resolution: float | None = None,
-) -> tuple[Verdict, ...]:
+) -> tuple[Verdict, ...]:  # fmt: skip
     """Return `random_verdicts` on x, y and z of every payload body and every point that move along them.
 
     Without `discard` and `end`, the interval in which the base is stationary counts, from where the response has settled

@@ -1,14 +1,13 @@
 """What of a run is judged: sampled histories and their extremes, and the segment over which a base is steady."""
 
 import math
-from collections.abc import Iterator, Mapping
-from typing import Any
+from collections.abc import Iterator
 
 import numpy as np
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import RandomVibration, motion_from_dict
 
@@ -68,7 +67,7 @@ def sampled_peak(time: Array, values: Array) -> tuple[float, float]:
 STEADY = frozenset({"sweep", "sine", "vibration-lines", "harmonic-force", "unbalance"})
 
 
-def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
+def steady_interval(motion: Entries) -> tuple[bool, float, float]:
     """Return whether a motion is random vibration alone, and the instants [s] between which all of that is stationary.
 
     Without any random vibration these are minus and plus infinity. Files of records are not read.
@@ -81,7 +80,7 @@ def steady_interval(motion: Mapping[str, Any]) -> tuple[bool, float, float]:
     return bool(parts) and len(intervals) == len(parts), first, last
 
 
-def elements(stored: Mapping[str, Any]) -> Iterator[Mapping[str, Any]]:
+def elements(stored: Entries) -> Iterator[Entries]:
     """Yield the elementary motions of which one is made by adding, scaling and turning."""
     inner = [*stored.get("terms", ()), *([stored["motion"]] if "motion" in stored else ())]
     if not inner:

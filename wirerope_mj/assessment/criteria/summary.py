@@ -1,7 +1,6 @@
 """Verdicts in sentences, and the summary of a run by them."""
 
 from collections.abc import Sequence
-from typing import Any
 
 from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.judge import headline
@@ -22,7 +21,8 @@ from wirerope_mj.assessment.criteria.verdict import (
     most_used,
 )
 from wirerope_mj.engine.response import Response
-from wirerope_mj.foundation.units import shown_in
+from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.units import in_unit, shown_in
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import RATINGS
 
@@ -163,14 +163,17 @@ def _combined_line(verdicts: Sequence[Verdict]) -> list[str]:
     return [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)."]
 
 
-def summary(response: Response, verdicts: Sequence[Verdict]) -> dict[str, Any]:
+def summary(response: Response, verdicts: Sequence[Verdict]) -> Entries:
     """Return headline, peaks, limits and `verdicts` as plain values: accelerations [g], deflections [m], forces [N]."""
     travel = {mount.name: mount.travel for mount in response.scene.mounts}
     return {
         "headline": headline(verdicts), "verdicts": verdict_lines(response, verdicts),
         "judged": [verdict.to_dict() for verdict in verdicts],
         "accelerations": [
-            {"name": row.name, "kind": row.kind, "peak_g": row.value, "time_s": row.time, "axes_g": list(row.axes)}
+            {
+                "name": row.name, "kind": row.kind, "peak_g": in_unit(row.value, "g"), "time_s": row.time,
+                "axes_g": [in_unit(size, "g") for size in row.axes],
+            }
             for row in body_peaks(response)
         ],
         "mounts": [
@@ -195,7 +198,7 @@ def _travel_verdict(row: MountPeak) -> str:
     return NOT_JUDGED if row.utilisation is None else WITHIN
 
 
-def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[dict[str, Any]] | None:
+def _contacts(response: Response, verdicts: Sequence[Verdict]) -> list[Entries] | None:
     """Return every pair of geoms that may touch and every stop; None where contacts were not recorded."""
     if response.peaks.contacts is None:
         return None

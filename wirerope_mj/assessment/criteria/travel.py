@@ -5,14 +5,13 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import BOTTOMING, COMBINED, EXCEEDED, TRAVEL, Criterion, Verdict
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.mounts.isolator.travel import RATINGS, travel_in, travel_reached
 
 
@@ -156,7 +155,7 @@ def _missed(time: Array, mount: SceneMount, deflection: Array, reached: Mapping[
     return ""
 
 
-def _length(time: Array, rows: npt.NDArray[np.bool_]) -> str:
+def _length(time: Array, rows: Booleans) -> str:
     """Return how long something lasted, as the samples tell; "" if too few of them do."""
     count = np.count_nonzero(rows)
     spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample

@@ -3,9 +3,10 @@
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Final
 
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import json_values
 
@@ -35,7 +36,7 @@ class Criterion(str):
         criterion.kind, criterion.axis, criterion.sense = kind, axis, sense
         return criterion
 
-    def __reduce__(self) -> tuple[Any, ...]:
+    def __reduce__(self) -> tuple[object, ...]:
         return _criterion, (self.kind, self.axis, self.sense)
 
 
@@ -94,7 +95,7 @@ class Verdict:
             return NOT_JUDGED
         return WITHIN if self.utilisation <= 1.0 else EXCEEDED
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the verdict as plain values; what is not known or not finite is None."""
         margin = self.margin
         return {
@@ -131,9 +132,8 @@ def payload_bodies(response: Response) -> list[str]:
 
 
 def limits_by_name(
-    response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str],
-    others: Sequence[str] = (),
-) -> dict[str, PayloadLimit]:  # fmt: skip
+    response: Response, limits: Sequence[PayloadLimit] | None, kind: str, known: Sequence[str], others: Sequence[str] = ()
+) -> dict[str, PayloadLimit]:
     """Return the limits of one kind by name: those given, else those of the model; `others` are not listed in an error.
 
     ValueError if a limit names nothing that is known.

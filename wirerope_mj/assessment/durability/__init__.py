@@ -4,9 +4,5 @@ Exponent and constant of a fatigue curve N = C / A^b, A being the amplitude, are
 damage is relative. Uses responses and motions, and the package rainflow for the counting.
 """
 
-from wirerope_mj.assessment.durability.cycles import Cycles as Cycles
-from wirerope_mj.assessment.durability.cycles import DamageSpectrum as DamageSpectrum
-from wirerope_mj.assessment.durability.cycles import fatigue_damage_spectrum as fatigue_damage_spectrum
-from wirerope_mj.assessment.durability.cycles import rainflow_cycles as rainflow_cycles
-from wirerope_mj.assessment.durability.mounts import MountCycles as MountCycles
-from wirerope_mj.assessment.durability.mounts import mount_cycles as mount_cycles
+from wirerope_mj.assessment.durability.cycles import Cycles, DamageSpectrum, fatigue_damage_spectrum, rainflow_cycles
+from wirerope_mj.assessment.durability.mounts import MountCycles, mount_cycles

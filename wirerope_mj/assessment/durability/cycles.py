@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, ramp_steps
@@ -48,7 +47,7 @@ class Cycles(Brief):
         return float(np.sum(self.counts * (0.5 * self.ranges) ** b) / c)
 
 
-def rainflow_cycles(history: npt.ArrayLike) -> Cycles:
+def rainflow_cycles(history: ArrayLike) -> Cycles:
     """Return the cycles of a history after ASTM E1049-85, counted by the package rainflow.
 
     Args:
@@ -85,12 +84,7 @@ class DamageSpectrum(Brief):
 
 
 def fatigue_damage_spectrum(
-    time: npt.ArrayLike,
-    acceleration: npt.ArrayLike,
-    *,
-    exponent: float,
-    frequencies: npt.ArrayLike | None = None,
-    q: float = 10.0,
+    time: ArrayLike, acceleration: ArrayLike, *, exponent: float, frequencies: ArrayLike | None = None, q: float = 10.0
 ) -> DamageSpectrum:
     """Return the fatigue damage spectrum of a sampled acceleration.
 

@@ -4,7 +4,7 @@ import math
 import tomllib
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, get_args
+from typing import get_args
 
 from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.ended import too_short
@@ -13,6 +13,7 @@ from wirerope_mj.assessment.durability import mount_cycles
 from wirerope_mj.assessment.durability.mounts import Quantity
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.foundation.arguments import one_of, positive
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.toml_file import toml_content
 
@@ -78,7 +79,7 @@ def read_mission(path: str | Path) -> Mission:
         raise RecordError(f"{file}: {error}") from None
 
 
-def _mission(content: dict[str, Any], folder: Path) -> Mission:
+def _mission(content: Entries, folder: Path) -> Mission:
     _require_known(content, _KEYS)
     stages = content.get("stage")
     if not isinstance(stages, list) or not stages or not all(isinstance(stage, dict) for stage in stages):
@@ -94,7 +95,7 @@ def _mission(content: dict[str, Any], folder: Path) -> Mission:
     )  # fmt: skip
 
 
-def _stage(content: dict[str, Any], folder: Path) -> Stage:
+def _stage(content: Entries, folder: Path) -> Stage:
     _require_known(content, _STAGE_KEYS)
     run = content.get("run")
     if not isinstance(run, str):
@@ -105,7 +106,7 @@ def _stage(content: dict[str, Any], folder: Path) -> Stage:
     return Stage(run=folder / run, **{often[0]: positive(often[0], content[often[0]])})
 
 
-def _require_known(content: dict[str, Any], known: tuple[str, ...]) -> None:
+def _require_known(content: Entries, known: tuple[str, ...]) -> None:
     for key in content:
         if key not in known:
             raise ValueError(f"`{key}` is not known; known: {', '.join(known)}.")

@@ -85,23 +85,11 @@ class PartSelection(Brief):
 
 
 def select_isolators(
-    *,
-    mass: float,
-    mounts: int,
-    pulse: Shock | None = None,
-    velocity: float | None = None,
-    drop: float | None = None,
-    rebound: float = 0.0,
-    travel: float | None = None,
-    fragility: float | None = None,
-    disturbance: float | None = None,
-    loading: str = "compression",
-    direction: str | None = None,
-    isolation_ratio: float = ISOLATION_RATIO,
-    gravity: float = WORKSHEET_GRAVITY,
-    loops: Sequence[int] = (),
-    parts: Sequence[VendorPart] | None = None,
-) -> PartSelection:
+    *, mass: float, mounts: int, pulse: Shock | None = None, velocity: float | None = None, drop: float | None = None,
+    rebound: float = 0.0, travel: float | None = None, fragility: float | None = None, disturbance: float | None = None,
+    loading: str = "compression", direction: str | None = None, isolation_ratio: float = ISOLATION_RATIO,
+    gravity: float = WORKSHEET_GRAVITY, loops: Sequence[int] = (), parts: Sequence[VendorPart] | None = None,
+) -> PartSelection:  # fmt: skip
     """Return the catalogue parts that carry the load and keep their limits, by the vendors' worksheet.
 
     One of `pulse`, `velocity` and `drop` gives the shock. Limits that are not given are not judged.

@@ -46,8 +46,7 @@ class Worksheet:
         for name in ("mass", "isolation_ratio", "gravity", "travel", "fragility", "disturbance"):
             value = getattr(self, name)
             if value is not None and not ranges.SMALLEST <= positive(name, value) <= ranges.LARGEST:
-                text = f"`{name}` must be {ranges.SMALLEST:g} to {ranges.LARGEST:g} in SI units, got {value!r}."
-                raise ValueError(text)
+                raise ValueError(f"`{name}` must be {ranges.SMALLEST:g} to {ranges.LARGEST:g} in SI units, got {value!r}.")
         integer("mounts", self.mounts, least=1)
         for name in ("loading", "direction"):
             mode = "shear" if getattr(self, name) == "roll" else getattr(self, name)

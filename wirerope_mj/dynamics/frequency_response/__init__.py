@@ -1,5 +1,4 @@
 """Frequency responses of a system at several levels: branches of periodic motions, sweeps, and what they say together."""
 
-from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse as FrequencyResponse
-from wirerope_mj.dynamics.frequency_response.result import ResponseOptions as ResponseOptions
-from wirerope_mj.dynamics.frequency_response.solve import frequency_response as frequency_response
+from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, ResponseOptions
+from wirerope_mj.dynamics.frequency_response.solve import frequency_response

@@ -3,10 +3,9 @@
 import math
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic import Branch
 from wirerope_mj.dynamics.periodic.storage import check_steps
@@ -15,6 +14,7 @@ from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.simulation.stability import eigenvalues
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, one_of, positive
+from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.parquet_files import write_columns
@@ -30,7 +30,6 @@ BELOW, ABOVE = 4.0, 2.0
 BEYOND = 100.0
 # Natural frequencies below this fraction of the highest belong to what no mount holds back [-].
 STILL = 1e-3
-AnyArray = npt.NDArray[Any]
 BRANCHES, SWEEPS = "branches.parquet", "sweeps.parquet"
 
 

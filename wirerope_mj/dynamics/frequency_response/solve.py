@@ -14,14 +14,9 @@ from wirerope_mj.motions import Sweep
 
 
 def frequency_response(
-    system: System,
-    options: ResponseOptions,
-    *,
-    name: str = "",
-    report: Callable[[str], None] | None = None,
-    keep: Path | None = None,
-    progress: bool = False,
-) -> FrequencyResponse:
+    system: System, options: ResponseOptions, *, name: str = "", report: Callable[[str], None] | None = None,
+    keep: Path | None = None, progress: bool = False,
+) -> FrequencyResponse:  # fmt: skip
     """Return the branches and envelopes of a response at several levels.
 
     Args:

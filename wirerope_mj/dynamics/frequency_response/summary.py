@@ -4,7 +4,6 @@ import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -13,7 +12,7 @@ from wirerope_mj.dynamics.frequency_response.result import FrequencyResponse, Le
 from wirerope_mj.dynamics.periodic import Branch, HarmonicContent, harmonic_content, resonances
 from wirerope_mj.dynamics.sweep import FrequencySweep
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.summary import json_values
 
 HARMONICS = 9  # highest harmonic that is looked for in a motion
@@ -174,10 +173,10 @@ def level_summaries(result: FrequencyResponse) -> list[LevelSummary]:
     return [LevelSummary(level=level) for level in result.levels]
 
 
-def plain_summary(summary: LevelSummary) -> dict[str, Any]:
+def plain_summary(summary: LevelSummary) -> Entries:
     """Write a summary as plain values, SI units, None where there is no number."""
     level, branch = summary.level, summary.level.branch
-    content: dict[str, Any] = {"acceleration": level.acceleration}
+    content: Entries = {"acceleration": level.acceleration}
     if branch is not None:
         content["continuation"] = {
             "points": int(branch.frequency.size), "complete": branch.complete, "message": branch.message,
@@ -201,7 +200,7 @@ def plain_summary(summary: LevelSummary) -> dict[str, Any]:
         }  # fmt: skip
     if level.sweeps:
         content["sweep_seconds"] = round(level.sweep_seconds, 3)
-    plain: dict[str, Any] = json_values(content)
+    plain: Entries = json_values(content)
     return plain
 
 

@@ -1,13 +1,12 @@
 """Modes of a system about its sagged position."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import scipy
 
 from wirerope_mj.engine.statics import Equilibrium, History
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array, Entries, Integers
 from wirerope_mj.foundation.summary import Summarised, json_values, quantity
 
 _FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: far
@@ -60,9 +59,9 @@ class TippingStability:
             limits.append(f"with its centre of mass, or that of a part on a joint, {self.rise:.2g} m higher")
         return f"{self.word}; it would tip over {', or '.join(limits)}."
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return plain values; what is infinite is None."""
-        values: dict[str, Any] = {
+        values: Entries = {
             "word": self.word, "smallest_eigenvalue_1_s2": self.smallest_eigenvalue, "gravity_factor": self.gravity_factor,
             "rise_m": self.rise, "gravity_factor_on_loading": self.softest,
         }  # fmt: skip
@@ -138,7 +137,7 @@ class Modes(Summarised):
         _, indices = scipy.optimize.linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
         return [int(index) for index in indices]
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the modes as plain values, SI; what is not finite is None."""
         modes = [
             {

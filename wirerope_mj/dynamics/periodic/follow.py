@@ -23,18 +23,10 @@ from wirerope_mj.motions import Sine
 
 
 def periodic_orbit(
-    system: System,
-    *,
-    frequency: float,
-    acceleration: float,
-    direction: str | Sequence[float],
-    periods: int = 1,
-    guess: State | None = None,
-    history: History = "relaxed",
-    accuracy: float = 1e-4,
-    tolerance: float = 1e-8,
+    system: System, *, frequency: float, acceleration: float, direction: str | Sequence[float], periods: int = 1,
+    guess: State | None = None, history: History = "relaxed", accuracy: float = 1e-4, tolerance: float = 1e-8,
     smoothing: float | None = None,
-) -> PeriodicOrbit:
+) -> PeriodicOrbit:  # fmt: skip
     """Return the periodic motion of `system` under a sine of its base, by shooting on the engine's state.
 
     Newton's method closes the gap between the state at phase 0 and that some periods later; the columns of its matrix are
@@ -81,27 +73,12 @@ def periodic_orbit(
 
 
 def follow_branch(
-    system: System,
-    *,
-    start: float,
-    stop: float,
-    acceleration: float | None = None,
-    frequency: float | None = None,
-    direction: str | Sequence[float],
-    payload: str,
-    response_direction: str | Sequence[float] | None = None,
-    periods: int = 1,
-    guess: State | None = None,
-    history: History = "relaxed",
-    accuracy: float = 1e-4,
-    tolerance: float = 1e-6,
-    smoothing: float | None = None,
-    largest_step: float = 0.02,
-    smallest_step: float = 1e-5,
-    most_points: int = 3000,
-    out: str | Path | None = None,
-    progress: bool = False,
-) -> Branch:
+    system: System, *, start: float, stop: float, acceleration: float | None = None, frequency: float | None = None,
+    direction: str | Sequence[float], payload: str, response_direction: str | Sequence[float] | None = None, periods: int = 1,
+    guess: State | None = None, history: History = "relaxed", accuracy: float = 1e-4, tolerance: float = 1e-6,
+    smoothing: float | None = None, largest_step: float = 0.02, smallest_step: float = 1e-5, most_points: int = 3000,
+    out: str | Path | None = None, progress: bool = False,
+) -> Branch:  # fmt: skip
     """Return the branch of periodic motions of `system` from `start` to `stop`, around folds if there are any.
 
     With `acceleration` given, `start` and `stop` are frequencies [Hz]; with `frequency` given they are accelerations [m/s^2].

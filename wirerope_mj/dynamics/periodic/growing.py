@@ -5,7 +5,6 @@ import time
 from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -25,7 +24,7 @@ from wirerope_mj.dynamics.periodic.storage import (
     row_of,
     save_rows,
 )
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.state import State
 
 FIRST = 0.2  # first step in units of the largest
@@ -261,7 +260,7 @@ class GrowingBranch:
     def _where(self, point: Point) -> str:
         return f"{point.parameter:.5g} {'Hz' if self.options.parameter == 'frequency' else 'm/s^2'}"
 
-    def _content(self) -> dict[str, Any]:
+    def _content(self) -> Entries:
         options = {name: list(v) if isinstance(v, tuple) else v for name, v in asdict(self.options).items()}
         options["acceleration" if self.options.parameter == "frequency" else "frequency"] = options.pop("other")
         return {
@@ -281,7 +280,7 @@ class GrowingBranch:
         for i, row in enumerate(rows):
             multipliers[i, : row.multipliers.size] = row.multipliers
         names = (*COLUMNS, "unknowns")
-        values: dict[str, Any] = {name: np.array([getattr(row, name) for row in rows]) for name in names}
+        values: Entries = {name: np.array([getattr(row, name) for row in rows]) for name in names}
         values["tangents"] = values.pop("tangent")
         kept = ("parameter", "payload", "direction", "response_direction", "periods", "history")
         values |= {name: getattr(options, name) for name in kept}

@@ -18,16 +18,14 @@ with phi as without smoothing. Two states of one axis have one w each.
 """
 
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.periodic.motion import Track, mount_deflections
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import with_other_laws
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import AnyArray, Array, Entries, Integers
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Parallel, Smoothed
 from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, SMOOTHED, TABULATED
@@ -49,7 +47,7 @@ def smoothed(system: System, width: float) -> System:
 
 
 def _smoothed(isolator: Isolator, width: float) -> Isolator:
-    axes: dict[str, Any] = {
+    axes: Entries = {
         axis: with_width(law, width)
         for index, (axis, law) in enumerate(isolator.axes.items())
         if law is not None and index not in isolator.coupled_axes
@@ -67,7 +65,7 @@ def width_indices(system: System) -> Integers:
     return parameters + widths_of(rows[:, :2], model.numeric_data[parameters:])
 
 
-def widths_of(laws: npt.NDArray[Any], parameters: Array) -> Integers:
+def widths_of(laws: AnyArray, parameters: Array) -> Integers:
     """Find the widths of smoothed laws, also those in parallel, among the parameters of (number, first parameter) rows."""
     found = []
     for law, first in laws.astype(int).tolist():

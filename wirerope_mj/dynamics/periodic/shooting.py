@@ -80,9 +80,8 @@ def monodromy(flow: Flow, at: Shot) -> Array:
 
 
 def close(
-    flow: Flow, first: Shot, *, tolerance: float, iterations: int,
-    derivative: Callable[[Flow, Shot], Array] = monodromy,
-) -> Shot:  # fmt: skip
+    flow: Flow, first: Shot, *, tolerance: float, iterations: int, derivative: Callable[[Flow, Shot], Array] = monodromy
+) -> Shot:
     """Return the periodic motion near `first`, or the best that was found.
 
     Where no step brings it nearer, slow directions are left alone, as `corrected` does.

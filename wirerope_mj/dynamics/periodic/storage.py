@@ -5,7 +5,6 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -16,7 +15,7 @@ from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.statics import History
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import one_of, positive
-from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.arrays import Array, ComplexArray, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.parquet_files import read_content, read_table, write_columns
@@ -29,9 +28,7 @@ _KIND = "the table of a branch"
 _REMEDY = "Remove it, and the branch is followed anew, or give another folder."
 # What says how far a branch has come, and does not belong to its question.
 PROGRESS = ("complete", "message", "model_steps", "gaps", "side_branches", "beyond_travel")
-COLUMNS = (
-    "frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual"
-)  # fmt: skip
+COLUMNS = ("frequency", "acceleration", "amplitude", "stable", "neutral", "smoothing_width", "steps", "tangent", "residual")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,13 +147,13 @@ def fingerprint(system: System) -> str:
     return hashlib.sha256(content.encode()).hexdigest()[:16]
 
 
-def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content: dict[str, Any]) -> None:
+def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content: Entries) -> None:
     """Write the points of a branch so far, atomically."""
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise RecordError(f"{folder}: no folder can be made there ({error.strerror}). Choose another one.") from None
-    columns: dict[str, Any] = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
+    columns: dict[str, object] = {name: [getattr(row, name) for row in rows] for name in COLUMNS}
     columns["multiplier_real"] = [row.multipliers.real for row in rows]
     columns["multiplier_imag"] = [row.multipliers.imag for row in rows]
     columns["unknowns"] = [row.unknowns for row in rows]
@@ -164,7 +161,7 @@ def save_rows(folder: Path, rows: list[Row], events: list[Bifurcation], content:
     write_columns(folder / FILE, columns, content | {"bifurcations": stored})
 
 
-def load_rows(folder: Path, content: dict[str, Any]) -> tuple[list[Row], list[Bifurcation], dict[str, Any]] | None:
+def load_rows(folder: Path, content: Entries) -> tuple[list[Row], list[Bifurcation], Entries] | None:
     """Return the points of a branch begun in `folder`, None if there is none; RecordError if it is that of another question."""
     path = folder / FILE
     if not path.exists():

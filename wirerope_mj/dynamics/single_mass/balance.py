@@ -17,13 +17,12 @@ No engine and no shooting here: it is an independent check of both.
 from dataclasses import dataclass, field
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.single_mass.cycle import cycle_force, is_neutral, largest, steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import require_oscillator
 from wirerope_mj.dynamics.single_mass.linearisation import linearised_orbits
 from wirerope_mj.foundation.arguments import integer
-from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.arrays import Array, ArrayLike, ComplexArray
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised, quantity, span
 from wirerope_mj.mounts.laws import Law, Smoothed
@@ -177,17 +176,9 @@ class HarmonicOrbit(Summarised):
 
 
 def harmonic_balance(
-    law: Law,
-    *,
-    mass: float,
-    frequency: float,
-    acceleration: float,
-    gravity: float = 0.0,
-    harmonics: int = 31,
-    samples: int = 1024,
-    guess: npt.ArrayLike | None = None,
-    tolerance: float = 1e-10,
-) -> HarmonicOrbit:
+    law: Law, *, mass: float, frequency: float, acceleration: float, gravity: float = 0.0, harmonics: int = 31,
+    samples: int = 1024, guess: ArrayLike | None = None, tolerance: float = 1e-10,
+) -> HarmonicOrbit:  # fmt: skip
     """Return a periodic motion of one mass on one isolator axis under a sine of base acceleration, a sin(w t).
 
     It starts from equivalent linearisation, the smallest of its solutions first; if Newton's method fails from all of them, the

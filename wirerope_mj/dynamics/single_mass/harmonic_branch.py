@@ -89,18 +89,9 @@ class HarmonicBranch(Summarised):
 
 
 def follow_harmonic_balance(
-    law: Law,
-    *,
-    mass: float,
-    start: float,
-    stop: float,
-    acceleration: float,
-    gravity: float = 0.0,
-    harmonics: int = 31,
-    samples: int = 1024,
-    largest_step: float = 0.1,
-    tolerance: float = 1e-10,
-) -> HarmonicBranch:
+    law: Law, *, mass: float, start: float, stop: float, acceleration: float, gravity: float = 0.0, harmonics: int = 31,
+    samples: int = 1024, largest_step: float = 0.1, tolerance: float = 1e-10,
+) -> HarmonicBranch:  # fmt: skip
     """Return the periodic motions of one mass on one isolator axis from one frequency to another, through folds.
 
     The branch is followed by its arclength: of the deflection's coefficients, measured by their own size, and of the

@@ -10,12 +10,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.dynamics.single_mass.cycle import steady_cycle
 from wirerope_mj.dynamics.single_mass.equivalent import SAMPLES, EquivalentOscillator, oscillator_at, require_oscillator
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Integers
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.mounts.laws import Law
 
@@ -51,7 +50,7 @@ class EquivalentLinear(Brief):
 
 
 def equivalent_linear(
-    law: Law, *, mass: float, frequencies: npt.ArrayLike, acceleration: float, gravity: float = 0.0
+    law: Law, *, mass: float, frequencies: ArrayLike, acceleration: float, gravity: float = 0.0
 ) -> EquivalentLinear:
     """Return the response of one mass on one isolator axis to a sine of base acceleration by equivalent linearisation.
 
@@ -103,9 +102,8 @@ def _oscillators(law: Law, weight: float) -> Callable[[float, float], Equivalent
 
 
 def _solutions(
-    law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float,
-    acceleration: float,
-) -> list[EquivalentOscillator]:  # fmt: skip
+    law: Law, oscillator: Callable[[float, float], EquivalentOscillator], mass: float, frequency: float, acceleration: float
+) -> list[EquivalentOscillator]:
     """Return the oscillators consistent with their own amplitude at a frequency, the smallest first."""
     omega = 2.0 * np.pi * frequency
 

@@ -4,13 +4,13 @@ import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 
 from wirerope_mj.dynamics.sweep.channels import Channels, TravelWatch
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.directions import Direction, direction_text, unit_vector
 from wirerope_mj.foundation.errors import RecordError
@@ -61,7 +61,7 @@ class FrequencySweep(Summarised):
     #: does not wait
     remaining: Array
     settled: Booleans  #: whether they were within the tolerance, (n,); False for a sweep
-    excitation: dict[str, Any]  #: the excitation as plain values
+    excitation: Entries  #: the excitation as plain values
     timestep: float  #: largest step [s]
     #: of samples and peaks, estimated before the run relative to the peaks; NaN where the step was given
     estimated_error: float
@@ -113,7 +113,7 @@ class FrequencySweep(Summarised):
         motion = motion_from_dict(self.excitation) if self.excitation["kind"] == Sweep.kind else None
         return motion if isinstance(motion, Sweep) else None
 
-    def summary(self) -> dict[str, Any]:
+    def summary(self) -> Entries:
         """Return excitation, cost, warnings and the peaks of all bodies and mounts as plain values: [Hz], [m/s^2], [m]."""
         bodies = {}
         for name, envelope in self.envelopes.items():
@@ -157,7 +157,7 @@ class FrequencySweep(Summarised):
             temporary.write_text(json.dumps(self.summary(), indent=2) + "\n", encoding="utf-8")
 
     @classmethod
-    def of_rows(cls, rows: Array, content: Mapping[str, Any]) -> "FrequencySweep":
+    def of_rows(cls, rows: Array, content: Entries) -> "FrequencySweep":
         """Return the sweep of a table's rows, (n, n_columns), and metadata."""
         vectors = iter(rows[:, len(_FIRST) :].reshape(rows.shape[0], -1, 3).transpose(1, 0, 2))
         first = dict(zip(_FIRST, rows.T, strict=False))
@@ -167,11 +167,9 @@ class FrequencySweep(Summarised):
             **first | {"settled": first["settled"] != 0.0},
             envelopes={name: BodyEnvelope(acceleration=a, transmissibility=a / base) for name, a in accelerations.items()},
             mounts={name: MountEnvelope(minimum=next(vectors), maximum=next(vectors)) for name in content["mounts"]},
-            **{name: content[name] for name in _PLAIN},
-            initial_state=State.from_plain(content["initial_state"]),
-            final_state=State.from_plain(content["final_state"]),
-            warnings=tuple(content["warnings"]),
-        )
+            **{name: content[name] for name in _PLAIN}, initial_state=State.from_plain(content["initial_state"]),
+            final_state=State.from_plain(content["final_state"]), warnings=tuple(content["warnings"]),
+        )  # fmt: skip
 
 
 def load_frequency_sweep(folder: str | Path) -> FrequencySweep:
@@ -240,9 +238,7 @@ class Collector:
             self._writer.write(np.concatenate(self._rows))
             self._rows.clear()
 
-    def finish(
-        self, question: dict[str, Any], *, initial_state: State, final_state: State, warnings: Sequence[str]
-    ) -> FrequencySweep:
+    def finish(self, question: Entries, *, initial_state: State, final_state: State, warnings: Sequence[str]) -> FrequencySweep:
         """Make the result.
 
         `question` holds payload, response_direction, excitation and the estimated_error of the step; `warnings` go before those

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.dynamics.sweep.channels import Channels
 from wirerope_mj.dynamics.sweep.cycles import STEPS_PER_CYCLE, at_start, settle, stepping
@@ -21,6 +20,7 @@ from wirerope_mj.engine.simulation.timestep import GIVEN, ChosenStep, choose_tim
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import integer, nonzero, one_of, positive, the_one_given
+from wirerope_mj.foundation.arrays import ArrayLike
 from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction, unit_vector
 from wirerope_mj.foundation.state import State
@@ -94,21 +94,11 @@ def acceleration_of(quantity: str, amplitude: float, frequency: float) -> float:
 
 
 def frequency_sweep(
-    system: System,
-    sweep: Sweep,
-    *,
-    payload: str,
-    response_direction: str | Sequence[float] | None = None,
-    history: History = "relaxed",
-    initial: State | None = None,
-    settled: float | None = 1e-3,
-    largest_cycles: int = 1000,
-    timestep: float | None = None,
-    accuracy: float = 1e-4,
-    out: str | Path | None = None,
-    progress: bool = False,
+    system: System, sweep: Sweep, *, payload: str, response_direction: str | Sequence[float] | None = None,
+    history: History = "relaxed", initial: State | None = None, settled: float | None = 1e-3, largest_cycles: int = 1000,
+    timestep: float | None = None, accuracy: float = 1e-4, out: str | Path | None = None, progress: bool = False,
     direction: None = None,
-) -> FrequencySweep:
+) -> FrequencySweep:  # fmt: skip
     """Return the envelope of accelerations and deflections that a sweep leaves, cycle by cycle.
 
     The system first follows a steady sine of the sweep's level at its start frequency until its amplitudes have settled, so
@@ -191,9 +181,8 @@ def frequency_sweep(
 
 
 def _lead_in(
-    system: System, sweep: Sweep, start: State, collector: Collector, timestep: float, settled: float,
-    largest_cycles: int,
-) -> tuple[State, tuple[str, ...]]:  # fmt: skip
+    system: System, sweep: Sweep, start: State, collector: Collector, timestep: float, settled: float, largest_cycles: int
+) -> tuple[State, tuple[str, ...]]:
     """Shake the system by the steady sine at the start frequency: the state after that, a warning if it has not settled."""
     acceleration = acceleration_of(sweep.quantity, sweep.amplitude, sweep.start)
     sine = Sine(frequency=sweep.start, acceleration=acceleration, direction=sweep.direction)
@@ -215,24 +204,12 @@ def check_cycles(sweep: Sweep, timestep: float | None) -> None:
 
 
 def stepped_sine(
-    system: System,
-    *,
-    frequencies: npt.ArrayLike,
-    direction: str | Sequence[float],
-    payload: str,
-    acceleration: float | None = None,
-    velocity: float | None = None,
-    displacement: float | None = None,
-    response_direction: str | Sequence[float] | None = None,
-    settled: float = 1e-4,
-    largest_cycles: int = 1000,
-    history: History = "relaxed",
-    initial: State | None = None,
-    timestep: float | None = None,
-    accuracy: float = 1e-4,
-    out: str | Path | None = None,
-    progress: bool = False,
-) -> FrequencySweep:
+    system: System, *, frequencies: ArrayLike, direction: str | Sequence[float], payload: str,
+    acceleration: float | None = None, velocity: float | None = None, displacement: float | None = None,
+    response_direction: str | Sequence[float] | None = None, settled: float = 1e-4, largest_cycles: int = 1000,
+    history: History = "relaxed", initial: State | None = None, timestep: float | None = None, accuracy: float = 1e-4,
+    out: str | Path | None = None, progress: bool = False,
+) -> FrequencySweep:  # fmt: skip
     """Return the settled amplitudes at one frequency after the other, each from the last one's final state.
 
     A frequency has settled when the amplitudes of all bodies are estimated to lie within `settled` of their limits; the limit
@@ -323,7 +300,7 @@ def _judge_step(system: System, sweep: FrequencySweep, direction: Direction) -> 
     warn_of_given_step(sweep.timestep, error, stacklevel=4)
 
 
-def checked_frequencies(frequencies: npt.ArrayLike) -> list[float]:
+def checked_frequencies(frequencies: ArrayLike) -> list[float]:
     """Return the frequencies [Hz] as plain numbers; none, or one that is not positive, is a ValueError."""
     values = np.atleast_1d(np.asarray(frequencies, dtype=float))
     if values.ndim != 1 or not values.size:

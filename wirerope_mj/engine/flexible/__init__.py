@@ -5,12 +5,9 @@ from pathlib import Path
 
 from wirerope_mj.engine.flexible.craig_bampton import MATRICES, part_of_matrices
 from wirerope_mj.engine.flexible.eigenvectors import PUNCH, UNIVERSAL, part_of_eigenvectors, read_eigenvectors
-from wirerope_mj.engine.flexible.files import MODES, POINTS, SHAPES, Units, read_flexible
-from wirerope_mj.engine.flexible.files import load_flexible as load_flexible
-from wirerope_mj.engine.flexible.files import save_flexible as save_flexible
-from wirerope_mj.engine.flexible.panel import Panel as Panel
-from wirerope_mj.engine.flexible.panel import panel_of_phrase as panel_of_phrase
-from wirerope_mj.engine.flexible.part import FlexiblePart as FlexiblePart
+from wirerope_mj.engine.flexible.files import MODES, POINTS, SHAPES, Units, load_flexible, read_flexible, save_flexible
+from wirerope_mj.engine.flexible.panel import Panel, panel_of_phrase
+from wirerope_mj.engine.flexible.part import FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 
 Deck = Panel | FlexiblePart

@@ -54,12 +54,10 @@ def box_layout(part: VendorPart, *, mass: float, mounts: str, size: Array | None
     signs = [np.array([x, y, z]) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)]
     inertia = np.diag(mass / 12.0 * (box @ box - box**2))
     return Layout(
-        name=NAME,
-        masses=(Mass(NAME, MassProperties(positive("mass", mass, unit="kg"), centre, inertia)),),
-        mounts=tuple(placed),
-        points=tuple(Point(f"corner_{n + 1}", centre + 0.5 * sign * box) for n, sign in enumerate(signs)),
+        name=NAME, masses=(Mass(NAME, MassProperties(positive("mass", mass, unit="kg"), centre, inertia)),),
+        mounts=tuple(placed), points=tuple(Point(f"corner_{n + 1}", centre + 0.5 * sign * box) for n, sign in enumerate(signs)),
         isolators={part.name: part},
-    )
+    )  # fmt: skip
 
 
 def _rows(count: int, x: float, y: float) -> list[tuple[float, float]]:

@@ -1,12 +1,11 @@
 """Bodies of a model as links: poses, masses of what is welded together, and the clearance of geoms that may touch."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array
 
 FARTHEST = 1e3  # clearance that is as good as any larger one [m]
 
@@ -102,7 +101,7 @@ def inertia_of(bodies: Bodies, number: int) -> Array:
     return np.concatenate([[total], centre, _six(about), _six(inverse)])
 
 
-def _six(matrix: Any) -> Array:
+def _six(matrix: AnyArray) -> Array:
     return np.asarray(matrix[[0, 1, 2, 0, 0, 1], [0, 1, 2, 1, 2, 2]], dtype=np.float64)
 
 

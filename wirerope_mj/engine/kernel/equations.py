@@ -1,7 +1,6 @@
 """The equations of a system, read from its compiled model: structure, numbers that variants share, numbers of one variant."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -76,7 +75,7 @@ def equations_of(system: System) -> Equations:
     axes = tables.rows(control.AXES, control.AXIS_COLUMNS, 3 * tables.user.n_mounts).astype(np.int64).tolist()
     stops, trees = _stops(tables, axes), _trees(bodies, kinds, dofs, num)
     tracked = tables.channels[tables.tracked]
-    parts: list[Any] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
+    parts: list[object] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
     forces = [_force(bodies, kinds, places, site, fix, num) for site in system.assembly.subjects.forces]
     modes = [[mode.dof, num.put(mode.participation)] for mode in system.assembly.subjects.modes]

@@ -5,7 +5,7 @@ Each raises ValueError that names the key, such as `peaks.bodies.floor.accelerat
 
 import base64
 import math
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import MISSING, fields
 from typing import Any
 
@@ -15,6 +15,7 @@ from wirerope_mj.engine.response.histories import ColumnPlan, Numerics
 from wirerope_mj.engine.response.peaks import KINDS, CombinedTravel, ContactPeak, Peak
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, one_of, positive
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions import RandomVibration, motion_from_dict
@@ -27,9 +28,9 @@ _SHAPES = ("box", "sphere", "capsule", "cylinder", "ellipsoid", "plane", "mesh")
 _UNIT = 1e-6  # by which the length of a stored quaternion may differ from 1: far above rounding, far below a turn that shows
 
 
-def check_content(content: Any, columns: Sequence[str]) -> None:
+def check_content(content: object, columns: Sequence[str]) -> None:
     """Raise ValueError unless all that `response_metadata` writes stands in `content` and describes these columns."""
-    _table("the metadata", content, ("peaks", "scene", "motion", "events", "numerics", "states", *KINDS))
+    content = _table("the metadata", content, ("peaks", "scene", "motion", "events", "numerics", "states", *KINDS))
     plan = _checked_plan(content)
     if list(columns) != plan.names:
         missing = [name for name in plan.names if name not in columns]
@@ -50,7 +51,7 @@ def check_content(content: Any, columns: Sequence[str]) -> None:
         raise ValueError("`states` must be of one size, the first and the last.")
 
 
-def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
+def _checked_plan(content: Entries) -> ColumnPlan:
     for group in ("bodies", "points"):
         _list(_text)(group, content[group])
     _list(_row(_text, _list(_state_name)))("mounts", content["mounts"])
@@ -61,8 +62,8 @@ def _checked_plan(content: Mapping[str, Any]) -> ColumnPlan:
     return plan
 
 
-def _check_peaks(peaks: Any, plan: ColumnPlan) -> None:
-    _table("peaks", peaks, KINDS)
+def _check_peaks(peaks: object, plan: ColumnPlan) -> None:
+    peaks = _table("peaks", peaks, KINDS)
     names = {"bodies": plan.bodies, "points": plan.points, "mounts": [name for name, _ in plan.mounts]}
     for group, kind in KINDS.items():
         _table(f"peaks.{group}", peaks[group], names[group], known=names[group])
@@ -74,7 +75,7 @@ def _check_peaks(peaks: Any, plan: ColumnPlan) -> None:
         _values(_record(CombinedTravel))("peaks.travels", peaks["travels"])
 
 
-def _check_scene(scene: Any, plan: ColumnPlan) -> None:
+def _check_scene(scene: Entries, plan: ColumnPlan) -> None:
     _record(
         Scene, bodies=_list(_record(SceneBody, position=_numbers(3), orientation=_quaternion, geoms=_list(_geom))),
         mounts=_list(_mount), limits=_list(_limit), areas=_values(_list(_text)),
@@ -91,7 +92,7 @@ def _check_scene(scene: Any, plan: ColumnPlan) -> None:
         one_of(f"scene.limits.{i}.name", limit["name"], (*bodies, *plan.points))
 
 
-def _geom(key: str, geom: Any) -> None:
+def _geom(key: str, geom: Entries) -> None:
     _record(
         Geom, size=_numbers(3), position=_numbers(3), orientation=_quaternion, rgba=_numbers(4),
         vertices=_list(_numbers(3)), faces=_list(_numbers(3)),
@@ -105,7 +106,7 @@ def _geom(key: str, geom: Any) -> None:
         raise ValueError(f"`{key}.vertices` must not be empty: its shape is a mesh.")
 
 
-def _mount(key: str, mount: Any) -> None:
+def _mount(key: str, mount: Entries) -> None:
     point, size = _numbers(3), _or_nan(positive)
     _record(
         SceneMount, payload_point=point, base_point=point, axes=_list(_numbers(3), 3),
@@ -114,7 +115,7 @@ def _mount(key: str, mount: Any) -> None:
     _table(f"{key}.travel", mount["travel"], known=RATINGS)
 
 
-def _limit(key: str, limit: Any) -> None:
+def _limit(key: str, limit: Entries) -> None:
     _record(PayloadLimit, values=_numbers())(key, limit)
     try:
         PayloadLimit(kind=limit["kind"], name=limit["name"], values=tuple(limit["values"]))
@@ -122,7 +123,7 @@ def _limit(key: str, limit: Any) -> None:
         raise ValueError(f"`{key}`: {error}") from None
 
 
-def check_motion(key: str, motion: Any) -> None:
+def check_motion(key: str, motion: Entries) -> None:
     """Raise ValueError that names the key unless `motion` is built as `BaseMotion.to_dict` writes one."""
     _table(key, motion, ("kind",))
     for name in ("kind", "path"):
@@ -137,7 +138,7 @@ def check_motion(key: str, motion: Any) -> None:
             raise ValueError(f"`{key}`: {error}") from None
 
 
-def _state(key: str, text: Any) -> None:
+def _state(key: str, text: str) -> None:
     _text(key, text)
     try:
         values = np.frombuffer(base64.b64decode(text, validate=True), dtype="<f8")
@@ -147,13 +148,13 @@ def _state(key: str, text: Any) -> None:
         raise ValueError(f"`{key}` must be finite; number {int(np.argmin(np.isfinite(values)))} is not.")
 
 
-def _state_name(key: str, name: Any) -> None:
+def _state_name(key: str, name: str) -> None:
     _text(key, name)
     if name.split(".")[0] not in AXES:
         raise ValueError(f"`{key}` must begin with {', '.join(AXES)}, got {name!r}.")
 
 
-def _table(key: str, value: Any, needed: Collection[str] = (), *, known: Collection[str] | None = None) -> dict[str, Any]:
+def _table(key: str, value: object, needed: Collection[str] = (), *, known: Collection[str] | None = None) -> Entries:
     """Check the keys of a table: those it needs, and, unless None, those it may have; returns it."""
     if not isinstance(value, dict):
         raise ValueError(f"`{key}` must be a table, got {_shown(value)}.")
@@ -171,7 +172,7 @@ def _values(check: Check) -> Check:
     return lambda key, value: [check(f"{key}.{name}", item) for name, item in _table(key, value).items()]
 
 
-def _record(kind: Any, **checks: Check) -> Check:
+def _record(kind: type, **checks: Check) -> Check:
     """Check a stored dataclass: its keys, and its values by their types unless `checks` names another check."""
     known = {field.name: field for field in fields(kind)}
     needed = [name for name, field in known.items() if field.default is MISSING and field.default_factory is MISSING]
@@ -194,14 +195,14 @@ def _row(*checks: Check) -> Check:
     ]
 
 
-def _sequence(key: str, value: Any, size: int | None) -> list[Any]:
+def _sequence(key: str, value: object, size: int | None) -> list[object]:
     if not isinstance(value, list) or (size is not None and len(value) != size):
         raise ValueError(f"`{key}` must be a list{'' if size is None else f' of {size}'}, got {_shown(value)}.")
     return value
 
 
 def _numbers(size: int | None = None) -> Check:
-    def numbers(key: str, value: Any) -> None:
+    def numbers(key: str, value: object) -> None:
         if not isinstance(value, list) or len(value) != (len(value) if size is None else size):
             raise ValueError(f"`{key}` must be {'' if size is None else f'{size} '}numbers, got {_shown(value)}.")
         _list(finite)(key, value)
@@ -217,34 +218,34 @@ def _or_none(check: Check) -> Check:
     return lambda key, value: None if value is None else check(key, value)
 
 
-def _estimate(key: str, value: Any) -> None:
+def _estimate(key: str, value: object) -> None:
     if value != math.inf:  # what contacts leave
         _or_nan(not_negative)(key, value)
 
 
-def _text(key: str, value: Any) -> None:
+def _text(key: str, value: object) -> None:
     if not isinstance(value, str):
         raise ValueError(f"`{key}` must be a string, got {_shown(value)}.")
 
 
-def _boolean(key: str, value: Any) -> None:
+def _boolean(key: str, value: object) -> None:
     if not isinstance(value, bool):
         raise ValueError(f"`{key}` must be true or false, got {_shown(value)}.")
 
 
-def _quaternion(key: str, value: Any) -> None:
+def _quaternion(key: str, value: list[float]) -> None:
     _numbers(4)(key, value)
     if abs(math.hypot(*value) - 1.0) > _UNIT:
         raise ValueError(f"`{key}` must be a quaternion of length 1, got {_shown(value)}.")
 
 
-def _shown(value: Any) -> str:
+def _shown(value: object) -> str:
     """Return a value as a message shows it: not all of a long one."""
     text = repr(value)
     return text if len(text) <= 60 else f"{text[:56]} .."
 
 
-_BY_TYPE: dict[Any, Check] = {
+_BY_TYPE: dict[object, Check] = {
     str: _text, bool: _boolean, int: finite, float: finite, float | None: _or_none(finite),
     tuple[str, str]: _row(_text, _text), Peak: _numbers(Peak.SIZE),
 }  # fmt: skip

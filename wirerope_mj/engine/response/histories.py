@@ -1,15 +1,15 @@
 """Time histories of base, bodies, points and mounts as sampled columns, in memory or in a file, and how they were computed."""
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.exports import Column, Exported
+from wirerope_mj.foundation.arrays import AnyArray, Array, Entries
+from wirerope_mj.foundation.exports import Exported
 from wirerope_mj.foundation.summary import Brief, ByName, Summarised
 from wirerope_mj.mounts.isolator import AXES
 
@@ -208,7 +208,7 @@ class ColumnPlan:
     contacts: Sequence[str] = ()  # names of the pairs of geoms that the model declares
 
     @classmethod
-    def of(cls, content: Mapping[str, Any]) -> "ColumnPlan":
+    def of(cls, content: Entries) -> "ColumnPlan":
         """Read the plan from a response's metadata."""
         mounts = [(name, tuple(states)) for name, states in content["mounts"]]
         contacts = content.get("contacts", ())  # older responses have none
@@ -238,7 +238,7 @@ class ColumnPlan:
         """Column of the first sensor value, after time and base."""
         return 1 + 3 * len(BASE)
 
-    def parts(self, samples: SampledColumns) -> dict[str, Any]:
+    def parts(self, samples: SampledColumns) -> Entries:
         """Return base, bodies, points, mounts and contacts of a response whose columns are `samples`, by their names."""
         moved = samples.columns(1, self.first_sensor)
         base = BaseResponse(displacement=moved[:, 0:3], velocity=moved[:, 3:6], acceleration=moved[:, 6:9])
@@ -255,7 +255,7 @@ class ColumnPlan:
             column += 6 + len(states)
         n = len(self.contacts)
         contacts = {name: ContactResponse(samples, column + k, n) for k, name in enumerate(self.contacts)}
-        groups: dict[str, Any] = {"bodies": bodies, "points": points, "mounts": mounts, "contacts": contacts}
+        groups: dict[str, Entries] = {"bodies": bodies, "points": points, "mounts": mounts, "contacts": contacts}
         return {"base": base} | {name: ByName(group) for name, group in groups.items()}
 
 
@@ -273,7 +273,7 @@ def exported_samples(samples: SampledColumns, about: dict[str, str]) -> Exported
     """Return the samples as they are written: one column for each, called as in response.parquet."""
     names = samples.names
 
-    def blocks() -> Iterator[Sequence[Column]]:
+    def blocks() -> Iterator[Sequence[AnyArray]]:
         for block in samples.blocks(0, len(names)):
             yield list(block.T)
 

@@ -1,11 +1,11 @@
 """Peaks of a response: largest norm, extremes of the components and their instants; and what touched."""
 
 from dataclasses import asdict, dataclass, replace
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.summary import Brief, ByName
 
 
@@ -47,12 +47,12 @@ class ContactPeak:
         times = {name: getattr(self, name) for name in ("first_touch", "force_time", "penetration_time")}
         return replace(self, **{name: time + by for name, time in times.items() if time is not None})
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the contact as plain values."""
         return asdict(self) | {"geoms": list(self.geoms), "bodies": list(self.bodies)}  # as a file has them
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any]) -> "ContactPeak":
+    def from_dict(cls, content: Entries) -> "ContactPeak":
         """Return the contact that `to_dict` wrote."""
         pairs = {name: (str(content[name][0]), str(content[name][1])) for name in ("geoms", "bodies")}
         return cls(**(content | pairs))
@@ -120,7 +120,7 @@ class Peak:
         return self.numbers.tolist()
 
     @classmethod
-    def from_list(cls, numbers: Any) -> "Peak":
+    def from_list(cls, numbers: ArrayLike) -> "Peak":
         """Return the peak that `to_list` wrote."""
         return cls.of(np.array(numbers, dtype=np.float64))
 
@@ -200,7 +200,7 @@ class Peaks(Brief):
                 one[part] = two[part] = None
         return one == two
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the peaks as plain values."""
         contacts, travels = self.contacts, self.travels
         return {
@@ -214,7 +214,7 @@ class Peaks(Brief):
         }
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any]) -> "Peaks":
+    def from_dict(cls, content: Entries) -> "Peaks":
         """Return the peaks that `to_dict` wrote."""
         contacts, travels = content.get("contacts"), content.get("travels")  # older responses have none
         return cls(

@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,12 +22,16 @@ from wirerope_mj.engine.response.histories import (
 )
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.scene import Scene, scene_from_dict, scene_to_dict
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import Exportable, Exported
 from wirerope_mj.foundation.parquet_files import read_content, write_rows
 from wirerope_mj.foundation.state import State
 from wirerope_mj.foundation.summary import Summarised, quantity
+
+if TYPE_CHECKING:
+    import pyarrow as pa
+    import pyarrow.parquet as pq
 
 FILE = "response.parquet"
 FORMAT = 1
@@ -49,7 +53,7 @@ class Response(Exportable, Summarised):
     contacts: Mapping[str, ContactResponse] = field(default_factory=dict)
     peaks: Peaks  #: peaks over every step, not only over the samples
     scene: Scene  #: what can be drawn
-    motion: dict[str, Any]  #: the base motion as plain values, as `BaseMotion.to_dict` wrote it
+    motion: Entries  #: the base motion as plain values, as `BaseMotion.to_dict` wrote it
     events: tuple[tuple[float, str], ...]  #: instants [s] and texts that name what the motion does
     numerics: Numerics  #: how it was computed
     #: initial_state, final_state: states from which a simulation may start again
@@ -116,9 +120,8 @@ class Response(Exportable, Summarised):
 
 
 def response_of(
-    plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None,
-    **parts: Any,
-) -> Response:  # fmt: skip
+    plan: ColumnPlan, samples: SampledColumns, *, events: Iterable[tuple[float, str]], path: Path | None = None, **parts: Any
+) -> Response:
     """Make a response of samples in the columns of `plan`, and its other `PARTS`."""
     return Response(
         time=samples.columns(0, 1)[:, 0], **plan.parts(samples), samples=samples, path=path, **parts,
@@ -126,7 +129,7 @@ def response_of(
     )  # fmt: skip
 
 
-def response_metadata(plan: ColumnPlan, parts: Mapping[str, Any]) -> dict[str, Any]:
+def response_metadata(plan: ColumnPlan, parts: Entries) -> Entries:
     """Write the `PARTS` of a response and its plan as plain values; floats survive bit by bit."""
     return {
         "format": FORMAT, "peaks": parts["peaks"].to_dict(), "scene": scene_to_dict(parts["scene"]),
@@ -159,7 +162,7 @@ class FileSamples:
         with self._open() as file:
             yield from self._blocks(file, first, last)
 
-    def _open(self) -> Any:
+    def _open(self) -> "pq.ParquetFile":
         import pyarrow.parquet as pq
 
         try:
@@ -167,7 +170,7 @@ class FileSamples:
         except (OSError, ValueError):
             raise RecordError(f"{self.path}: this file was removed or damaged since it was opened. {_AGAIN}") from None
 
-    def _blocks(self, file: Any, first: int, last: int) -> Iterator[Array]:
+    def _blocks(self, file: "pq.ParquetFile", first: int, last: int) -> Iterator[Array]:
         if first == last:  # a mount without internal states
             return
         rows, names, row = block_rows(last - first), self.names[first:last], 0
@@ -184,7 +187,7 @@ class FileSamples:
             row += len(block)
             yield block
 
-    def _block(self, batches: Iterator[Any], first: int) -> Array | None:
+    def _block(self, batches: Iterator["pa.RecordBatch"], first: int) -> Array | None:
         """Return the next rows, or None at the end."""
         try:
             batch = next(batches, None)
@@ -226,7 +229,7 @@ def load_response(folder: str | Path) -> Response:
     return response
 
 
-def _read(path: Path) -> tuple[list[str], dict[str, Any]]:
+def _read(path: Path) -> tuple[list[str], Entries]:
     """Return the names of the columns and the metadata of a file, both checked; RecordError if they cannot be a response's."""
     import pyarrow as pa
 

@@ -1,12 +1,13 @@
 """The drawable content of a system: bodies with their geoms, and mounts, frozen and without the engine."""
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.foundation.summary import Brief
 
@@ -85,7 +86,7 @@ class Scene(Brief):
         return tuple(mount for mount in self.mounts if mount.stop)
 
 
-def scene_from_dict(content: dict[str, Any]) -> Scene:
+def scene_from_dict(content: Entries) -> Scene:
     """Read the scene that `scene_to_dict` wrote."""
     bodies = tuple(
         _arrays(SceneBody, {**body, "geoms": tuple(_arrays(Geom, geom) for geom in body["geoms"])})
@@ -103,7 +104,7 @@ def scene_from_dict(content: dict[str, Any]) -> Scene:
     )  # fmt: skip
 
 
-def scene_to_dict(value: Any) -> Any:
+def scene_to_dict(value: object) -> object:
     """Write a scene, or a part of one, as plain lists, numbers and strings."""
     if isinstance(value, np.ndarray):
         return value.tolist()
@@ -116,7 +117,7 @@ def scene_to_dict(value: Any) -> Any:
     return value
 
 
-def _arrays(kind: Any, content: dict[str, Any]) -> Any:
+def _arrays(kind: Callable[..., Any], content: Entries) -> Any:
     values = {key: np.array(v, dtype=np.float64) if isinstance(v, list) else v for key, v in content.items()}
     for key in {"vertices", "faces"} & values.keys():
         values[key] = values[key].reshape(-1, 3)

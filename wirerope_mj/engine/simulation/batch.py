@@ -81,19 +81,11 @@ class _Variant:
 
 
 def simulate_batch(
-    systems: System | Sequence[System],
-    motions: BaseMotion | Sequence[BaseMotion],
-    *,
-    duration: float,
-    timestep: float,
-    initial: str | State | Sequence[str | State] = "settled",
-    sample_rate: float = 1000.0,
-    corners: Sequence[float] | Array = (),
-    threads: int | None = None,
-    responses: bool = False,
-    engine: Engine = "auto",
+    systems: System | Sequence[System], motions: BaseMotion | Sequence[BaseMotion], *, duration: float, timestep: float,
+    initial: str | State | Sequence[str | State] = "settled", sample_rate: float = 1000.0,
+    corners: Sequence[float] | Array = (), threads: int | None = None, responses: bool = False, engine: Engine = "auto",
     judged: bool = True,
-) -> list[BatchResult | BatchFailure]:
+) -> list[BatchResult | BatchFailure]:  # fmt: skip
     """Return the peaks of many variants of one layout, in their order; samples are kept only on request.
 
     All variants take the same steps: the corners of every motion end steps of all. Each is bit for bit what `simulate` returns
@@ -303,6 +295,6 @@ def peaks_on_decks(
     systems = [varied(first, tunings={NAME: panel.frequency / panels[0].frequency}) for panel in panels]
     step = min(timestep, *map(stable_step, systems))
     results = simulate_batch(
-        systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1, judged=False,
-    )  # fmt: skip
+        systems, motion, duration=duration, timestep=step, initial=initial, sample_rate=sample_rate, threads=1, judged=False
+    )
     return [one.peaks if isinstance(one, BatchResult) else one.message for one in results]

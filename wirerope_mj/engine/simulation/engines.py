@@ -256,6 +256,5 @@ def result_of(system: System, start: State, grid: TimeGrid, done: InLanes, group
     final = final_state(system, start, group.states[:, lane], grid.stop)
     peaks = peaks_of(system, memory_of(system, group, lane), done.base_peaks[done.which[variant]])
     return RunResult(
-        final_state=final, peaks=peaks, callback="native", steps=done.steps, largest_step=done.largest_step,
-        engine="kernel",
-    )  # fmt: skip
+        final_state=final, peaks=peaks, callback="native", steps=done.steps, largest_step=done.largest_step, engine="kernel"
+    )

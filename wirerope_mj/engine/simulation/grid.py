@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control.layout import CORNER, JUMP, MAX_STEPS, SMOOTH
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array, Booleans, Integers
 from wirerope_mj.motions import BaseMotion
 
 # instants closer than this are one [s]; also how far a corner's one-sided limits are evaluated from it
@@ -25,9 +24,9 @@ class Grid:
     start: Array  # ends of every segment [s], (n_p,)
     stop: Array
     steps: Integers  # number of steps in every segment, (n_p,)
-    sampled: npt.NDArray[np.bool_]  # whether the segment starts at a sample instant, (n_p,)
+    sampled: Booleans  # whether the segment starts at a sample instant, (n_p,)
     event: Array  # SMOOTH, CORNER or JUMP of the motion at the segment's start, (n_p,)
-    corner_after: npt.NDArray[np.bool_]  # whether the motion has a corner at the segment's end, (n_p,)
+    corner_after: Booleans  # whether the motion has a corner at the segment's end, (n_p,)
 
     @classmethod
     def empty(cls) -> "Grid":
@@ -104,7 +103,7 @@ class _Breaks:
     """Instants where segments begin and end [s], and whether they are sampled, (n,) each."""
 
     times: Array
-    sampled: npt.NDArray[np.bool_]
+    sampled: Booleans
 
     @classmethod
     def none(cls) -> "_Breaks":

@@ -95,9 +95,7 @@ def go_in_lanes(
             steps, largest = steps + int(block.steps.sum()), max(largest, block.largest_step)
             stop = float(block.stop[-1]) if block.stop.size else stop
     _finish(groups, distinct, drive, sites, stop, done if done < grid.sample_times.size else -1, sink)
-    return InLanes(
-        groups=groups, base_peaks=[table.peak for table in tables], which=which, steps=steps, largest_step=largest
-    )  # fmt: skip
+    return InLanes(groups=groups, base_peaks=[table.peak for table in tables], which=which, steps=steps, largest_step=largest)
 
 
 def _loaded(accelerations: Array, forces: Array, n_sites: int) -> Array:

@@ -5,7 +5,6 @@ from functools import cache, partial
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 from mujoco.batch import MODEL_FIELDS, Batch
 from mujoco.batch import SimulationError as BatchError
 
@@ -23,7 +22,7 @@ from wirerope_mj.engine.simulation.stepper import (
     velocity_jump,
 )
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array
 from wirerope_mj.foundation.errors import ModelError, SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
@@ -58,7 +57,7 @@ def expand_differences(batch: Batch, systems: Sequence[System]) -> None:
     """Give every simulation of a batch the numbers of its own system's model where they differ from the batch's model."""
     fields = [field for field in _expandable() if _content(batch.model, field).size]
     shared = {field: _content(batch.model, field).tobytes() for field in fields}
-    own: dict[int, list[tuple[str, npt.NDArray[np.generic]]]] = {id(systems[0]): []}
+    own: dict[int, list[tuple[str, AnyArray]]] = {id(systems[0]): []}
     for _, system in _distinct(systems):
         contents = ((field, _content(system.model, field)) for field in fields)
         own[id(system)] = [(field, content) for field, content in contents if content.tobytes() != shared[field]]
@@ -74,7 +73,7 @@ def _distinct(systems: Sequence[System]) -> list[tuple[int, System]]:
     return [(number, systems[number]) for number in sorted(numbers.values()) if number]
 
 
-def _content(model: mujoco.MjModel, field: str) -> npt.NDArray[np.generic]:
+def _content(model: mujoco.MjModel, field: str) -> AnyArray:
     return np.asarray(getattr(model.opt, field[4:]) if field.startswith("opt.") else getattr(model, field))
 
 

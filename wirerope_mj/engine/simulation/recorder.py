@@ -2,7 +2,6 @@
 
 import math
 from pathlib import Path
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -15,7 +14,7 @@ from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.system import Mount, System, once_per_system
 from wirerope_mj.engine.system.tables import declared_pairs
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
@@ -180,7 +179,7 @@ class Recorder:
 
     def finish(self, start: State, final: State, peaks: Peaks, numerics: Numerics) -> Response:
         """Return the response of a run that came to its end."""
-        parts: dict[str, Any] = {
+        parts: Entries = {
             "peaks": peaks,
             "scene": scene_of(self._system),
             "motion": self._motion.to_dict(),

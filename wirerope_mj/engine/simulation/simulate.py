@@ -40,20 +40,10 @@ RING_DOWN = 10.0
 
 
 def simulate(
-    system: System,
-    motion: BaseMotion,
-    *,
-    duration: float,
-    initial: str | State = "settled",
-    timestep: float | None = None,
-    accuracy: float = 1e-4,
-    sample_rate: float = 1000.0,
-    corners: Sequence[float] | Array = (),
-    callback: Kind = "native",
-    engine: Engine = "auto",
-    out: str | Path | None = None,
-    progress: bool = False,
-) -> Response:
+    system: System, motion: BaseMotion, *, duration: float, initial: str | State = "settled", timestep: float | None = None,
+    accuracy: float = 1e-4, sample_rate: float = 1000.0, corners: Sequence[float] | Array = (), callback: Kind = "native",
+    engine: Engine = "auto", out: str | Path | None = None, progress: bool = False,
+) -> Response:  # fmt: skip
     """Return the response of `system` to a base motion.
 
     Args:
@@ -103,9 +93,8 @@ def simulate(
         given = checked_step(system, timestep, duration)
         step = ChosenStep(timestep=given, error=math.nan, limited_by=limit_of_given(timestep, sample_rate))
     grid = time_grid(
-        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion,
-        corners=instants,
-    )  # fmt: skip
+        start=start.time, duration=duration, sample_rate=sample_rate, timestep=step.timestep, motion=motion, corners=instants
+    )
     recorder = Recorder(system, motion, grid, folder)
     try:
         if step.done is not None and callback == "native" and not instants.size:

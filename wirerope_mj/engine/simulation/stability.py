@@ -2,14 +2,13 @@
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.equations import equations
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.system import System, mount_rates, once_per_system
 from wirerope_mj.engine.system.tables import turning
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans, ComplexArray
 from wirerope_mj.mounts.laws import Smoothed
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 from wirerope_mj.mounts.laws.law import Law
@@ -51,7 +50,7 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
     return along, resisting
 
 
-def eigenvalues(system: System, *, closed: bool = False) -> npt.NDArray[np.complex128]:
+def eigenvalues(system: System, *, closed: bool = False) -> ComplexArray:
     """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,).
 
     `closed`: as if all stops were closed.
@@ -161,9 +160,7 @@ class StepBound:
             total += turn_rates.T @ about @ turn_rates
         return total
 
-    def certainly_stable(
-        self, timestep: float, numbers: Array, stiffness: Array, damping: Array, decay: Array
-    ) -> npt.NDArray[np.bool_]:
+    def certainly_stable(self, timestep: float, numbers: Array, stiffness: Array, damping: Array, decay: Array) -> Booleans:
         """Return for which variants a step [s] is certainly stable, (n,); of the others `stable_step` says it.
 
         `numbers` are those of the variants' equations, (n, n_num); stiffness, damping and decay of their laws are (n, 3

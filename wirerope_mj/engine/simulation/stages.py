@@ -4,16 +4,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control.layout import SMOOTH
 from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.response.peaks import Peak
 from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries, Integers
 from wirerope_mj.motions import BaseMotion
 
 # instants at which a motion is evaluated at once: large enough for NumPy, small enough for the memory of many motions
@@ -101,7 +100,7 @@ class Stages:
     accelerations: Array
     # forces and moments at the sites for them, at the same instants, (n_points, n_forces, 6), or (0,) without any
     forces: Array
-    ends: npt.NDArray[np.int64]  # where a segment's accelerations end among them, (n,)
+    ends: Integers  # where a segment's accelerations end among them, (n,)
 
     def segments(self, begin: int = 0, end: int | None = None) -> Iterator[Segment]:
         """Yield the segments from `begin` to `end`, counted from the first."""
@@ -176,7 +175,7 @@ def loads_at(motion: BaseMotion, sites: Sequence[str], times: Array) -> Array:
     return np.stack([motion.load(site, times) for site in sites], axis=1)
 
 
-def _half_steps(start: Array, stop: Array, points: npt.NDArray[np.int64], low: Array, high: Array) -> Array:
+def _half_steps(start: Array, stop: Array, points: Integers, low: Array, high: Array) -> Array:
     """Return the half steps of segments, one segment after the other, those at its ends within `low` and `high`."""
     if (points == points[0]).all():  # as in most blocks: the same with rows for segments, and four times as fast
         fraction = np.arange(float(points[0])) / (points[0] - 1)
@@ -227,12 +226,12 @@ class Later(BaseMotion):
         """Sites of the payload at which the motion's forces act."""
         return self.motion.loaded_sites
 
-    def load(self, site: str, time: npt.ArrayLike) -> Array:
+    def load(self, site: str, time: ArrayLike) -> Array:
         """Return the motion's force [N] and moment [N m] at a site, (n_t, 6)."""
         return self.motion.load(site, np.asarray(time) + self.at)
 
     # of a window, which is only stepped through, these say nothing
     description, events, shortest_time, directions = "", (), math.inf, np.eye(3)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
         raise NotImplementedError("a window of a motion is not stored")

@@ -2,11 +2,9 @@
 
 import copy
 import math
-from typing import Any
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.control.install import STATE, state_of
@@ -15,7 +13,7 @@ from wirerope_mj.engine.simulation.grid import SAME_TIME, Grid
 from wirerope_mj.engine.simulation.stages import Segment, along_slides, loads_at
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System, beyond_laws
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
@@ -185,13 +183,13 @@ def leave_behind(system: System, model: mujoco.MjModel, data: mujoco.MjData, jum
     data.qvel[riding] -= np.linalg.solve(mass[np.ix_(riding, riding)], impulse)
 
 
-def side_by_side(indices: npt.NDArray[Any]) -> npt.NDArray[Any] | slice:
+def side_by_side(indices: AnyArray) -> AnyArray | slice:
     """Return indices as a slice if they follow each other, for NumPy writes there three times as fast."""
     first, n = int(indices[0]) if indices.size else 0, indices.size
     return slice(first, first + n) if np.array_equal(indices, np.arange(first, first + n)) else indices
 
 
-def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> npt.NDArray[np.int64]:
+def riding_dofs(model: mujoco.MjModel, driven: list[int]) -> Integers:
     """Return the coordinates of what hangs on the driven base through joints of its own."""
     roots = model.body_rootid[model.dof_bodyid]
     rides = np.isin(roots, roots[driven])

@@ -5,7 +5,6 @@ from collections.abc import Mapping
 
 import mujoco
 import numpy as np
-from numpy.typing import ArrayLike
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as at
@@ -16,7 +15,7 @@ from wirerope_mj.engine.simulation.stages import Segment, along_slides
 from wirerope_mj.engine.simulation.stepper import Stepper, initial_state
 from wirerope_mj.engine.system import System, beyond_laws
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.motions import HarmonicForce
 

@@ -9,7 +9,6 @@ from weakref import WeakKeyDictionary
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.control import layout as control
@@ -32,7 +31,7 @@ from wirerope_mj.engine.statics.loading import (
 from wirerope_mj.engine.statics.payloads import unresisted
 from wirerope_mj.engine.system import System, beyond_laws, once_per_system
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.errors import ModelWarning
 from wirerope_mj.foundation.lanes import WIDTH
 
@@ -46,8 +45,8 @@ class Equilibria:
     """Equilibria of variants."""
 
     # whether it was found here, (n,): what was not is for `equilibrium`, which says why if there is none
-    found: npt.NDArray[np.bool_]
-    held: npt.NDArray[np.bool_]  # whether the mounts certainly resist every motion, (n,)
+    found: Booleans
+    held: Booleans  # whether the mounts certainly resist every motion, (n,)
     states: Array  # qpos, qvel and act, (n, n_state)
     mounts: Array  # deflection and force of every mount, (n, n_mounts, 2, 3)
     residual: Array  # largest acceleration left [m/s^2 or rad/s^2], (n,)

@@ -1,7 +1,6 @@
 """Sag and load of every mount, virgin and relaxed side by side, and whether the loads add up to the weight."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import mujoco
 import numpy as np
@@ -12,7 +11,7 @@ from wirerope_mj.engine.statics.find import equilibrium
 from wirerope_mj.engine.statics.loading import HISTORIES, Equilibrium, History
 from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Brief, json_values
 from wirerope_mj.mounts.isolator.travel import static_utilisation
@@ -89,7 +88,7 @@ class StaticTable(Brief):
         """After long vibration; None if there is no such equilibrium."""
         return self.sags.get("relaxed")
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the table as plain values, SI."""
         return {history: _plain(sag) for history, sag in self.sags.items()} | {"missing": dict(self.missing)}
 
@@ -145,11 +144,9 @@ def _payload(model: mujoco.MjModel, unloaded: mujoco.MjData, data: mujoco.MjData
     turn = np.zeros(3)
     mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
     return PayloadSag(
-        mass=mass,
-        centre=unloaded.subtree_com[root].copy(),
-        displacement=data.subtree_com[root] - unloaded.subtree_com[root],
+        mass=mass, centre=unloaded.subtree_com[root].copy(), displacement=data.subtree_com[root] - unloaded.subtree_com[root],
         rotation=unloaded.xmat[root].reshape(3, 3) @ turn,
-    )
+    )  # fmt: skip
 
 
 def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], up: Array) -> float:
@@ -165,7 +162,7 @@ def _on_contacts(model: mujoco.MjModel, data: mujoco.MjData, carried: set[int], 
     return total
 
 
-def _plain(sag: Sag) -> dict[str, Any]:
+def _plain(sag: Sag) -> Entries:
     return {
         "weight_N": sag.weight,
         "on_mounts_N": sag.on_mounts,

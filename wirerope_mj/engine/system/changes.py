@@ -1,10 +1,10 @@
 """Changes that make a variant of a system from the model as written."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 from wirerope_mj.foundation.arguments import finite, positive
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.mounts.isolator import Isolator
 
 Vector = tuple[float, float, float]
@@ -40,7 +40,7 @@ class Changes:
         for name, value in checked.items():
             object.__setattr__(self, name, value)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the changes as plain TOML values, from which `from_dict` makes them again to the last bit."""
         shifts = {"centres": self.centres, "positions": self.positions}
         shifts |= {"turns": self.turns} if self.turns else {}
@@ -52,7 +52,7 @@ class Changes:
         }
 
     @classmethod
-    def from_dict(cls, content: Mapping[str, Any]) -> "Changes":
+    def from_dict(cls, content: Entries) -> "Changes":
         """Return the changes that `to_dict` stored; ModelError or ValueError if one of them is not what it must be."""
         isolators = {
             mount: Isolator.from_dict(isolator, where=f"isolator of mount {mount!r}")
@@ -62,7 +62,7 @@ class Changes:
         return cls(isolators=isolators, **rest)
 
 
-def _shift(name: str, key: str, shift: Any, unit: str = "m") -> Vector:
+def _shift(name: str, key: str, shift: Iterable[object], unit: str = "m") -> Vector:
     try:
         x, y, z = (finite(name, value) for value in shift)
     except (TypeError, ValueError):

@@ -7,10 +7,9 @@ from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.system.named_files import model_trees
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Integers
 from wirerope_mj.foundation.errors import ModelError
 
 # beginnings of the names of a model's arrays, and the element; of several numbers that are not finite the first is named
@@ -75,7 +74,7 @@ def check_numbers(model: mujoco.MjModel) -> None:
             raise ModelError(_not_finite(model, name, values))
 
 
-def _too_large(values: Array) -> npt.NDArray[np.bool_]:
+def _too_large(values: Array) -> Booleans:
     return ~(np.abs(values.astype(np.float64)) < LARGEST)
 
 
@@ -105,7 +104,7 @@ def _not_finite(model: mujoco.MjModel, array: str, values: Array) -> str:
     return f"{element} {name}: its `{attribute}` is {_written(values[row])}; {_REMEDY}"
 
 
-def _written(values: npt.ArrayLike) -> str:
+def _written(values: ArrayLike) -> str:
     """Return numbers as a model's file has them, whatever NumPy's settings for printing are."""
     return " ".join(f"{value:g}" for value in np.atleast_1d(values))
 
@@ -130,7 +129,7 @@ def check_joints(model: mujoco.MjModel) -> None:
     _check_independent(model, np.arange(model.nv), mass / np.outer(size, size))
 
 
-def _check_independent(model: mujoco.MjModel, dofs: npt.NDArray[np.int64], matrix: Array) -> None:
+def _check_independent(model: mujoco.MjModel, dofs: Integers, matrix: Array) -> None:
     """Raise ModelError if a symmetric matrix over velocity coordinates is not positive definite; names their joints."""
     values, shapes = np.linalg.eigh(matrix)
     if not values.size or values[0] > REGULAR:

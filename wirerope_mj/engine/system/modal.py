@@ -14,7 +14,6 @@ from dataclasses import dataclass, field
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
@@ -80,7 +79,7 @@ def _modes_of(model: mujoco.MjModel, t: int) -> list[DeclaredMode]:
     ]  # fmt: skip
 
 
-def _rows(model: mujoco.MjModel, numeric: int, n: int, name: str) -> npt.NDArray[np.float64]:
+def _rows(model: mujoco.MjModel, numeric: int, n: int, name: str) -> Array:
     data = model.numeric(numeric).data
     if data.size != 3 * n:
         raise ModelError(

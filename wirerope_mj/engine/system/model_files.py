@@ -5,7 +5,6 @@ import shutil
 import tomllib
 from html import unescape
 from pathlib import Path, PurePosixPath
-from typing import Any
 from xml.sax.saxutils import quoteattr
 
 import mujoco
@@ -13,6 +12,7 @@ import tomli_w
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.named_files import named_files
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.mounts.isolator import Isolator
@@ -47,7 +47,7 @@ def write_model(system: System, folder: Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         _isolator_of(system, name).save(path)
     if system.changes:
-        content: dict[str, Any] = {"changes": [changes.to_dict() for changes in system.changes]}
+        content: Entries = {"changes": [changes.to_dict() for changes in system.changes]}
         (folder / CHANGES).write_text(tomli_w.dumps(content), encoding="utf-8")
     return target
 

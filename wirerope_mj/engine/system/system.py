@@ -99,9 +99,7 @@ class System(Summarised):
         by_isolator: dict[str, list[str]] = {}
         for name, mount in self.mounts.items():
             by_isolator.setdefault(mount.isolator.name, []).append(name)
-        lines = {
-            "payloads": ", ".join(self.payloads), "base": self.base or "fixed in the world", "mass": f"{mass:.4g} kg",
-        }  # fmt: skip
+        lines = {"payloads": ", ".join(self.payloads), "base": self.base or "fixed in the world", "mass": f"{mass:.4g} kg"}
         lines |= {isolator: ", ".join(names) for isolator, names in by_isolator.items()}
         source = self.path.name if self.path else "MJCF text"
         return f"System of {source}: {len(self.mounts)} mounts, {self.model.nv} degrees of freedom", lines

@@ -6,13 +6,12 @@ from functools import cached_property
 
 import mujoco
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.peaks import ContactPeak
 from wirerope_mj.engine.system.declared import DeclaredMount
 from wirerope_mj.engine.system.modal import DeclaredMode
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
@@ -120,9 +119,9 @@ class Tables:
     parameters: Array  # parameters of all laws, (n_p,)
     user: at.UserData  # addresses in userdata
     drive: Array  # slide accelerations from base acceleration, (n_driven, 3)
-    channels: npt.NDArray[np.int64]  # indices of the tracked 3-vectors among the system's sensor values, (n_channels,)
+    channels: Integers  # indices of the tracked 3-vectors among the system's sensor values, (n_channels,)
     base_channels: tuple[int, ...]  # numbers of the channels with the acceleration of what is fixed to the driven base
-    tracked: npt.NDArray[np.int64]  # numbers of the others, (n_channels - n_base_channels,)
+    tracked: Integers  # numbers of the others, (n_channels - n_base_channels,)
     # per mount where the states of roll, shear and axial stand among the internal states
     states: dict[str, tuple[slice, slice, slice]]
 
@@ -132,7 +131,7 @@ class Tables:
         return self.layout[first : first + columns * count].reshape(count, columns)
 
     @property
-    def sites(self) -> npt.NDArray[np.int64]:
+    def sites(self) -> Integers:
         """Ids of the payload's and the base's site of every mount, (n_mounts, 2)."""
         return self.rows(at.MOUNTS, at.MOUNT_COLUMNS, self.user.n_mounts)[:, :2].astype(np.int64)
 

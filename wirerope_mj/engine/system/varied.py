@@ -26,15 +26,10 @@ _NONE = (0.0, 0.0, 0.0)
 
 
 def varied(
-    system: System,
-    *,
-    isolators: Mapping[str, Isolator] | None = None,
-    masses: Mapping[str, float] | None = None,
-    centres: Mapping[str, Shift] | None = None,
-    positions: Mapping[str, Shift] | None = None,
-    turns: Mapping[str, Shift] | None = None,
-    tunings: Mapping[str, float] | None = None,
-) -> System:
+    system: System, *, isolators: Mapping[str, Isolator] | None = None, masses: Mapping[str, float] | None = None,
+    centres: Mapping[str, Shift] | None = None, positions: Mapping[str, Shift] | None = None,
+    turns: Mapping[str, Shift] | None = None, tunings: Mapping[str, float] | None = None,
+) -> System:  # fmt: skip
     """Return a variant of `system`, which stays as it is: the compiled model copied and its numbers changed, not compiled anew.
 
     The variant has the same bits as a model written with these values. What it differs by stands in its `changes`, one after

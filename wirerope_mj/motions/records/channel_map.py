@@ -11,17 +11,12 @@ Quantity = Literal["acceleration", "velocity", "displacement", "deflection", "fo
 Axis = Literal["x", "y", "z"]
 LENGTHS = {**LENGTH_UNITS, "um": 1e-6}
 UNITS: Mapping[Quantity, Mapping[str, float]] = {
-    "acceleration": ACCELERATION_UNITS,
-    "velocity": VELOCITY_UNITS,
-    "displacement": LENGTHS,
-    "deflection": LENGTHS,
+    "acceleration": ACCELERATION_UNITS, "velocity": VELOCITY_UNITS, "displacement": LENGTHS, "deflection": LENGTHS,
     "force": FORCE_UNITS,
-}
+}  # fmt: skip
 """Units of each quantity, and what one of each is in SI."""
 
-SI: Mapping[Quantity, str] = {
-    "acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N",
-}  # fmt: skip
+SI: Mapping[Quantity, str] = {"acceleration": "m/s^2", "velocity": "m/s", "displacement": "m", "deflection": "m", "force": "N"}
 _OF_MOUNT: Mapping[str, Axis] = {"roll": "x", "shear": "y", "axial": "z"}
 _KINDS = ("body", "point", "mount")
 _EXAMPLES = '"base z g", "point/rack_top -x g", "body/floor displacement z mm" or "mount/m1 axial force kN"'

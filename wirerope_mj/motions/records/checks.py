@@ -6,9 +6,8 @@ None of these can be known for sure, so that each states its reason, and nothing
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.records.reading import Reading, is_pulse, offset_of, peak_from, quiet_level
 from wirerope_mj.motions.records.resolution import resolution_warnings
@@ -218,7 +217,7 @@ def _is_rectangle(a: Array, first: int, length: int, rest: float) -> bool:
     return min(jumps) >= _JUMP * abs(float(a[first]) - rest)
 
 
-def _longest(inside: NDArray[np.bool_]) -> tuple[int, int]:
+def _longest(inside: Booleans) -> tuple[int, int]:
     """Return first index and length of the longest run."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(np.int8)))
     starts, lengths = edges[::2], edges[1::2] - edges[::2]

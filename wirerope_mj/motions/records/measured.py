@@ -7,10 +7,9 @@ from functools import cached_property
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 from wirerope_mj.foundation.arguments import between, finite, one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.summary import Summarised, quantity
@@ -38,7 +37,7 @@ class MeasuredChannel:
     time: Array = field(repr=False)  #: instants on the run's clock [s], evenly spaced, (n,)
     values: Array = field(repr=False)  #: in SI, with the sign of the axis, (n,)
     #: samples at which the sensor was at the end of its range: the true value lies beyond, (n,)
-    saturated: NDArray[np.bool_] = field(repr=False)
+    saturated: Booleans = field(repr=False)
     absolute: bool = False  #: of a displacement of a body or a point: that in space; else relative to the base
     column: str  #: of the file
     unit: str  #: in which the file gives it
@@ -209,9 +208,8 @@ def _quantity_of(file: Path, column: str, phrase: ChannelPhrase, header: str | N
 
 
 def _warnings(
-    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str,
-    rest: float | None,
-) -> Iterator[str]:  # fmt: skip
+    where: str, values: Array, tops: list[tuple[float, int]], rate: float, known: Quantity, baseline: str, rest: float | None
+) -> Iterator[str]:
     """Yield what looks wrong about a channel as it was measured [SI]."""
     unit, spread = SI[known], float(np.ptp(values))
     if spread == 0.0:

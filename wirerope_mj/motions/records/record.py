@@ -5,12 +5,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import finite, nonzero, one_of, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
@@ -98,8 +98,8 @@ class Record(BaseMotion):
         """The file that the record was read from."""
         return (self.path,)
 
-    def _parameters(self, files: Mapping[Path, str]) -> dict[str, Any]:
-        values: dict[str, Any] = {"path": files.get(self.path, str(self.path))}
+    def _parameters(self, files: Mapping[Path, str]) -> Entries:
+        values: Entries = {"path": files.get(self.path, str(self.path))}
         if self.channels is not None:
             values["channels"] = {name: plain_direction(direction) for name, direction in self.channels.items()}
         values |= {"scale": self.scale, "baseline": self.baseline, "start": self.start}

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.directions import Direction
 from wirerope_mj.foundation.errors import RecordError
@@ -20,12 +20,8 @@ _TIME_RESPONSE, _GENERAL, _TIME, _ACCELERATION = 1, 0, 17, 12
 _UNKNOWN = (0, 1)  # specific data types "unknown" and "general"
 # specific data types of an ordinate that are measured: word behind the name of a channel, and its unit in SI
 _MEASURED = {
-    _ACCELERATION: ("", "m/s^2"),
-    11: ("velocity", "m/s"),
-    8: ("displacement", "m"),
-    13: ("force", "N"),
-    9: ("force", "N"),
-}
+    _ACCELERATION: ("", "m/s^2"), 11: ("velocity", "m/s"), 8: ("displacement", "m"), 13: ("force", "N"), 9: ("force", "N"),
+}  # fmt: skip
 # units as they are spelled, by their small letters
 _UNITS = ACCELERATION_UNITS | VELOCITY_UNITS | LENGTH_UNITS | FORCE_UNITS
 _SPELLED = {unit.lower(): unit for unit in _UNITS}
@@ -33,7 +29,7 @@ _REAL = (2, 4)
 _SI = 1  # code of the system of units
 # fraction of the interval by which the clocks of two channels may differ: text files carry six digits of it
 _SAME_CLOCK = 1e-3
-Histories = list[tuple[int, dict[str, Any]]]  # number and header of each
+Histories = list[tuple[int, Entries]]  # number and header of each
 _CUT = ": it was cut off before the line -1 that ends a dataset. Export or copy it again."
 _DAMAGED = " whose header or values are damaged or do not fit each other. Export or copy it again."
 
@@ -114,7 +110,7 @@ def _open(path: Path) -> Any:
     return pyuff.UFF(str(path))
 
 
-def _histories(path: Path, unit: str | None) -> tuple[Histories, list[dict[str, Any]]]:
+def _histories(path: Path, unit: str | None) -> tuple[Histories, list[Entries]]:
     """Return number and header of each history of acceleration, and the datasets 164 with their system of units."""
     kinds, heads, systems = _datasets(path)
     histories = []
@@ -133,7 +129,7 @@ def _histories(path: Path, unit: str | None) -> tuple[Histories, list[dict[str, 
     return histories, systems
 
 
-def _datasets(path: Path) -> tuple[list[int], Histories, list[dict[str, Any]]]:
+def _datasets(path: Path) -> tuple[list[int], Histories, list[Entries]]:
     """Return the types of all datasets, number and header of each dataset 58, and the datasets 164."""
     try:
         file = _open(path)
@@ -147,14 +143,14 @@ def _datasets(path: Path) -> tuple[list[int], Histories, list[dict[str, Any]]]:
     return kinds, heads, systems
 
 
-def _is_in_time(head: Mapping[str, Any]) -> bool:
+def _is_in_time(head: Entries) -> bool:
     kind, over = (int(head.get(k, 0)) for k in ("func_type", "abscissa_spec_data_type"))
     in_time = kind == _TIME_RESPONSE or (kind == _GENERAL and over == _TIME)
     turns = abs(int(head.get("rsp_dir", 0))) > 3
     return in_time and int(head.get("ord_data_type", 0)) in _REAL and not turns
 
 
-def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
+def _length(path: Path, systems: list[Entries]) -> float | None:
     """Return the file's units of length in a metre; None if it does not say."""
     if not systems:
         return None
@@ -167,7 +163,7 @@ def _length(path: Path, systems: list[dict[str, Any]]) -> float | None:
     return factor
 
 
-def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[dict[str, Any]]) -> tuple[str, float]:
+def _unit(path: Path, head: Entries, unit: str | None, systems: list[Entries]) -> tuple[str, float]:
     """Return the unit of a history as text, and what it is in m/s^2."""
     label = unit if unit is not None else _label(head, "ordinate")
     if label in ACCELERATION_UNITS:
@@ -186,13 +182,13 @@ def _unit(path: Path, head: Mapping[str, Any], unit: str | None, systems: list[d
     return ("m/s^2" if length == 1.0 else f"1/{length:g} m/s^2"), 1.0 / length
 
 
-def _label(head: Mapping[str, Any], axis: str) -> str:
+def _label(head: Entries, axis: str) -> str:
     text = str(head.get(f"{axis}_axis_units_lab", "")).strip().strip("[]()").strip()
     plain = text.lower().replace("sec", "s").replace("**", "^")
     return "" if plain in ("", "none") else plain
 
 
-def _name(head: Mapping[str, Any]) -> str:
+def _name(head: Entries) -> str:
     node, end = int(head.get("rsp_node", 0)), _ENDS.get(int(head.get("rsp_dir", 0)))
     return f"{node}:{end}" if end else f"{node}"
 

@@ -4,11 +4,10 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.foundation.arguments import not_negative, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.summary import Summarised, quantity
 from wirerope_mj.motions.spectra.ramp import check_samples
 
@@ -97,7 +96,7 @@ class PowerSpectralDensity(Summarised):
 
 
 def power_spectral_density(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, *, discard: float = 0.0, resolution: float | None = None
+    time: ArrayLike, acceleration: ArrayLike, *, discard: float = 0.0, resolution: float | None = None
 ) -> PowerSpectralDensity:
     """Return the one-sided power spectral density by Welch's method: Hann windows that overlap by half, means removed.
 

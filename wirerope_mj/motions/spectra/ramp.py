@@ -3,9 +3,8 @@
 import math
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.jit import inlined, njit
 
 # indices of the extremes: the highest of the absolute acceleration, of displacement and velocity relative to the base; behind
@@ -98,7 +97,7 @@ def ramp_extremes(x: Array, step: Array, frequency: float, damping: float, prima
     free_extremes(u, v, frequency, damping, residual)
 
 
-def check_samples(time: npt.ArrayLike, acceleration: npt.ArrayLike) -> tuple[Array, float]:
+def check_samples(time: ArrayLike, acceleration: ArrayLike) -> tuple[Array, float]:
     """Return the samples as an array, (n,) or (n, k), and their step [s].
 
     ValueError: instants and samples do not belong together, are too few, not finite or not uniform.

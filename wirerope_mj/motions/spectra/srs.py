@@ -8,9 +8,8 @@ from numbers import Real
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.errors import RecordWarning
 from wirerope_mj.foundation.exports import Exported
@@ -60,11 +59,9 @@ class Extremes(Brief):
         """Return the magnitudes of a quantity from highest and lowest values while it is driven and after, (6, ...)."""
         high, low = quantity, quantity + 1
         return cls(
-            positive=scale * np.maximum(during[high], after[high]),
-            negative=-scale * np.minimum(during[low], after[low]),
-            primary=scale * np.maximum(during[high], -during[low]),
-            residual=scale * np.maximum(after[high], -after[low]),
-        )
+            positive=scale * np.maximum(during[high], after[high]), negative=-scale * np.minimum(during[low], after[low]),
+            primary=scale * np.maximum(during[high], -during[low]), residual=scale * np.maximum(after[high], -after[low]),
+        )  # fmt: skip
 
 
 def _of_acceleration(name: str, which: str) -> Any:
@@ -123,7 +120,7 @@ class ShockResponseSpectrum(Summarised):
 
 
 def shock_response_spectrum(
-    time: npt.ArrayLike, acceleration: npt.ArrayLike, frequencies: npt.ArrayLike | None = None, *, q: float = 10.0
+    time: ArrayLike, acceleration: ArrayLike, frequencies: ArrayLike | None = None, *, q: float = 10.0
 ) -> ShockResponseSpectrum:
     """Return the shock response spectrum of a sampled acceleration.
 
@@ -175,7 +172,7 @@ def shock_response_spectrum(
     )  # fmt: skip
 
 
-def _frequencies(frequencies: npt.ArrayLike | None, step: float, samples: int) -> Array:
+def _frequencies(frequencies: ArrayLike | None, step: float, samples: int) -> Array:
     """Return the checked frequencies [Hz], or those that are taken without any."""
     rate = 1.0 / step
     highest = rate / SAMPLES_PER_PERIOD

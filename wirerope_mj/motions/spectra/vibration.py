@@ -6,11 +6,10 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.foundation.arguments import one_of, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.summary import Brief
 from wirerope_mj.motions.psd_lines import Points, checked_points
 
@@ -71,7 +70,7 @@ class VibrationSpectrum(Brief):
 
 
 def vibration_response_spectrum(
-    psd: Sequence[Sequence[float]], frequencies: npt.ArrayLike, *, q: float = 10.0
+    psd: Sequence[Sequence[float]], frequencies: ArrayLike, *, q: float = 10.0
 ) -> VibrationSpectrum:
     """Return the rms responses of oscillators to random vibration of a power spectral density.
 
@@ -98,9 +97,8 @@ def vibration_response_spectrum(
 
 
 def equivalent_psd(
-    frequencies: npt.ArrayLike, damage: npt.ArrayLike, *, exponent: float, duration: float, q: float = 10.0,
-    method: Method = "dirlik",
-) -> tuple[Points, float]:  # fmt: skip
+    frequencies: ArrayLike, damage: ArrayLike, *, exponent: float, duration: float, q: float = 10.0, method: Method = "dirlik"
+) -> tuple[Points, float]:
     """Find the power spectral density that does the damage of a damage spectrum within a duration [s].
 
     The levels at the frequencies are corrected by (wanted / found)^(2 / b) until the damage is the wanted one. Where the

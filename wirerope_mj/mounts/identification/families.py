@@ -8,7 +8,6 @@ deflections at which they slip, each further than the last.
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 
@@ -163,13 +162,11 @@ def _stop(s: Scales) -> list[Coordinate]:
     gaps = [Coordinate(name, "m", 0.0, end, scale=x, stiffness=True) for name, end in reaches.items() if end > 0.0]
     # The depth may be a hundredth of the amplitude, and k is the force over its power.
     return [
-        *gaps,
-        Coordinate("k", "N/m^exponent", 1e-4 * f / x, f / (0.01 * x) ** 3, linear=True, stiffness=True),
+        *gaps, Coordinate("k", "N/m^exponent", 1e-4 * f / x, f / (0.01 * x) ** 3, linear=True, stiffness=True),
         Coordinate("exponent", "-", 1.0, 3.0, stiffness=True),
-        Coordinate("rounding", "m", 0.0, 2.0 * x, scale=x, stiffness=True),
-        Coordinate("loss", "-", 0.0, 1.0),
+        Coordinate("rounding", "m", 0.0, 2.0 * x, scale=x, stiffness=True), Coordinate("loss", "-", 0.0, 1.0),
         Coordinate("reversal", "m", 1e-4 * x, 10.0 * x),
-    ]
+    ]  # fmt: skip
 
 
 def _make_stop(values: dict[str, float]) -> Law:
@@ -273,7 +270,7 @@ def family_of(law: type[Law], elements: int = 5) -> Family:
     return FAMILIES[law]
 
 
-def require_law(law: Any, name: str = "law") -> None:
+def require_law(law: object, name: str = "law") -> None:
     """Raise ValueError unless `law` is a class of laws."""
     if not (isinstance(law, type) and issubclass(law, Law)):
         raise ValueError(f"`{name}` must be a class of laws such as BoucWen, got {law!r}.")

@@ -125,9 +125,8 @@ def identify(
     family = scales_family(law, names) if names else family_of(law, elements)
     coordinates = family.coordinates(replace(scales_of(measured), **sides))
     unknowns = unknowns_of(
-        Parallel if names else law, beside_known(family, beside), coordinates, dict(fixed or {}), free, constraint,
-        start,
-    )  # fmt: skip
+        Parallel if names else law, beside_known(family, beside), coordinates, dict(fixed or {}), free, constraint, start
+    )
     require_amplitudes(measured, unknowns, data)
     full = joined(loop_residual(measured, data), extra_residuals)
     starts = [("given", family.read(start))] if start is not None else []

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
-from typing import Any, Self
+from typing import Self
 
 import numpy as np
 import scipy
@@ -112,7 +112,7 @@ class MeasuredLoop:
         return forces
 
 
-def require_loops(loops: Any, name: str = "loops") -> None:
+def require_loops(loops: object, name: str = "loops") -> None:
     """Raise ValueError unless `loops` is a sequence of loops, at least one."""
     if isinstance(loops, str | Path):
         raise ValueError(f"`{name}` must be loops, got the path {str(loops)!r}; load_cycles({str(loops)!r}) reads them.")

@@ -3,10 +3,10 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.identification.result import Identification, fitted_loops
@@ -158,7 +158,7 @@ def identified_isolator(
         ),
         assumed=tuple(assumed),
     )
-    axes: Mapping[str, Any] = {axis: result.law}
+    axes: Entries = {axis: result.law}
     if whole is not None:
         validity = replace(whole.validity, **{axis: result.measured})
         before = whole.provenance

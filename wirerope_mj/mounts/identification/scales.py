@@ -12,7 +12,6 @@ small scale's sigma paying for what no loop shows. Sums of dry sliders (Masing, 
 from collections.abc import Mapping
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 from wirerope_mj.mounts.identification.families import FAMILIES, SEEN, Coordinate, Family, Scales
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, BoucWen, Law, Parallel, SymmetricBoucWen
@@ -29,7 +28,7 @@ FARTHEST = 1e4  # The same ratio at most: more than from the largest amplitude t
 LEAST_EXPONENT = 0.5
 
 
-def require_scales(kind: type[Law], scales: Any, *, start: Law | None, beside: Law | None) -> None:
+def require_scales(kind: type[Law], scales: object, *, start: Law | None, beside: Law | None) -> None:
     """Raise ValueError unless a law can have so many scales, and the other arguments go with them."""
     if scales != AUTO and (isinstance(scales, bool) or scales not in SCALES):
         raise ValueError(f"`scales` must be 1, 2, 3 or 'auto', got {scales!r}.")

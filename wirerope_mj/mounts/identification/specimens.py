@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -182,7 +181,7 @@ def _own_errors(fit: Identification, family: Family) -> dict[str, float]:
     """Return the standard errors of a law's own parameters, those of the search carried over by their slopes."""
     values = family.read(fit.law)
     before = own_parameters(family.make(values))
-    slopes: dict[str, Any] = {name: [] for name in before}
+    slopes: dict[str, list[float]] = {name: [] for name in before}
     for name in fit.uncertainty.free:
         step = STEP * max(abs(values[name]), fit.parameters[name].standard_error, 1e-12)
         after = own_parameters(family.make(values | {name: values[name] + step}))

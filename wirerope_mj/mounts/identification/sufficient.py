@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 import scipy
@@ -19,8 +19,9 @@ Constraint = Literal["beta>gamma", "beta=gamma", "beta<gamma"]
 
 
 def require_options(
-    method: Any, data: Any, constraint: Any, noise: Any, grid: bool, start: Any, fixed: Any, extra_residuals: Any
-) -> None:
+    method: object, data: object, constraint: object, noise: object, grid: bool, start: object, fixed: object,
+    extra_residuals: object,
+) -> None:  # fmt: skip
     """Raise ValueError unless the options of `identify` are known and go together."""
     one_of("method", method, get_args(Method))
     one_of("data", data, get_args(Data))

@@ -9,9 +9,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ComplexArray
 from wirerope_mj.mounts.identification.search import Minimum, Unknowns
 
 # Standard error, in logarithms or in the size that a coordinate can have, from which on the data do not identify it.
@@ -98,9 +97,8 @@ def _parameters(unknowns: Unknowns, minimum: Minimum, deviations: Array) -> dict
     for c in unknowns.coordinates:
         error, at_bound = fitted.get(c.name, (0.0, False))
         parameters[c.name] = Parameter(
-            name=c.name, unit=c.unit, value=values[c.name], standard_error=error, fixed=c.name not in fitted,
-            at_bound=at_bound,
-        )  # fmt: skip
+            name=c.name, unit=c.unit, value=values[c.name], standard_error=error, fixed=c.name not in fitted, at_bound=at_bound
+        )
     return parameters
 
 
@@ -183,7 +181,7 @@ def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], fre
     return covariance
 
 
-def _harmonics(values: Array) -> npt.NDArray[np.complex128]:
+def _harmonics(values: Array) -> ComplexArray:
     """Return the harmonics of a loop's columns from the first on, (n_harmonics, n), their squares' sum that of the values."""
     return np.asarray(np.fft.rfft(values, axis=0)[1 : (values.shape[0] + 1) // 2] * np.sqrt(2.0 / values.shape[0]))
 

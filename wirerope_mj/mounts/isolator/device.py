@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any
 
 from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.summary import Brief
@@ -196,9 +196,9 @@ class Isolator(Brief):
         """Write the isolator file, atomically."""
         write_toml(self.to_dict(), Path(path))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the isolator as it stands in its file."""
-        content: dict[str, Any] = {"name": self.name}
+        content: Entries = {"name": self.name}
         if self.coupling is not None:
             content["coupling"] = self.coupling
         if self.free:
@@ -212,7 +212,7 @@ class Isolator(Brief):
         return content
 
     @classmethod
-    def from_dict(cls, content: dict[str, Any], *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
+    def from_dict(cls, content: Entries, *, where: str = "isolator", folder: Path | None = None) -> "Isolator":
         """Return the isolator that a file's content describes; messages call it `where`, points in a CSV file lie in `folder`.
 
         ModelError: something is missing, extra, wrongly typed, not finite or not passive; the message names where, axis, key

@@ -2,9 +2,10 @@
 
 import math
 from dataclasses import dataclass, field, fields, replace
-from typing import Any, Self
+from typing import Self
 
 from wirerope_mj.foundation.arguments import finite, not_negative, one_of, positive
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.mounts.laws import Law
 
 # Kinds of provenance: fitted to vendor figures, to measurements, taken from a publication, estimated from the geometry, or an
@@ -19,14 +20,14 @@ HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
 _LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
 
 
-def _require_positive(part: Any, *names: str) -> None:
+def _require_positive(part: object, *names: str) -> None:
     """Raise ValueError unless each named attribute is None or a finite number > 0."""
     for name in names:
         if getattr(part, name) is not None:
             positive(name, getattr(part, name))
 
 
-def _require_metres(part: Any, *names: str) -> None:
+def _require_metres(part: object, *names: str) -> None:
     """Raise ValueError if a named attribute is so large that it is probably not in metres."""
     for name in names:
         value = getattr(part, name)
@@ -57,18 +58,18 @@ class Part:
     """A part of an isolator, a dataclass."""
 
     @property
-    def stated(self) -> dict[str, Any]:
+    def stated(self) -> Entries:
         """The attributes that are stated, by name."""
         values = ((item.name, getattr(self, item.name)) for item in fields(self))  # type: ignore[arg-type]
         return {name: value for name, value in values if value is not None}
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the part as it stands in an isolator file: what is stated and not empty."""
         values = {key: _plain(value) for key, value in self.stated.items()}
         return {key: value for key, value in values.items() if value or isinstance(value, float | int)}
 
 
-def _plain(value: Any) -> Any:
+def _plain(value: object) -> object:
     """Return a value of a part as a file takes it."""
     return value.to_dict() if isinstance(value, Part) else list(value) if isinstance(value, tuple) else value
 
@@ -270,7 +271,7 @@ class Spread(Part):
             raise ValueError(f"`covariance` must have {n} rows of {n} numbers, one for each of `parameters`.")
         object.__setattr__(self, "covariance", rows)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the spread as it stands in an isolator file."""
         stated = {"parameters": list(self.parameters), "covariance": [list(row) for row in self.covariance]}
         return stated | ({"calibrated": True} if self.calibrated else {})

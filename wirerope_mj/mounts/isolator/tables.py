@@ -3,13 +3,14 @@
 import math
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from dataclasses import MISSING, fields, replace
 from pathlib import Path
 from typing import Any
 
 import tomli_w
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import ModelError, RecordError
@@ -26,13 +27,13 @@ _UNITS: Mapping[str, Mapping[str, float]] = {
 _COLUMNS = ("deflection", "force", "upper", "lower")
 
 
-def curve_in_si(table: Mapping[str, Any], location: str, folder: Path | None) -> dict[str, Any]:
+def curve_in_si(table: Entries, location: str, folder: Path | None) -> Entries:
     """Return the parameters of a tabulated law, all in SI, from those of a file.
 
     `deflection_mm = [...]` is `deflection` in other units, and `points = "curve.csv"` stands for the columns of that file, in
     `folder`. ModelError names location or file, line and rule of a quantity given twice or of a wrong file of points.
     """
-    values: dict[str, Any] = {}
+    values: Entries = {}
     for key, value in table.items():
         name, _, unit = key.rpartition("_")
         factor = _UNITS.get(name, {}).get(unit)
@@ -83,14 +84,14 @@ def _with_units(header: Header) -> Header:
     return replace(header, names=tuple(names), units=tuple(units))
 
 
-def _set_once(values: dict[str, Any], name: str, value: Any, location: str) -> None:
+def _set_once(values: Entries, name: str, value: object, location: str) -> None:
     """Take a value, or raise ModelError if it is stated already."""
     if name in values:
         raise ModelError(f"{location} `{name}` is stated twice.")
     values[name] = value
 
 
-def _scaled(value: Any, factor: float | None) -> Any:
+def _scaled(value: object, factor: float | None) -> object:
     """Return a number, or each of a list, times a factor; what is no number is left to the law to refuse."""
     if isinstance(value, list):
         return [_scaled(one, factor) for one in value]
@@ -107,10 +108,10 @@ PARTS = {
 }  # fmt: skip
 
 
-def read_tables(content: dict[str, Any], where: str, folder: Path | None = None) -> dict[str, Any]:
+def read_tables(content: Entries, where: str, folder: Path | None = None) -> Entries:
     """Return the arguments of an Isolator from the content of a file in `folder`; ModelError names where, table, key, rule."""
     _require_keys(content, ("name",), (*_KEYS, *AXES, *PARTS), f"{where}:", "the file")
-    arguments: dict[str, Any] = {key: content[key] for key in _KEYS if key in content}
+    arguments: Entries = {key: content[key] for key in _KEYS if key in content}
     for name in (*AXES, *PARTS):
         if name not in content:
             continue
@@ -121,7 +122,7 @@ def read_tables(content: dict[str, Any], where: str, folder: Path | None = None)
     return arguments
 
 
-def read_law(table: dict[str, Any], location: str, folder: Path | None = None) -> Law:
+def read_law(table: Entries, location: str, folder: Path | None = None) -> Law:
     """Return the law, or the several `laws`, that an axis table of a file in `folder` describes.
 
     ModelError names `location`, key and rule.
@@ -139,7 +140,7 @@ def read_law(table: dict[str, Any], location: str, folder: Path | None = None) -
     return _make(kind, parameters, location, f"law {kind.name}")
 
 
-def _read_parallel(table: dict[str, Any], location: str, folder: Path | None) -> Parallel:
+def _read_parallel(table: Entries, location: str, folder: Path | None) -> Parallel:
     """Return the laws in parallel of an axis table."""
     for key in table:
         if key != "laws":
@@ -156,7 +157,7 @@ def _read_parallel(table: dict[str, Any], location: str, folder: Path | None) ->
         raise ModelError(f"{location} {error}") from error
 
 
-def _read_part(name: str, table: dict[str, Any], location: str) -> Any:
+def _read_part(name: str, table: Entries, location: str) -> object:
     """Return what the table of this name describes."""
     if name == "provenance" and "kind" not in table:
         raise ModelError(f"{location} `kind` is missing: say where the parameters come from.")
@@ -170,14 +171,14 @@ def _read_part(name: str, table: dict[str, Any], location: str) -> Any:
     return _make(PARTS[name], table, location, f"the {name}")
 
 
-def _range(table: Any, location: str) -> Any:
+def _range(table: object, location: str) -> object:
     """Return the range of validity along one axis."""
     if not isinstance(table, dict):
         raise ModelError(f"{location} must be a table of ranges, got {table!r}.")
     return _make(MeasuredRange, table, location, "a range of validity")
 
 
-def _make(kind: Callable[..., Any], table: dict[str, Any], location: str, title: str) -> Any:
+def _make(kind: Callable[..., Any], table: Entries, location: str, title: str) -> Any:
     """Return `kind(**table)` with integers made floats; ModelError for a missing, extra or wrong entry."""
     items = fields(kind)  # type: ignore[arg-type]
     required = [item.name for item in items if item.default is item.default_factory is MISSING]
@@ -188,14 +189,14 @@ def _make(kind: Callable[..., Any], table: dict[str, Any], location: str, title:
         raise ModelError(f"{location} {error}") from error
 
 
-def _as_float(value: Any) -> Any:
+def _as_float(value: object) -> object:
     """Return an integer as a float, infinite if it is too large for one; anything else as it is."""
     if type(value) is not int:
         return value
     return float(value) if abs(value) <= sys.float_info.max else math.inf
 
 
-def _require_keys(table: dict[str, Any], required: Any, known: Any, location: str, title: str) -> None:
+def _require_keys(table: Entries, required: Iterable[str], known: Collection[str], location: str, title: str) -> None:
     """Raise ModelError unless every required key is there and every key is known."""
     for key in required:
         if key not in table:
@@ -205,7 +206,7 @@ def _require_keys(table: dict[str, Any], required: Any, known: Any, location: st
             raise ModelError(f"{location} `{key}` is not known; {title} takes {', '.join(known)}.")
 
 
-def write_toml(content: dict[str, Any], path: Path) -> None:
+def write_toml(content: Entries, path: Path) -> None:
     """Write `content` as TOML, atomically."""
     text = tomli_w.dumps(content, multiline_strings=True)
     with atomic_file(path) as beside:

@@ -4,9 +4,8 @@ import math
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 
 
@@ -54,7 +53,7 @@ def travel_reached(lowest: Array, highest: Array) -> dict[str, Array]:
     return {rating: np.asarray(reached[sign][..., axis]) for rating, (axis, sign) in RATINGS.items()}
 
 
-def travel_utilisation(reached: Mapping[str, npt.ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
+def travel_utilisation(reached: Mapping[str, ArrayLike], rated: Mapping[str, float]) -> dict[str, float]:
     """Return travel over rated travel by rating; what is not rated is not judged and not in it."""
     return {rating: float(reached[rating]) / rated[rating] for rating in RATINGS if rating in rated}  # type: ignore[arg-type]
 

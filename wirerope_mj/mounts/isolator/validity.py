@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any
 
 from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array
@@ -101,7 +100,7 @@ class Validity(Part):
         return {axis: text for axis, text in texts.items() if text}
 
 
-def _pair(name: str, value: Any) -> Pair:
+def _pair(name: str, value: object) -> Pair:
     """Return two finite numbers in their order; ValueError if it is something else."""
     if not isinstance(value, list | tuple) or len(value) != 2:
         raise ValueError(f"`{name}` must be two numbers, the lowest and the highest, got {value!r}.")

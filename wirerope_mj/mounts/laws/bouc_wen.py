@@ -1,7 +1,7 @@
 """Bouc-Wen law of the thesis and Ozdemir's reduction of it."""
 
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -53,7 +53,7 @@ class Ozdemir(Hysteresis):
     k: float = 0.0
 
     @classmethod
-    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float = 1.0, n: float, **others: Any) -> Self:
+    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float = 1.0, n: float, **others: float) -> Self:
         """Return the law from the normalised form, whose sigma can only be 1."""
         if sigma != 1.0:
             raise ValueError(f"`sigma` must be 1, got {sigma}: Ozdemir's law has no gamma.")

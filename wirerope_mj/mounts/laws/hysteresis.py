@@ -3,7 +3,7 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.jit import inlined
@@ -62,7 +62,7 @@ class Hysteresis(Law):
     n: float
 
     @classmethod
-    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float, n: float, **others: Any) -> Self:
+    def from_normalised(cls, *, z_max: float, x_y: float, sigma: float, n: float, **others: float) -> Self:
         """Return the law with alpha, beta and gamma from the normalised form; `others` are its further parameters.
 
         alpha = z_max / x_y, beta = sigma alpha / z_max^n, gamma = (1 - sigma) alpha / z_max^n.

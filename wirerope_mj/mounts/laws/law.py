@@ -7,10 +7,9 @@ from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Booleans, Entries
 from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
@@ -122,7 +121,7 @@ class Law(ABC):
         """Number of internal states."""
         return len(self.state_names)
 
-    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Entries) -> bool:
         """Return whether the law is valid, and at any deflection, with each entry of columns, (n,), of its parameters.
 
         False says nothing: each entry has to be tried. The law's own rules are asked, with columns in place of numbers; what
@@ -176,7 +175,7 @@ class Law(ABC):
         """Return the law with some parameters multiplied by the factor to a power, that of force if none is given."""
         positive("factor", factor)
         powers = self.force_powers if powers is None else powers
-        values: dict[str, Any] = {}
+        values: Entries = {}
         for name in names:
             value, ratio = getattr(self, name), factor ** powers[name]
             values[name] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
@@ -188,7 +187,7 @@ class Law(ABC):
         value = getattr(self, key)
         return value[int(index[:-1])] if index else value
 
-    def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def completed(self, values: Entries) -> Entries:
         """Return new values of parameters, named as in `parameter`, together with all that changes with them.
 
         Entries stand in their list, and a parameter that is equal to its leader and not given itself follows it.
@@ -204,15 +203,15 @@ class Law(ABC):
         follow = {name: whole[leader] for name, leader in told if getattr(self, name) == getattr(self, leader)}
         return {**whole, **follow}
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the law as it stands in an isolator file."""
         stated = {key: value for key, value in asdict(self).items() if value is not None and value != ()}
         plain = {key: list(value) if isinstance(value, tuple) else value for key, value in stated.items()}
         return {"law": self.name, **plain}
 
     def trace(
-        self, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
-        initial_states: npt.ArrayLike | None = None,
+        self, deflection: ArrayLike, *, time: ArrayLike | None = None, rate: ArrayLike | None = None,
+        initial_states: ArrayLike | None = None,
     ) -> Loop:  # fmt: skip
         """Return the loop that the law draws along a path of deflections, entered unloaded.
 
@@ -242,7 +241,7 @@ class Law(ABC):
             )
 
 
-def anywhere(condition: bool | npt.NDArray[np.bool_]) -> bool:
+def anywhere(condition: bool | Booleans) -> bool:
     """Return whether a condition on parameters is met, at any entry if they are columns."""
     return condition if isinstance(condition, bool) else bool(np.any(condition))
 

@@ -4,9 +4,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.summary import Summarised, span
 
 _DEGREE = 3  # a parabola bends too little where a loop saturates in a tenth of its range, a quartic rings with noise
@@ -97,7 +96,7 @@ class Loop(Summarised):
         }
 
     @classmethod
-    def from_samples(cls, deflection: npt.ArrayLike, force: npt.ArrayLike, *, cycles: int = 0) -> "Loop":
+    def from_samples(cls, deflection: ArrayLike, force: ArrayLike, *, cycles: int = 0) -> "Loop":
         """Return the loop of a measured cycle: its work is summed by the trapezoid rule, its z is not known (NaN).
 
         Chords cut corners off: the area of N samples uniform in time is low by about (2 pi / N)^2 / 6 of itself, 2e-4 at

@@ -3,15 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 from numpy.polynomial.legendre import leggauss
 from numpy.polynomial.polynomial import polyder, polyval2d
 
 from wirerope_mj.foundation.arguments import finite, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
@@ -59,19 +58,19 @@ class LoopCoupling:
         """W: deflection that the axial one is measured in [m]."""
         return max(self.compression, self.tension)
 
-    def energy(self, deflection: npt.ArrayLike) -> Array:
+    def energy(self, deflection: ArrayLike) -> Array:
         """Return U [J], (...), at deflections roll and axial [m], (..., 2)."""
         inside, out_u, out_w = self._nearest(deflection)
         straight = self._slope(inside) + self._slope(inside, 1, 0) * out_u + self._slope(inside, 0, 1) * out_w
         return straight + self._slope(inside, 1, 1) * out_u * out_w
 
-    def force(self, deflection: npt.ArrayLike) -> Array:
+    def force(self, deflection: ArrayLike) -> Array:
         """Return the gradient of U [N], (..., 2), at deflections roll and axial [m], (..., 2)."""
         inside, out_u, out_w = self._nearest(deflection)
         cross = self._slope(inside, 1, 1)
         return np.stack([self._slope(inside, 1, 0) + cross * out_w, self._slope(inside, 0, 1) + cross * out_u], axis=-1)
 
-    def stiffness(self, deflection: npt.ArrayLike) -> Array:
+    def stiffness(self, deflection: ArrayLike) -> Array:
         """Return the second derivatives of U [N/m], (..., 2, 2); at an end of the box those from inside."""
         inside, out_u, out_w = self._nearest(deflection)
         roll = np.where(out_u == 0.0, self._slope(inside, 2, 0) + self._slope(inside, 2, 1) * out_w, 0.0)
@@ -88,12 +87,12 @@ class LoopCoupling:
         """Return the coupling whose energy is `factor` times this one's everywhere."""
         return replace(self, coefficients=tuple(tuple(factor * value for value in row) for row in self.coefficients))
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the coupling as it stands in an isolator file."""
         ends = {name: getattr(self, name) for name in ("roll", "compression", "tension")}
         return {**ends, "coefficients": [list(row) for row in self.coefficients]}
 
-    def _nearest(self, deflection: npt.ArrayLike) -> tuple[Array, Array, Array]:
+    def _nearest(self, deflection: ArrayLike) -> tuple[Array, Array, Array]:
         """Return the nearest point of the box (..., 2) and how far beyond it roll and axial are, (...) each."""
         d = np.asarray(deflection, dtype=np.float64)
         inside = np.clip(d, (-self.roll, -self.compression), (self.roll, self.tension))
@@ -194,7 +193,7 @@ class LoopBoucWen(PlaneLaw):
         line, length = super().line_parameters(start, stop)
         return np.concatenate([line, [asymmetry_of(self.axial)], self.loop.kernel_parameters()]), length
 
-    def energy(self, deflection: npt.ArrayLike, hysteretic_state: npt.ArrayLike) -> Array:
+    def energy(self, deflection: ArrayLike, hysteretic_state: ArrayLike) -> Array:
         """Return what is stored [J], (...): elastic, and what unloading without loss gives back of the hysteretic forces.
 
         It is zero where undeflected and unloaded; deflections [m] are of roll and axial, (..., 2), and so are the hysteretic

@@ -7,14 +7,14 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from dataclasses import dataclass, fields
 from functools import cache
-from typing import Any, ClassVar, Self
+from typing import ClassVar, Self
 
 import numba
 import numpy as np
 from numba import carray, types
 from numba.core.dispatcher import Dispatcher
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.c_functions import SIGNATURE
 from wirerope_mj.mounts.laws.kernels import OWN
 from wirerope_mj.mounts.laws.law import Law
@@ -63,7 +63,7 @@ class OwnLaw(Law):
 
     @staticmethod
     @abstractmethod
-    def force(p: Any, x: float, v: float, z: Any, zdot: Any) -> float:
+    def force(p: Array, x: float, v: float, z: Array, zdot: Array) -> float:
         """Return the force [N] and write the rates of the states to `zdot`."""
 
     def _validate(self) -> None:
@@ -138,13 +138,13 @@ class OwnLaw(Law):
             raise ValueError(f"law {self.name!r}: `force_powers` must state each parameter's power of force.")
         return super().scaled(factor)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Raise ValueError: a file cannot hold a program's own law."""
         raise ValueError(f"law {self.name!r} is a program's own and is not written to a file: keep the program.")
 
 
 @cache
-def _address(force: Callable[..., Any], n_parameters: int, n_states: int, name: str) -> int:
+def _address(force: Callable[..., float], n_parameters: int, n_states: int, name: str) -> int:
     """Return the address of a law's function as C calls it, for the life of the process."""
     if isinstance(force, Dispatcher):
 

@@ -9,7 +9,7 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.law import Law
 
 PARALLEL = 14
@@ -121,7 +121,7 @@ class Parallel(Law):
         """True if one of them that ends somewhere asks for a rated travel."""
         return any(law.needs_rating for law in self.laws if law.finite_travel < np.inf)
 
-    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Entries) -> bool:
         """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
         for law, own in zip(self.laws, self._own(columns), strict=True):
             whole = law.completed(own)
@@ -158,7 +158,7 @@ class Parallel(Law):
         number, own = part_of(name)
         return self.laws[number].parameter(own)
 
-    def completed(self, values: Mapping[str, Any]) -> dict[str, Any]:
+    def completed(self, values: Entries) -> Entries:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
         own = self._own(values)
         pairs = zip(self.laws, own, strict=True)
@@ -168,9 +168,9 @@ class Parallel(Law):
         varied = varied.with_yield(values["yield"]) if "yield" in values else varied
         return {"laws": varied.laws}
 
-    def _own(self, values: Mapping[str, Any]) -> list[dict[str, Any]]:
+    def _own(self, values: Entries) -> list[Entries]:
         """Compose the new parameters of each law from values of single parameters and of factors on all laws."""
-        own: list[dict[str, Any]] = [{} for _ in self.laws]
+        own: list[Entries] = [{} for _ in self.laws]
         for name, value in values.items():
             if name not in self.factors:
                 number, key = part_of(name)
@@ -180,6 +180,6 @@ class Parallel(Law):
                 mine[name] = values[name] * mine.get(name, law.parameter(name))
         return own
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the laws as they stand in an isolator file."""
         return {"laws": [law.to_dict() for law in self.laws]}

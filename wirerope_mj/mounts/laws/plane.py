@@ -7,9 +7,8 @@ from dataclasses import dataclass
 from typing import ClassVar, Self
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
@@ -61,7 +60,7 @@ class PlaneLaw(ABC):
         direction = (stop - start) / length if length else np.zeros(2)
         return np.concatenate([self.rate_parameters(), *map(elastic_of, self.laws), start, direction]), length
 
-    def trace(self, deflection: npt.ArrayLike) -> PlaneTrace:
+    def trace(self, deflection: ArrayLike) -> PlaneTrace:
         """Return forces, states and work along straight lines between the points of a path, entered unloaded.
 
         The path [m], (n_t, 2), of roll and the other axis has at least two finite points.

@@ -4,12 +4,12 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, fields
 from functools import cached_property
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.table_kernels import cycle_area, held, level_cubics, monotone, packed
@@ -175,11 +175,11 @@ class Tabulated(AsCall, Law):
     def _parameters(self) -> Array:
         return packed(*self._curves, self.yield_deflection or 1.0)  # without hysteresis any length will do
 
-    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Mapping[str, object]) -> bool:
         """Return False: a table is tried entry by entry."""
         return False
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return the law as it stands in an isolator file, without what is not stated."""
         values = asdict(self)
         stated = {item.name: values[item.name] for item in fields(self) if values[item.name] != item.default}

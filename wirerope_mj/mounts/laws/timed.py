@@ -5,9 +5,8 @@ reversals. A smoothed law, and any other with one state, is integrated by Dorman
 """
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.cubic import NODES, WEIGHTS, position, reversals, shifted, speed, zero_between
 from wirerope_mj.mounts.laws.kernels import PARALLEL, RATE_DEPENDENT, component, evaluate, evaluate_one
@@ -175,8 +174,8 @@ def follow_time(law, p, time, deflection, rate, z, n_states):
 
 
 def trace(
-    law: Law, deflection: npt.ArrayLike, *, time: npt.ArrayLike | None = None, rate: npt.ArrayLike | None = None,
-    initial_states: npt.ArrayLike | None = None,
+    law: Law, deflection: ArrayLike, *, time: ArrayLike | None = None, rate: ArrayLike | None = None,
+    initial_states: ArrayLike | None = None,
 ) -> Loop:  # fmt: skip
     """Return the loop of a law; arguments and errors as in `Law.trace`."""
     path = np.asarray(deflection, dtype=np.float64)
@@ -214,7 +213,7 @@ def _last_finite(law: Law, start: float, stop: float, states: Array) -> float:
     return start + low * (stop - start)
 
 
-def _times(law: Law, path: Array, time: npt.ArrayLike | None) -> Array:
+def _times(law: Law, path: Array, time: ArrayLike | None) -> Array:
     """Return `time` as an array (n_t,) [s], or raise ValueError if it does not fit the path."""
     if time is None:
         raise ValueError(f"`time` must be given: the force of {law.name} depends on the deflection rate.")
@@ -226,7 +225,7 @@ def _times(law: Law, path: Array, time: npt.ArrayLike | None) -> Array:
     return times
 
 
-def _rates(path: Array, times: Array, rate: npt.ArrayLike | None) -> Array:
+def _rates(path: Array, times: Array, rate: ArrayLike | None) -> Array:
     """Return `rate` as an array (n_t,) [m/s], by differences that are exact for a parabola if it is not given."""
     if rate is None:
         return np.gradient(path, times, edge_order=2 if path.size > 2 else 1)

@@ -7,7 +7,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
@@ -42,7 +42,7 @@ class _Wrapped(Law):
     state_names = _of_law("state_names", "Those of the law.")
     damping_parameters = _of_law("damping_parameters", "Those of the law.")
 
-    def certainly_valid(self, columns: Mapping[str, Any]) -> bool:
+    def certainly_valid(self, columns: Entries) -> bool:
         """Return whether there are no columns: each entry has to be tried."""
         return not columns
 
@@ -95,7 +95,7 @@ class Smoothed(_Wrapped):
         """Return the width, the law's kernel and its parameters."""
         return np.concatenate([[self.width, float(self.law.kernel)], self.law.kernel_parameters()])
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Raise ValueError: an isolator file holds the law itself."""
         raise ValueError("a smoothed law is not written to a file: save the isolator with its `law`, and smooth it in memory.")
 
@@ -152,7 +152,7 @@ class OnBracket(_Wrapped):
         """Return law and bracket with `factor` times their forces."""
         return replace(super().scaled(factor), stiffness=factor * self.stiffness)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Raise ValueError: an isolator file holds the law itself."""
         raise ValueError("a law on a bracket is not written to a file: save the isolator with its `bracket`.")
 

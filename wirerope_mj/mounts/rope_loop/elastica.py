@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import integer, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.mounts.rope_loop.half_loop import HalfLoop, LoopShape
 
 # Distance of the clamped ends over the rope's length up to which a loop is solved: beyond, an inextensible rope is taut, its
@@ -31,7 +30,7 @@ class RopeLoop:
         self.shape = shape
         self._half = HalfLoop(shape, elements)
 
-    def state(self, roll: npt.ArrayLike, axial: npt.ArrayLike, turn: npt.ArrayLike = 0.0) -> LoopState:
+    def state(self, roll: ArrayLike, axial: ArrayLike, turn: ArrayLike = 0.0) -> LoopState:
         """Return energy, force and moment for EI = 1 N m^2 at deflections [m] and turns [rad], of their common shape.
 
         Deflections are the payload's bar minus the base's, roll across the bars, axial positive in tension. The payload's bar
@@ -92,9 +91,8 @@ def loop_positions(loops: int, bar_length: float) -> Array:
 
 
 def rotational_stiffness(
-    shape: LoopShape, *, bending_stiffness: float, positions: npt.ArrayLike, axial: float | None = None,
-    roll: float | None = None,
-) -> Array:  # fmt: skip
+    shape: LoopShape, *, bending_stiffness: float, positions: ArrayLike, axial: float | None = None, roll: float | None = None
+) -> Array:
     """Return the rotational stiffness of an isolator about its own axes x (roll), y (shear) and z (axial) [N m/rad], (3,).
 
     It belongs to a small turn of the payload about the unloaded isolator's middle: half way between the bars, in the middle

@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -56,7 +55,7 @@ def fit_coupling(
     tension = min(tension, _slack_tension(shape, roll))
     loop, scale = RopeLoop(shape, ELEMENTS), bending_stiffness * loops
 
-    def polynomial(coefficients: npt.NDArray[np.floating[Any]]) -> LoopCoupling:
+    def polynomial(coefficients: npt.NDArray[np.floating]) -> LoopCoupling:
         return LoopCoupling(roll=roll, compression=compression, tension=tension, coefficients=coefficients.tolist())
 
     knots = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS))

@@ -7,10 +7,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, not_negative, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.errors import ConvergenceError
 
 # Size of an isolator over the diameter of its rope, at most: those that are sold have 5 to 15, and ten times that is slack.
@@ -197,7 +196,7 @@ class HalfLoop:
                 raise ConvergenceError(self._lost(displacement[stuck][0], turn[stuck][0], done[stuck][0]))
         return self._state(direction, force)
 
-    def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, npt.NDArray[np.bool_]]:
+    def equilibrium(self, direction: Array, force: Array, goal: Array) -> tuple[Array, Array, Booleans]:
         """Return directions, forces and whether they are an equilibrium, by Newton's method from a guess.
 
         The guess is the direction at the nodes [rad], (m, n), and the force, (m, 2), with the length of the rope as unit of

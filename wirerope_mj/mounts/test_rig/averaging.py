@@ -8,9 +8,8 @@ triangle and a hold alike.
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.mounts.test_rig.passive import require_area, require_passive
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 from wirerope_mj.mounts.test_rig.turning import Trace
@@ -53,7 +52,7 @@ _AT_TIP = 0.05  # of a bin, within which samples stand at a turning point: a cho
 class PhasedCycle:
     """One cycle's samples."""
 
-    samples: npt.NDArray[np.int64]  # their indices in the record, (n,)
+    samples: Integers  # their indices in the record, (n,)
     phase: Array  # of each, 0 to 1; in a run 0.5 is the turning point between, (n,)
     tips: tuple[float, ...]  # phases of turning points that are not samples themselves
     middle: float = 0.5  # time of phase 0.5 over the period
@@ -137,7 +136,7 @@ def mean_loop(
     return replace(loop, closure=gap / max(float(np.ptp(mean_f)), 1e-300), elapsed=np.append(elapsed, 1.0))
 
 
-def _bin(phase: Array, bins: int) -> npt.NDArray[np.int64]:
+def _bin(phase: Array, bins: int) -> Integers:
     """Return the bins of phases, whose first and last are one."""
     return np.floor(phase * bins + 0.5).astype(np.int64) % bins
 

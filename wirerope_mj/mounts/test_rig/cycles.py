@@ -5,9 +5,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.csv_units import LARGEST
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.mounts.laws import Loop
@@ -65,9 +64,7 @@ def load_cycles(path: str | Path, *, stop: bool = False) -> list[Loop]:
     return loops
 
 
-def steady_loops(
-    deflection: npt.ArrayLike, force: npt.ArrayLike, *, time: npt.ArrayLike | None = None, stop: bool = False
-) -> list[Loop]:
+def steady_loops(deflection: ArrayLike, force: ArrayLike, *, time: ArrayLike | None = None, stop: bool = False) -> list[Loop]:
     """Return one loop for every run of like cycles in a record.
 
     Turning points are reversals of the smoothed deflection by more than its noise and by more than 1 % of its range. Strokes

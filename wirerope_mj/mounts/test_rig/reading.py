@@ -64,12 +64,9 @@ def save_cyclic_test(
 
 _EXAMPLE = '"loop, time [s], deflection [mm], force [kN]"'
 _NAMES = {
-    "loop": ("loop",),
-    "amplitude": ("amplitude",),
-    "time": ("time", "t"),
-    "deflection": ("deflection", "displacement", "disp", "disp."),
-    "force": ("force", "load"),
-}
+    "loop": ("loop",), "amplitude": ("amplitude",), "time": ("time", "t"),
+    "deflection": ("deflection", "displacement", "disp", "disp."), "force": ("force", "load"),
+}  # fmt: skip
 _MOST = 1.0  # [m], beyond any travel of a wire rope isolator; a millimetre taken for a metre is a thousand times
 _FEWEST = 8  # samples: fewer are no loop
 _LEG = 0.2  # fraction of the range that counts as going back: above any noise that leaves a loop to be seen

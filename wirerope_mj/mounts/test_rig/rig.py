@@ -4,10 +4,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.foundation.arguments import finite, integer, not_negative, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.budget import require_memory, require_time
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.mounts.laws import Law, Loop
@@ -25,7 +24,7 @@ _FOLLOWED = 512
 
 
 def cyclic_test(
-    law: Law, amplitudes: npt.ArrayLike, *, operating_point: float = 0.0, frequency: float = 1.0,
+    law: Law, amplitudes: ArrayLike, *, operating_point: float = 0.0, frequency: float = 1.0,
     cycles: int | None = None, points_per_cycle: int = 400,
 ) -> list[Loop]:  # fmt: skip
     """Return one loop for each amplitude: the last cycle of a sinusoidal test about the operating point.

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 
 _SURE = 8.0  # standard deviations of noise: samples of one stroke differ by more once in 1e8 pairs
 _SMALLEST = 0.01  # of the range: what moves less is the rig's, not the test's
@@ -23,7 +22,7 @@ class Trace:
     window: int  # samples that were averaged
     noise: float  # standard deviation of the deflection's noise [m]
     # samples of the turning points, (n,), the record's first and last sample among them; empty if it never moves
-    turns: npt.NDArray[np.int64]
+    turns: Integers
     times: Array  # of the turning points, (n,), between the crossings on both sides and so sharper than the samples
 
     @property
@@ -61,9 +60,7 @@ def find_turning_points(deflection: Array, time: Array) -> Trace:
     smooth = _smoothed(deflection, window)
     turns = _reversals(smooth, max(_SURE * noise / np.sqrt(window), least))
     times = _times(smooth, time, turns)
-    return Trace(
-        time=time, deflection=deflection, smooth=smooth, window=window, noise=noise, turns=turns, times=times
-    )  # fmt: skip
+    return Trace(time=time, deflection=deflection, smooth=smooth, window=window, noise=noise, turns=turns, times=times)
 
 
 def rms_noise(values: Array) -> float:
@@ -90,7 +87,7 @@ def _smoothed(values: Array, window: int) -> Array:
     return values[0] + (sums[index + reach + 1] - sums[index - reach]) / (2 * reach + 1)
 
 
-def _reversals(values: Array, threshold: float) -> npt.NDArray[np.int64]:
+def _reversals(values: Array, threshold: float) -> Integers:
     """Return the samples at which a series turns back by more than `threshold`, with those it begins and ends at."""
     turns: list[int] = []
     high = low = extreme = 0
@@ -109,7 +106,7 @@ def _reversals(values: Array, threshold: float) -> npt.NDArray[np.int64]:
     return np.array([*turns, extreme] if turns else [], dtype=np.int64)
 
 
-def _times(smooth: Array, time: Array, turns: npt.NDArray[np.int64]) -> Array:
+def _times(smooth: Array, time: Array, turns: Integers) -> Array:
     """Return the time in the middle between the crossings on both sides of each turning point, which noise hardly shifts."""
     times = time[turns].astype(np.float64)
     for index in range(1, turns.size - 1):

@@ -16,10 +16,10 @@ taken.
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Travel
@@ -58,7 +58,7 @@ class CurveSheet:
     assumed: tuple[str, ...]
 
 
-def read_curve_sheet(content: Mapping[str, Any], path: Path) -> CurveSheet:
+def read_curve_sheet(content: Mapping[str, object], path: Path) -> CurveSheet:
     """Return the sheet of a file's content; ModelError names file, table, key and rule."""
     table = TomlTable(content, f"{path}:")
     curve = table.text("curve")
@@ -126,11 +126,11 @@ _SIGNS = {"compression": -1.0, "tension": 1.0, "shear": 1.0, "roll": 1.0}
 _CLOSE = 1e-10  # Relative error of a damping ratio at which the search for its area ends
 
 
-def fit_curves(content: Mapping[str, Any], path: Path) -> Isolator:
+def fit_curves(content: Mapping[str, object], path: Path) -> Isolator:
     """Return the isolator whose laws follow the chosen curves of a sheet; ModelError names file, table and rule."""
     sheet = read_curve_sheet(content, path)
     sides, assumed = sheet.sides, list(sheet.assumed)
-    laws: dict[str, Any] = {}
+    laws: Entries = {}
     for axis, name in (("axial", "compression"), ("shear", "shear"), ("roll", "roll")):
         if name == "roll" and name not in sides and "shear" in sides:
             laws["roll"] = laws["shear"]
@@ -192,7 +192,7 @@ def _law(sheet: CurveSheet, side: Side, other: Side | None) -> Tabulated:
     if other is not None:
         points = [(-x, -f) for x, f in points[:0:-1]] + [(0.0, 0.0), *other.curves[sheet.curve]]
     deflection, force = ([row[column] for row in points] for column in (0, 1))
-    values: dict[str, Any] = {"deflection": deflection, "force": force, "symmetric": other is None}
+    values: Entries = {"deflection": deflection, "force": force, "symmetric": other is None}
     stated = np.array(side.areas or side.damping).reshape(-1, 2).T
     law = Tabulated(**values)
     if not stated.size:

@@ -22,8 +22,8 @@ that of the vibration stiffness' amplitude where `damping_amplitude` does not sa
 import math
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
@@ -144,7 +144,7 @@ def read_datasheet(path: str | Path) -> DataSheet:
     for key in ("compression", "shear"):
         if key not in tables:
             raise ModelError(f"{path}: the table [{key}] is missing.")
-    axes: dict[str, Any] = {key: _axis(TomlTable(content, f"{path}: [{key}]")) for key, content in tables.items()}
+    axes: Entries = {key: _axis(TomlTable(content, f"{path}: [{key}]")) for key, content in tables.items()}
     target, scales = table.optional_number("damping_target"), table.optional_integer("scales") or 1
     if scales not in RULES:
         raise ModelError(f"{path}: `scales` must be {' or '.join(map(str, RULES))}, got {scales}.")

@@ -8,8 +8,8 @@ the rope loop's geometry, its size and the friction from the vendor's values.
 import math
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
@@ -93,7 +93,7 @@ def _spread(axial: NiLaw | Parallel, curves: AxisCurves, rule: FitRule) -> Sprea
     return Spread(parameters=names, covariance=((variance,) * states,) * states)
 
 
-def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves: AxisCurves) -> dict[str, Any]:
+def _across(sheet: DataSheet, shear: AxisValues, axial: NiLaw | Parallel, curves: AxisCurves) -> Entries:
     """Return the laws of shear and roll and the coupling of roll and axial, as arguments of the isolator."""
     curve, rule = ElasticShape(asymmetry=None, cubic=curves.roll_cubic * shear.hardening), RULES[sheet.scales]
     yielding = rule.shear_yield * first_state(axial).normalised.x_y

@@ -4,6 +4,7 @@ import math
 from collections.abc import Callable
 from typing import Any
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, STIFFNESS_UNITS, in_si
 
@@ -15,11 +16,11 @@ Pairs = list[tuple[float, float]]
 class TomlTable:
     """Entries of one table; each method takes one out of it in SI units, or raises ModelError."""
 
-    def __init__(self, content: Any, location: str) -> None:
+    def __init__(self, content: object, location: str) -> None:
         if not isinstance(content, dict):
             raise ModelError(f"{location} must be a table, got {content!r}.")
         self.location = location  # file and table, for messages
-        self.entries: dict[str, Any] = dict(content)  # what was not taken yet
+        self.entries: Entries = dict(content)  # what was not taken yet
 
     def quantity(self, name: str, units: tuple[str, ...]) -> float:
         """Take a quantity > 0 whose key ends with its unit."""
@@ -68,7 +69,7 @@ class TomlTable:
             advice = " Tension follows from the rope loop: leave it out." if key == "tension_ratio" else ""
             raise ModelError(f"{self.location} `{key}` is not known.{advice}")
 
-    def _optional(self, key: str, default: Any, valid: Callable[[Any], bool], rule: str) -> Any:
+    def _optional(self, key: str, default: object, valid: Callable[[Any], bool], rule: str) -> Any:
         if key not in self.entries:
             return default
         value = self.entries.pop(key)
@@ -77,13 +78,13 @@ class TomlTable:
         return value
 
 
-def _is_positive(value: Any) -> bool:
+def _is_positive(value: object) -> bool:
     return not isinstance(value, bool) and isinstance(value, int | float) and 0.0 < value < math.inf
 
 
-def _is_list(value: Any, kind: type) -> bool:
+def _is_list(value: object, kind: type) -> bool:
     return isinstance(value, list) and all(isinstance(item, kind) for item in value)
 
 
-def _are_pairs(value: Any) -> bool:
+def _are_pairs(value: list[list[object]]) -> bool:
     return _is_list(value, list) and all(len(row) == 2 and all(map(_is_positive, row)) for row in value)

@@ -16,14 +16,9 @@ from wirerope_mj.studies.inputs.vary_option import read_vary
 
 
 def calibrate(
-    system: System,
-    tests: Sequence[Test],
-    *,
-    vary: Mapping[str, Distribution] | Sequence[str],
-    residuals: Domain = "time",
-    draws: int = 1000,
-    seed: int = 1,
-) -> Calibration:
+    system: System, tests: Sequence[Test], *, vary: Mapping[str, Distribution] | Sequence[str], residuals: Domain = "time",
+    draws: int = 1000, seed: int = 1,
+) -> Calibration:  # fmt: skip
     """Return what varies of a system as its tests tell it: values, covariance, draws, and the system with them.
 
     A coarse design of the prior, computed in lanes, gives the best points from which least squares begin. Noise and the model's

@@ -130,15 +130,10 @@ def fit(problem: Problem, *, seed: int = 1) -> Fit:
     jacobian = problem.jacobian(found.x)
     white = problem.whitened(jacobian, roots)
     return Fit(
-        normals=found.x,
-        covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(found.x.size)), dtype=np.float64),
-        jacobian=jacobian,
-        noises=tuple(noises),
-        model=model,
-        residual=problem.whitened(model - problem.measured, roots),
-        converged=found.status > 0,
-        runs=problem.runs,
-    )
+        normals=found.x, covariance=np.asarray(np.linalg.inv(white.T @ white + np.eye(found.x.size)), dtype=np.float64),
+        jacobian=jacobian, noises=tuple(noises), model=model, residual=problem.whitened(model - problem.measured, roots),
+        converged=found.status > 0, runs=problem.runs,
+    )  # fmt: skip
 
 
 def _starts(problem: Problem, noises: Sequence[Noise], seed: int) -> Array:

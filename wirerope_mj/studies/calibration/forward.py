@@ -4,12 +4,12 @@ import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.calibration.frequency_test import FrequencyRuns, FrequencyTest
@@ -37,7 +37,7 @@ class Runs(Protocol):
 
     series: list[Series]
 
-    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+    def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the raw channels with the values of each row; None where one failed."""
 
     def seen(self, number: int, raw: Array, gain: float, delay: float, offset: float) -> Array:
@@ -118,7 +118,7 @@ class SystemForward:
         """Return the changes of masses, centres and positions at values of the unknowns, (d,)."""
         return self._maker.moves(self._maker.draft(self._row(values)), {})
 
-    def _row(self, values: Array) -> dict[str, Any]:
+    def _row(self, values: Array) -> Entries:
         return {column.name: float(value) for column, value in zip(self.columns, values, strict=False)}
 
 

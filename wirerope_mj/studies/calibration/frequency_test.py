@@ -3,13 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.csv_units import number_in, read_header, rows_below
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.units import ACCELERATION_UNITS
@@ -84,7 +83,7 @@ class FrequencyRuns:
             for one in test.frequency
         ]  # fmt: skip
 
-    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+    def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the transmissibilities with the values of each row, (n,); None where one failed."""
         found = np.full((len(rows), len(self._works)), np.nan)
         column = f"bodies/{self.test.payload}/acceleration/{self.test.direction}"

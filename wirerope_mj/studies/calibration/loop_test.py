@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.mounts.identification.measured import prepare
 from wirerope_mj.mounts.laws import Loop
@@ -54,7 +53,7 @@ class LoopRuns:
             size = np.full(values.size, 0.5 * float(np.ptp(values)))
             self.series.append(Series(name=name, at=along, values=values, size=size, unit="N", across="loop"))
 
-    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+    def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the forces of the laws of each row along every loop [N]; None where one is not finite or cannot be."""
         found: list[list[Array] | None] = []
         for row in rows:

@@ -4,14 +4,13 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
 from wirerope_mj.engine.simulation.stepper import initial_state
 from wirerope_mj.engine.simulation.timestep import choose_timestep
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.channel_map import SI
@@ -185,7 +184,7 @@ class TransientRuns:
             system, columns, test.motion, duration=math.ceil(rate * end) / rate, sample_rate=rate, initial=test.initial
         )
 
-    def __call__(self, rows: Sequence[dict[str, Any]]) -> list[list[Array] | None]:
+    def __call__(self, rows: Sequence[Entries]) -> list[list[Array] | None]:
         """Return the histories of every channel with the values of each row, (n_t,) each; None where one failed."""
         self._time, done = histories(self._work, rows, [one.column for one in self.channels])
         base = self.test.motion.displacement(self._time)

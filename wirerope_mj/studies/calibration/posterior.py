@@ -4,9 +4,8 @@ from dataclasses import dataclass
 
 import emcee
 import numpy as np
-import numpy.typing as npt
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.studies.calibration.fit import Fit, Problem
 from wirerope_mj.studies.calibration.prior import Prior
 
@@ -30,7 +29,7 @@ class Posterior:
     # root mean square of the emulator's error in log likelihood at draws that it was not made from
     emulator_error: float
     acceptance: float  # of the sampler
-    checked: npt.NDArray[np.int64]  # rows of the draws that were computed by the model
+    checked: Integers  # rows of the draws that were computed by the model
     series: Array  # the model's series there, (n_checked, n_samples)
 
 

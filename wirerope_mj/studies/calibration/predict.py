@@ -80,14 +80,9 @@ class Prediction(Summarised):
 
 
 def predict(
-    calibration: Calibration,
-    motion: BaseMotion,
-    *,
-    duration: float,
-    initial: str = "settled",
-    draws: int = DRAWS,
+    calibration: Calibration, motion: BaseMotion, *, duration: float, initial: str = "settled", draws: int = DRAWS,
     seed: int = 1,
-) -> Prediction:
+) -> Prediction:  # fmt: skip
     """Return the measures of draws of the posterior under a motion of the base.
 
     Every draw is multiplied by 1 + e, where e is the model's own error of a peak: Student's t with as many degrees of freedom

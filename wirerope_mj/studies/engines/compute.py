@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -10,7 +9,7 @@ import pyarrow as pa
 from wirerope_mj.assessment.criteria.ended import GROWTH, growth_note
 from wirerope_mj.engine.simulation import BatchFailure, BatchResult
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
 from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together
@@ -28,7 +27,7 @@ class Chunk:
     """Some variants that are computed together."""
 
     number: int  # of the chunk, which names its part of the table
-    rows: Sequence[dict[str, Any]]  # "variant" and inputs of every variant
+    rows: Sequence[Entries]  # "variant" and inputs of every variant
     responses: bool = False  # whether whole responses are kept of them
 
 
@@ -102,7 +101,7 @@ class Measured:
 Outcome = Measured | str  # What came of a variant, or why it failed
 
 
-def _outcomes(work: Work, rows: Sequence[dict[str, Any]], responses: dict[int, bytes] | None) -> list[Outcome]:
+def _outcomes(work: Work, rows: Sequence[Entries], responses: dict[int, bytes] | None) -> list[Outcome]:
     """Return measures or message of every row; `responses` takes the variants' responses unless it is None."""
     make = Maker(work.system, work.motions, work.columns)
     outcomes: dict[int, Outcome] = {}
@@ -178,7 +177,7 @@ def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together)
 
 
 def _grown(
-    work: Work, begin: float, rows: Sequence[dict[str, Any]], values: Mapping[str, Array], which: Sequence[int]
+    work: Work, begin: float, rows: Sequence[Entries], values: Mapping[str, Array], which: Sequence[int]
 ) -> list[list[str]]:
     """Return the kinds of measures of variants that reach more than until `begin` [s], for which they are computed again."""
     # What has a limit may grow by `GROWTH` of it, as in a run, and what has none by as much of itself.

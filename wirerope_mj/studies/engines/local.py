@@ -62,12 +62,9 @@ class _Pool(Generic[Question, Answer]):
     """One thread for each worker process: it hands out questions, and starts the process again if it dies."""
 
     def __init__(
-        self,
-        function: Callable[[Question], Answer],
-        questions: Iterable[Question],
-        lost: Callable[[Question, str], Answer],
+        self, function: Callable[[Question], Answer], questions: Iterable[Question], lost: Callable[[Question, str], Answer],
         workers: int,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self._questions, self._lost, self._workers = iter(questions), lost, workers
         self._pickled = pickle.dumps(function, protocol=pickle.HIGHEST_PROTOCOL)
         self._lock, self._stop = threading.Lock(), threading.Event()
@@ -154,11 +151,11 @@ class _Process:
                 "`workers` all is computed in this process."
             ) from None
 
-    def compute(self, question: Any) -> Any:
+    def compute(self, question: object) -> Any:
         """Return the answer to a question; WorkerDiedError if the process is gone."""
         return self._asked(pickle.dumps(question, protocol=pickle.HIGHEST_PROTOCOL))
 
-    def _asked(self, question: bytes) -> Any:
+    def _asked(self, question: bytes) -> object:
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         try:

@@ -4,10 +4,8 @@ import os
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.control.install import state_of
@@ -23,7 +21,7 @@ from wirerope_mj.engine.simulation.stability import rates_of, stable_step, step_
 from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
 from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries, Integers
 from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
@@ -36,14 +34,12 @@ from wirerope_mj.studies.inputs.column import Draft
 from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures_together import Extremes, measures_together
 
-Flags = npt.NDArray[np.bool_]
-
 
 @dataclass(frozen=True, kw_only=True)
 class Together:
     """Measures of variants that were computed side by side."""
 
-    indices: npt.NDArray[np.int64]  # which of the rows they are of, (n,)
+    indices: Integers  # which of the rows they are of, (n,)
     columns: Mapping[str, Array]  # by the measure's name, (n,) each
     late: Array  # when something of them last reached an extreme that counts [s], (n,)
 
@@ -51,7 +47,7 @@ class Together:
 NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0))
 
 
-def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
+def together(work: Work, rows: Sequence[Entries]) -> Together:
     """Return the measures of those variants that can be computed side by side; the others are for `simulate_batch`.
 
     Which they are, and what comes of each, does not depend on the variants that share a call. Their systems are the same to the
@@ -69,7 +65,7 @@ def together(work: Work, rows: Sequence[dict[str, Any]]) -> Together:
 
 
 def histories_together(
-    work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str], threads: int
+    work: Work, rows: Sequence[Entries], columns: Sequence[str], threads: int
 ) -> tuple[Array, dict[int, Array]]:
     """Return instants (n_t,) and columns, as `histories` does, of those variants that can be computed side by side."""
     plan = column_plan(work.system)
@@ -90,15 +86,15 @@ def histories_together(
 class _Done:
     """Variants at the end of their grid."""
 
-    indices: npt.NDArray[np.int64]  # which of the rows they are
-    chosen: npt.NDArray[np.int64]  # numbers of those among the variants whose equations could be written
+    indices: Integers  # which of the rows they are
+    chosen: Integers  # numbers of those among the variants whose equations could be written
     forces: Array | None  # of the mounts at rest of these, if they start there
     extremes: Extremes  # over every step
-    good: Flags  # which of them hold
+    good: Booleans  # which of them hold
     time: Array  # sample instants [s]
 
 
-def _go(work: Work, rows: Sequence[dict[str, Any]], sink: Sink | None = None, threads: int = 1) -> _Done | None:
+def _go(work: Work, rows: Sequence[Entries], sink: Sink | None = None, threads: int = 1) -> _Done | None:
     """Step those variants that can be computed side by side; None if none can."""
     system = work.system
     if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
@@ -147,7 +143,7 @@ def _numbers(system: System) -> Numbers:
     return Numbers(system, equations(system))
 
 
-def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
+def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
     """Return the variants that have the structure of the study's system and are valid."""
     system, make = work.system, Maker(work.system, work.motions, work.columns)
     table = pa.table({column.name: [row[column.name] for row in rows] for column in work.columns})
@@ -193,13 +189,11 @@ def _variants(work: Work, rows: Sequence[dict[str, Any]]) -> _Variants:
         numbers.append(own[0])
         rates.append(own[1])
         moved.append(any(map(any, changes.positions.values())))
-    return _Variants(
-        indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved
-    )  # fmt: skip
+    return _Variants(indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved)
 
 
 # By law and parameters: its kernel's parameters, its rates, and its form if it is coupled.
-_Laws = dict[Any, tuple[Array, tuple[float, float, float], tuple[float, float, float, float] | None]]
+_Laws = dict[object, tuple[Array, tuple[float, float, float], tuple[float, float, float, float] | None]]
 
 
 def _plain(draft: Draft) -> bool:
@@ -218,7 +212,7 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
     for number, (mount, written) in enumerate(system.mounts.items()):
         if mount not in draft.parameters:
             continue
-        own: dict[str, dict[str, Any]] = {}
+        own: dict[str, Entries] = {}
         for (axis, name), value in draft.parameters[mount].items():
             own.setdefault(axis, {})[name] = value
         isolator, forms = written.isolator, {}
@@ -237,7 +231,7 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             writer.write_coupling(numbers, mount, np.array([one[0], one[1], one[2], other[2], one[3], other[3]]))
 
 
-def _unchecked(law: Law, values: Mapping[str, Any]) -> Law:
+def _unchecked(law: Law, values: Entries) -> Law:
     """Return a law with other parameters, whole columns of which are known to be valid."""
     varied: Law = object.__new__(type(law))
     vars(varied).update(vars(law), **law.completed(values))
@@ -255,7 +249,7 @@ def _form(law: Law | None, laws: _Laws) -> tuple[float, float, float, float]:
     return form
 
 
-def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Flags]:
+def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Booleans]:
     """Return qpos, qvel and act at the start, forces of the mounts at rest if they start there, and whether these are found."""
     system, n = work.system, len(variants.indices)
     unloaded, where = _unloaded(system), moving(system)
@@ -287,7 +281,7 @@ def _unloaded(system: System) -> State:
         return state_of(system.model, data)
 
 
-def _steps_hold(work: Work, variants: _Variants, rows: Sequence[dict[str, Any]]) -> Flags:
+def _steps_hold(work: Work, variants: _Variants, rows: Sequence[Entries]) -> Booleans:
     """Return for which variants the step is stable."""
     stiffness, damping, decay = variants.rates.swapaxes(0, 1)
     holds = step_bound(work.system).certainly_stable(work.timestep, variants.numbers, stiffness, damping, decay)
@@ -305,14 +299,14 @@ def _ends(system: System) -> Array:
     return np.array([(np.inf, np.inf) if law is None else law.travel_ends for law in laws]).reshape(-1, 3, 2)
 
 
-def _lawful(system: System, lowest: Array, highest: Array) -> Flags:
+def _lawful(system: System, lowest: Array, highest: Array) -> Booleans:
     """Return which variants' mounts stayed where the laws hold, as `beyond_law` has it; deflections (n, n_mounts, 3) [m]."""
     below, above = _ends(system)[:, :, 0], _ends(system)[:, :, 1]
     beyond = (-lowest > below + ROUNDING) | (highest > above + ROUNDING)
     return np.asarray(~beyond.any(axis=(1, 2)))
 
 
-def histories(work: Work, rows: Sequence[dict[str, Any]], columns: Sequence[str]) -> tuple[Array, list[Array | None]]:
+def histories(work: Work, rows: Sequence[Entries], columns: Sequence[str]) -> tuple[Array, list[Array | None]]:
     """Return sample instants [s], (n_t,), and columns of variants, (n_t, n_columns); None of one that fails.
 
     Columns are those of a response, such as "bodies/rack/acceleration/z"; none of the base.

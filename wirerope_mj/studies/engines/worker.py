@@ -44,7 +44,7 @@ def _read(questions: BinaryIO, asked: "queue.SimpleQueue[Any]") -> None:
         os._exit(1)
 
 
-def _answer(answers: BinaryIO, what: Any) -> None:
+def _answer(answers: BinaryIO, what: object) -> None:
     try:
         pickle.dump(what, answers, protocol=pickle.HIGHEST_PROTOCOL)
         answers.flush()

@@ -6,10 +6,10 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
+from wirerope_mj.foundation.arrays import AnyArray, Booleans, Entries
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
 from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite
@@ -27,7 +27,7 @@ class Positive(ValueOrFactor):
 
     bounds = "positive"
 
-    def factors(self, draft: Draft, value: Any) -> dict[str, Any]:
+    def factors(self, draft: Draft, value: Any) -> Entries:
         """Return the factor on each target that a value is."""
         if not (math.isfinite(value) and value > 0.0):
             unit = "" if self.relative else f" {self.model_unit}"
@@ -105,7 +105,7 @@ class Centre(InputColumn):
             centre = draft.centres.setdefault(body, centre_of_mass(draft.system, body))
             centre[WORLD.index(self.key[0])] = value
 
-    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    def moved(self, system: System, values: AnyArray) -> Booleans:
         """Return in which variants the centre stands elsewhere than in the model."""
         return np.asarray(values != self.nominal(system)[0])
 

@@ -2,13 +2,13 @@
 
 import warnings
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.engine.simulation.simulate import check_direction
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
@@ -64,14 +64,14 @@ def systems_valid(system: System, columns: Sequence[InputColumn], block: pa.Tabl
     draft = Draft(system=system)
     if not _certainly_valid(draft, [column for column in columns if column.targets], block):
         return False
-    laws: dict[tuple[str, str], dict[str, Any]] = {}
+    laws: dict[tuple[str, str], Entries] = {}
     for mount, parameters in draft.parameters.items():
         for (axis, parameter), values in parameters.items():
             laws.setdefault((mount, axis), {})[parameter] = values
     return all(_law_valid(system, mount, axis, parameters) for (mount, axis), parameters in laws.items())
 
 
-def _law_valid(system: System, mount: str, axis: str, parameters: dict[str, Any]) -> bool:
+def _law_valid(system: System, mount: str, axis: str, parameters: Entries) -> bool:
     isolator = system.mounts[mount].written
     law = isolator.axes[axis]
     coupled = AXES.index(axis) in isolator.coupled_axes  # the two must then suit each other, too

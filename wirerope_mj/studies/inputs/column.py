@@ -10,11 +10,10 @@ from fnmatch import fnmatchcase
 from typing import Any, ClassVar, Literal, Self
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
@@ -127,17 +126,17 @@ class InputColumn:
         """Return what the model says as a cell."""
         return nominal_text(self.nominal(system), self.model_unit)
 
-    def apply(self, draft: Draft, value: Any) -> None:
+    def apply(self, draft: Draft, value: object) -> None:
         """Put a value of the column into a variant; ValueError if it can be none."""
         raise NotImplementedError
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid; False says nothing. Parameters of laws go into `draft`, which checks them."""
         if not self.bounds:
             return False
         return bool(np.isfinite(values).all()) and (self.bounds == "finite" or bool(values.min() > 0.0))
 
-    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    def moved(self, system: System, values: AnyArray) -> Booleans:
         """Return in which variants something stands elsewhere than in the model."""
         return np.zeros(len(values), dtype=np.bool_)
 

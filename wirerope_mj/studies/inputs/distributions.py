@@ -6,11 +6,10 @@ from dataclasses import KW_ONLY, dataclass
 from typing import Any, ClassVar, get_args
 
 import numpy as np
-import numpy.typing as npt
 import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Entries
 
 # In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1.
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
@@ -102,7 +101,7 @@ class Choice:
     each: bool
     group: str | None
 
-    def __init__(self, *choices: Any, relative: bool = False, each: bool = False, group: str | None = None) -> None:
+    def __init__(self, *choices: object, relative: bool = False, each: bool = False, group: str | None = None) -> None:
         if len(choices) == 1 and not isinstance(choices[0], str) and isinstance(choices[0], Sequence):
             choices = tuple(choices[0])
         if not choices:
@@ -116,10 +115,9 @@ class Choice:
             raise ValueError(f"the values of a `Choice` must all be numbers, booleans or strings, got {list(plain)}.")
         for one in plain:
             if isinstance(one, int) and finite("Choice", int(one)) != one:
-                text = f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}."
-                raise ValueError(text)
+                raise ValueError(f"`Choice`: {one} is no number that a computer holds exactly; the next is {float(one):.17g}.")
 
-    def values(self, probabilities: Array) -> npt.NDArray[Any]:
+    def values(self, probabilities: Array) -> AnyArray:
         """Return the choices at probabilities, (n,)."""
         indices = np.minimum((probabilities * len(self.choices)).astype(np.int64), len(self.choices) - 1)
         return np.array(self.choices)[indices]
@@ -175,25 +173,25 @@ class Isotropic:
 Distribution = Normal | Uniform | Isotropic | Choice | Specimens
 
 
-def distribution_to_dict(distribution: Distribution) -> dict[str, Any]:
+def distribution_to_dict(distribution: Distribution) -> Entries:
     """Return a distribution as plain TOML values."""
     values = {key: list(value) if isinstance(value, tuple) else value for key, value in vars(distribution).items()}
     return {"kind": type(distribution).__name__, **{key: v for key, v in values.items() if v is not None}}
 
 
-def distribution_from_dict(content: dict[str, Any]) -> Distribution:
+def distribution_from_dict(content: Entries) -> Distribution:
     """Return the distribution that `distribution_to_dict` stored."""
-    kinds: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
+    kinds: dict[str, type] = {kind.__name__: kind for kind in get_args(Distribution)}
     rest = {key: value for key, value in content.items() if key not in ("kind", "choices")}
     return kinds[content["kind"]](*content.get("choices", ()), **rest)
 
 
-def _keep(thing: Any, **values: Any) -> None:
+def _keep(thing: object, **values: object) -> None:
     for name, value in values.items():
         object.__setattr__(thing, name, value)
 
 
-def _check_group(group: Any) -> None:
+def _check_group(group: object) -> None:
     if group is not None and (not isinstance(group, str) or not group):
         raise ValueError(f"`group` must be a string or None, got {group!r}.")
 

@@ -2,14 +2,14 @@
 
 import math
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import AnyArray, Entries
 from wirerope_mj.motions import BaseMotion, Scaled, Turned
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution
@@ -25,7 +25,7 @@ class MotionSettings:
     record: Any = 0
 
     @classmethod
-    def of(cls, columns: Sequence[InputColumn], row: Mapping[str, Any]) -> "MotionSettings":
+    def of(cls, columns: Sequence[InputColumn], row: Entries) -> "MotionSettings":
         """Return the settings of a row of inputs, or of columns of them."""
         return cls(**{one.setting: row[one.name] for one in columns if isinstance(one, MotionColumn)})
 
@@ -86,11 +86,11 @@ class Level(MotionColumn):
     pattern = re.compile(form)
     nature = "factor"
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return what the model says."""
         return [1.0]
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid; False says nothing."""
         return super().certainly_valid(draft, values) and bool((values != 0.0).all())
 
@@ -100,7 +100,7 @@ class Angle(MotionColumn):
 
     model_unit = "°"
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid; False says nothing."""
         return super().certainly_valid(draft, values) and len(draft.system.assembly.tables.drive) >= 3
 
@@ -111,7 +111,7 @@ class Azimuth(Angle):
     form = "motion/azimuth"
     pattern = re.compile(form)
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return the azimuths of the motions' directions [deg]; of a vertical motion there is none."""
         return [math.degrees(math.atan2(y, x)) for x, y, _ in _directions(motions) if math.hypot(x, y) > 0.0]
 
@@ -122,7 +122,7 @@ class Elevation(Angle):
     form = "motion/elevation"
     pattern = re.compile(form)
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return what the model says."""
         return [math.degrees(math.atan2(z, math.hypot(x, y))) for x, y, z in _directions(motions)]
 

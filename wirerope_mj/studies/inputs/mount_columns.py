@@ -6,10 +6,10 @@ from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
 
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
@@ -54,13 +54,12 @@ class LawParameter(ValueOrFactor):
         return cls.split(entry, mounts)
 
     @classmethod
-    def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> Any:
+    def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> object:
         """Return the parameter in the model; ModelError says what there is."""
         law = isolator.axes[axis]
         if law is None:
             there = [axis for axis, law in isolator.axes.items() if law is not None]
-            text = f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}."
-            raise ModelError(text)
+            raise ModelError(f"`vary`: {name!r}: mount {mount!r} has no law on axis {axis!r}; it has {', '.join(there)}.")
         if isinstance(law, Parallel):
             whole = law
             if parameter in whole.factors:
@@ -86,7 +85,7 @@ class LawParameter(ValueOrFactor):
             raise ModelError(f"`vary`: {name!r}: {parameter!r} of mount {mount!r} is not a number.")
         return value
 
-    def nominal_of(self, system: System, target: str) -> Any:
+    def nominal_of(self, system: System, target: str) -> object:
         """Return what the model says of one target."""
         law = system.mounts[target].written.axes[self.key[0]]
         assert law is not None  # `checked` has seen to it
@@ -101,7 +100,7 @@ class LawParameter(ValueOrFactor):
                 own = tuple(value * one for one in nominal) if isinstance(nominal, tuple) else value * nominal
             draft.parameters.setdefault(mount, {})[self.key] = own
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid; False says nothing."""
         self.apply(draft, values)  # columns in place of numbers: all parameters of a law are checked together
         return True
@@ -115,7 +114,7 @@ class StiffeningParameter(LawParameter):
     model_unit = ""
 
     @classmethod
-    def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> Any:
+    def checked(cls, name: str, isolator: Isolator, mount: str, axis: str, parameter: str) -> object:
         """Return the parameter in the model; ModelError says what there is."""
         if isolator.stiffening is None:
             raise ModelError(f"`vary`: {name!r}: isolator {isolator.name!r} of mount {mount!r} has no [stiffening].")
@@ -123,15 +122,15 @@ class StiffeningParameter(LawParameter):
             raise ModelError(f"`vary`: {name!r}: stiffening has no {parameter!r}; it has {', '.join(known)}.")
         return float(getattr(isolator.stiffening, parameter))
 
-    def nominal_of(self, system: System, target: str) -> Any:
+    def nominal_of(self, system: System, target: str) -> object:
         """Return what the model says of one target."""
         return float(getattr(system.mounts[target].written.stiffening, self.key[1]))
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid; False says nothing."""
         return False  # the factor acts on whole laws: each variant is made
 
-    def warnings(self, system: System, values: npt.NDArray[Any]) -> list[str]:
+    def warnings(self, system: System, values: AnyArray) -> list[str]:
         """Return nothing: any number of cycles may be meant."""
         return []
 
@@ -178,8 +177,7 @@ class Spread(LawParameter):
             for parameter in isolator.spread.parameters:
                 axis, _, key = parameter.partition(".")
                 if axis not in AXES:
-                    text = f"`vary`: {name!r}: {parameter!r} in the [spread] of {isolator.name!r} is no parameter."
-                    raise ModelError(text)
+                    raise ModelError(f"`vary`: {name!r}: {parameter!r} in the [spread] of {isolator.name!r} is no parameter.")
                 cls.checked(name, isolator, mount, axis, key)
         if not each and any(isolator != isolators[0] for isolator in isolators):
             raise ValueError(f"`vary`: {name!r}: the mounts have different isolators and cannot share one specimen.")
@@ -227,7 +225,7 @@ class OtherIsolator(InputColumn):
         devices = {name: load_isolator(name, beside=folder) for name in distribution.choices}
         return tuple(replace(column, devices=devices) for column in cls.split(entry, mounts))
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return nothing: the model's isolators are no numbers."""
         return []
 
@@ -264,7 +262,7 @@ class Turn(PositionShift):
     pattern = re.compile(r"mount/(.*)/turn/([^/]*)")
     model_unit = "°"
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return nothing: the model's axes are turned, and have no one angle."""
         return []
 
@@ -298,7 +296,7 @@ class Fitted(InputColumn):
         """Put a value into a variant."""
         draft.absent |= set() if value else set(self.targets)
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid; False says nothing."""
         try:
             for mount in self.targets:
@@ -347,7 +345,7 @@ class FailedMount(Failed):
 
     type = pa.string()
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return what the model says."""
         return []
 

@@ -2,14 +2,12 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.studies.inputs.body_columns import Centre, CentreShift, Mass, Tuning, check_centres
@@ -62,20 +60,20 @@ class SharedDraw(InputColumn):
         """Unit of the numbers."""
         return self.shared[0].unit
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[Any]:
+    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
         """Return nothing: the quantities have values of their own."""
         return []
 
-    def apply(self, draft: Draft, value: Any) -> None:
+    def apply(self, draft: Draft, value: object) -> None:
         """Put the value into all of them."""
         for column in self.shared:
             column.apply(draft, value)
 
-    def certainly_valid(self, draft: Draft, values: npt.NDArray[Any]) -> bool:
+    def certainly_valid(self, draft: Draft, values: AnyArray) -> bool:
         """Return whether all values are valid in all of them."""
         return all(column.certainly_valid(draft, values) for column in self.shared)
 
-    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    def moved(self, system: System, values: AnyArray) -> Booleans:
         """Return in which variants something stands elsewhere than in the model."""
         return np.any([column.moved(system, values) for column in self.shared], axis=0)
 
@@ -95,8 +93,7 @@ def _share(name: str, columns: Sequence[tuple[InputColumn, ...]]) -> tuple[Share
         raise ValueError(f"`vary`: {name!r}: with `each` the names must match as many mounts, got {counts}.")
     if len({(column.nature_of_numbers, column.unit) for column in every}) > 1:
         kinds = ", ".join(dict.fromkeys(f"{one.nature_of_numbers} {one.unit}".strip() for one in every))
-        text = f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`."
-        raise ValueError(text)
+        raise ValueError(f"`vary`: {name!r}: the numbers must be of one kind, got {kinds}; factors are, with `relative`.")
     return tuple(
         SharedDraw(
             name=TOGETHER.join(column.name for column in together),
@@ -141,8 +138,7 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
         shared = [_quantity(one, distribution, system, motions).columns for one in names]
         return Quantity(name=name, distribution=distribution, columns=_share(name, shared))
     if not isinstance(distribution, Distribution):
-        text = f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}."
-        raise ValueError(text)
+        raise ValueError(f"`vary`: {name!r} must be a Normal, Uniform, Isotropic, Choice or Specimens, got {distribution!r}.")
     kind, parts = next(((kind, match.groups()) for kind in KINDS if (match := kind.pattern.fullmatch(name))), (None, ()))
     if isinstance(distribution, Isotropic) and kind is not Elevation:
         raise ValueError(f"`vary`: {name!r} cannot be Isotropic; it is for {Elevation.form}.")
@@ -151,10 +147,8 @@ def _quantity(name: str, distribution: Distribution, system: System, motions: Se
     if kind is not None:
         pattern, *key = parts or ("",)
         columns = kind.resolve(
-            Entry(
-                name=name, pattern=pattern, key=tuple(key), distribution=distribution, system=system, motions=motions
-            )
-        )  # fmt: skip
+            Entry(name=name, pattern=pattern, key=tuple(key), distribution=distribution, system=system, motions=motions)
+        )
         own = dict.fromkeys(column.targets for column in columns) if kind is Spread else {}
         isolators = tuple(system.mounts[targets[0]].written for targets in own)
         return Quantity(name=name, distribution=distribution, columns=columns, isolators=isolators)

@@ -5,12 +5,11 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import scipy
 
 from wirerope_mj.foundation.arguments import integer, one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array
 from wirerope_mj.foundation.budget import require_memory
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.studies.inputs import sobol
@@ -35,7 +34,7 @@ def inputs(quantities: Sequence[Quantity], *, variants: int | None, sampling: st
     one_of("sampling", sampling, SAMPLINGS)
     columns = [column for quantity in quantities for column in quantity.columns]
     if sampling in LISTED:
-        values: Sequence[Any] = _listed(quantities, variants, sampling)
+        values: Sequence[list[Any] | AnyArray] = _listed(quantities, variants, sampling)
     else:
         variants = integer("variants", variants, least=1)
         _require_memory(variants, len(columns))
@@ -77,12 +76,12 @@ def _points(sampling: str, variants: int, dimensions: int, seed: int) -> Array:
     return np.asarray(points[:variants])
 
 
-def values_at(quantity: Quantity, points: Array) -> list[npt.NDArray[Any]]:
+def values_at(quantity: Quantity, points: Array) -> list[AnyArray]:
     """Return the values of a quantity's columns from numbers between 0 and 1, (n, n_columns)."""
     distribution = quantity.distribution
     if not isinstance(distribution, Specimens):
         return [distribution.values(column) for column in points.T]
-    values: list[npt.NDArray[Any]] = []
+    values: list[AnyArray] = []
     for isolator in quantity.isolators:
         size = len(isolator.spread.parameters) if isolator.spread else 0
         own = scipy.special.ndtri(np.clip(points[:, len(values) : len(values) + size], SMALLEST, LARGEST))

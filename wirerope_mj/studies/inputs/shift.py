@@ -5,10 +5,9 @@ from dataclasses import dataclass, replace
 from typing import Any, Self
 
 import numpy as np
-import numpy.typing as npt
 
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, matching, parts_of
 
@@ -54,7 +53,7 @@ class Shift(InputColumn):
             shift = self.shifts_of(draft).setdefault(target, [0.0, 0.0, 0.0])
             shift[WORLD.index(self.key[0])] = -value if target in self.mirrored else value
 
-    def moved(self, system: System, values: npt.NDArray[Any]) -> npt.NDArray[np.bool_]:
+    def moved(self, system: System, values: AnyArray) -> Booleans:
         """Return in which variants something is shifted."""
         return np.asarray(values != 0.0)
 

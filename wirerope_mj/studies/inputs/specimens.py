@@ -81,8 +81,7 @@ def redrawn(isolator: Isolator, *, seed: int, specimens: int | None = None) -> I
     if specimens is None:
         specimens = known_specimens(isolator.spread)
         if specimens is None:
-            text = f"`specimens` must be given: the [spread] of {isolator.name!r} does not say how many there were."
-            raise ValueError(text)
+            raise ValueError(f"`specimens` must be given: the [spread] of {isolator.name!r} does not say how many there were.")
     specimens = integer("specimens", specimens, least=2)
     normals = np.random.default_rng(seed).standard_normal((specimens, len(isolator.spread.parameters)))
     values = sampled(isolator, normals)

@@ -8,14 +8,14 @@ import numpy as np
 
 from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, changed
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator, Limits
 from wirerope_mj.studies.inputs.column import WHOLE, Draft, InputColumn
 from wirerope_mj.studies.inputs.failure import without_force
 from wirerope_mj.studies.inputs.motion_columns import MotionSettings
 
-Row = Mapping[str, Any]
+Row = Entries
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,8 +40,8 @@ class Maker:
         self._system, self._motions = system, motions
         self._of_motion = [column for column in columns if not column.targets]
         self._of_system = [column for column in columns if column.targets]
-        self._isolators: dict[Any, Isolator] = {}
-        self._made: dict[Any, Any] = {}
+        self._isolators: dict[object, Isolator] = {}
+        self._made: dict[object, Any] = {}
         self._axes: dict[str, Array] = {}
 
     def system(self, row: Row) -> System:
@@ -124,12 +124,12 @@ class Maker:
 
 def _edited(isolator: Isolator, parameters: Mapping[tuple[str, ...], Any]) -> Isolator:
     """Return an isolator with other parameters of its laws and its stiffening."""
-    values: dict[str, dict[str, Any]] = {}
+    values: dict[str, Entries] = {}
     factors = {name: value for (part, name), value in parameters.items() if part == WHOLE}
     for (part, name), value in parameters.items():
         if part != WHOLE:
             values.setdefault(part, {})[name] = value
-    edited: dict[str, Any] = {}
+    edited: Entries = {}
     for part, own in values.items():
         law = isolator.axes.get(part)
         try:

@@ -3,12 +3,13 @@
 import ast
 import inspect
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any, get_args
+from typing import get_args
 
 import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import centre_of_mass, sprung_joints
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.parallel import FACTORS
@@ -108,7 +109,7 @@ def _text(value: object) -> str:
 
 EXAMPLE = "mount/m*/axial/alpha = Normal(1, 0.1, relative, each)"
 _GROUP = "group"  # The argument of every distribution that is a string
-_KINDS: dict[str, Any] = {kind.__name__: kind for kind in get_args(Distribution)}
+_KINDS: dict[str, type] = {kind.__name__: kind for kind in get_args(Distribution)}
 
 
 def read_vary(texts: Sequence[str]) -> dict[str, Distribution]:
@@ -143,8 +144,8 @@ def _distribution(name: str, text: str) -> Distribution:
     kind = function.id if isinstance(function, ast.Name) else ""
     if kind not in _KINDS:
         raise ValueError(f"{name!r}: {text!r} is no distribution; there are {', '.join(signatures())}.")
-    positional: list[Any] = []
-    named: dict[str, Any] = {}
+    positional: list[object] = []
+    named: Entries = {}
     if isinstance(call, ast.Call):
         for one in call.args:
             if any(isinstance(part, ast.Name) and part.id in ("nan", "inf") for part in ast.walk(one)):
@@ -157,7 +158,7 @@ def _distribution(name: str, text: str) -> Distribution:
     return _made(name, kind, positional, named)
 
 
-def _made(name: str, kind: str, positional: Sequence[Any], named: dict[str, Any]) -> Distribution:
+def _made(name: str, kind: str, positional: Sequence[object], named: Entries) -> Distribution:
     for flag in _flags(kind):
         if not isinstance(named.get(flag, False), bool):
             raise ValueError(f"{name!r}: `{flag}` must be True or False, got {named[flag]!r}.")
@@ -177,8 +178,7 @@ def _flag(name: str, kind: str, flag: str) -> str:
     flags = _flags(kind)
     if flag not in flags:
         there = " and ".join(flags) or "none"
-        text = f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes."
-        raise ValueError(text)
+        raise ValueError(f"{name!r}: {kind} has no flag {flag!r}; it has {there}. A string as a value stands in quotes.")
     return flag
 
 
@@ -188,14 +188,14 @@ def _flags(kind: str) -> list[str]:
     return [name for name, parameter in parameters.items() if isinstance(parameter.default, bool)]
 
 
-def _keyword(name: str, keyword: ast.keyword) -> Any:
+def _keyword(name: str, keyword: ast.keyword) -> object:
     """Return the value of a keyword argument; a group may stand without quotes, since it is always a string."""
     if keyword.arg == _GROUP and isinstance(keyword.value, ast.Name):
         return keyword.value.id
     return _value(name, keyword.value)
 
 
-def _value(name: str, node: ast.expr) -> Any:
+def _value(name: str, node: ast.expr) -> object:
     try:
         return ast.literal_eval(node)
     except ValueError:

@@ -3,14 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
 from wirerope_mj.studies.engines.compute import DONE
 
 AZIMUTH, ELEVATION = "motion/azimuth", "motion/elevation"
@@ -138,7 +136,7 @@ def effects(table: pa.Table, inputs: Sequence[str], measure: str) -> tuple[Effec
     return tuple(results)
 
 
-def _effect(classes: npt.NDArray[np.int64], values: Array) -> tuple[float, float]:
+def _effect(classes: Integers, values: Array) -> tuple[float, float]:
     """Return the sum of squares that classes explain beyond accident, and the probability that accident gives as much."""
     n, m = values.size, int(classes.max()) + 1
     whole = float(np.sum((values - values.mean()) ** 2))
@@ -149,11 +147,11 @@ def _effect(classes: npt.NDArray[np.int64], values: Array) -> tuple[float, float
     return whole - inside * (n - 1) / (n - m), float(scipy.stats.f.sf(ratio, m - 1, n - m))
 
 
-def _class_means(classes: npt.NDArray[np.int64], values: Array) -> Array:
+def _class_means(classes: Integers, values: Array) -> Array:
     return np.bincount(classes, weights=values) / np.bincount(classes)
 
 
-def _classes(column: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
+def _classes(column: AnyArray) -> Integers:
     """Return the class of each variant: its value, or of many different numbers one of some intervals of as many variants."""
     _, classes = np.unique(column, return_inverse=True)
     if column.dtype.kind not in "fiu":  # strings and booleans
@@ -168,7 +166,7 @@ def _classes(column: npt.NDArray[Any]) -> npt.NDArray[np.int64]:
     return np.asarray(classes, dtype=np.int64)
 
 
-def _rank(column: npt.NDArray[Any], values: Array) -> float:
+def _rank(column: AnyArray, values: Array) -> float:
     """Return Spearman's correlation: Pearson's of the ranks."""
     if column.dtype.kind not in "fiub":
         return math.nan

@@ -63,8 +63,7 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
         ValueError: the study was sampled otherwise, or there is no such measure.
     """
     if result.study.sampling != SAMPLING:
-        text = f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.'
-        raise ValueError(text)
+        raise ValueError(f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.')
     names = measures_of(result.table)
     if measure not in (*names, ALL):
         raise ValueError(unknown_measure(measure, names))

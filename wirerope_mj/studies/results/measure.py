@@ -93,8 +93,7 @@ def checked_measure(table: pa.Table, name: str) -> str:
     if name not in (*names, ALL):
         raise ValueError(unknown_measure(name, names))
     if not np.isfinite(values_of(table, name)).any():
-        text = f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged."
-        raise ValueError(text)
+        raise ValueError(f"{name!r} has no value in any variant: nothing is rated or stated by which it would be judged.")
     return name
 
 

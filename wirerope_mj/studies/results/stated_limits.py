@@ -6,12 +6,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.atomic_files import write_json
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
@@ -97,7 +96,7 @@ def read_stated(result: StudyResult) -> tuple[StatedLimit, ...]:
         raise RecordError(f"{path}: `{KEY}` is not what was written: {error} {_REMEDY}") from None
 
 
-def _content(folder: Path) -> dict[str, Any]:
+def _content(folder: Path) -> Entries:
     path = folder / SUMMARY
     try:
         content = json.loads(regular(path).read_text(encoding="utf-8"))
@@ -109,7 +108,7 @@ def _content(folder: Path) -> dict[str, Any]:
     return content
 
 
-def _exceeded(result: StudyResult, stated: StatedLimit) -> dict[str, Any]:
+def _exceeded(result: StudyResult, stated: StatedLimit) -> Entries:
     """Return a limit in SI with its exceedance; a probability only of variants that were sampled."""
     beyond = stated.exceedance(result.independent)
     content = {

@@ -3,13 +3,12 @@
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
 import scipy
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.results.measure import STRUCK, values_of
@@ -97,7 +96,7 @@ def worst(table: pa.Table, measure: str, count: int) -> list[int]:
     return [int(numbers[row]) for row in order[:count] if np.isfinite(values[row])]
 
 
-def row_of(table: pa.Table, number: int) -> dict[str, Any]:
+def row_of(table: pa.Table, number: int) -> Entries:
     """Return the row of a variant."""
     row = int(np.flatnonzero(np.asarray(table["variant"]) == number)[0])
     return table.slice(row, 1).to_pylist()[0]

@@ -2,11 +2,10 @@
 
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import Effect, directions_text, effects, fraction_of_directions
@@ -120,7 +119,7 @@ class StudySummary:
             return ()
         return tuple(f"{name} ({len(own)} numbers)" for name, own in self._factors.items() if len(own) > _PAIR)
 
-    def worst(self, count: int) -> list[dict[str, Any]]:
+    def worst(self, count: int) -> list[Entries]:
         """Return the rows of the variants with the largest values of `by`; for Sobol's indices, of independent ones."""
         table = self.result.independent
         every = {name: values_of(table, name).tolist() for name in {one.name for one in self.measures} - {*table.column_names}}

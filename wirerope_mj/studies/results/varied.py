@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pyarrow as pa
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.column import Quantity, nominal_text
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
@@ -38,9 +39,9 @@ class Varied:
         """Distribution as text: "normal, mean 0.35, standard deviation 0.03"."""
         return distribution_text(self.distribution)
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return it as plain values for `summary.json`."""
-        content: dict[str, Any] = {"name": self.name, "kind": self.kind}
+        content: Entries = {"name": self.name, "kind": self.kind}
         if self.unit:
             content["unit"] = self.unit
         if self.nominal:
@@ -91,11 +92,12 @@ def _choices(values: Sequence[Any]) -> str:
     """Return the values of a choice; of many numbers how many, and from where to where."""
     distinct = list(dict.fromkeys(values))
     if len(distinct) <= _CHOICES or not all(isinstance(value, int | float) for value in distinct):
-        return f"one of {', '.join(map(_value, distinct))}"
-    return f"one of {len(distinct)} values from {_value(min(distinct))} to {_value(max(distinct))}"
+        return f"one of {', '.join(map(value_text, distinct))}"
+    return f"one of {len(distinct)} values from {value_text(min(distinct))} to {value_text(max(distinct))}"
 
 
-def _value(value: Any) -> str:
+def value_text(value: object) -> str:
+    """Write the value of an input; of the mount that fails "none" where none does."""
     return f"{value:.4g}" if isinstance(value, float) else str(value) or "none"
 
 
@@ -104,7 +106,7 @@ SUMMARISED = ("acceleration", ALL, "travel", "combined_travel", "static_load", "
 _QUANTILES = {"q05": 0.05, "median": 0.5, "q95": 0.95}
 
 
-def summary(result: StudyResult) -> dict[str, Any]:
+def summary(result: StudyResult) -> Entries:
     """Return the statistics of a study's measures, SI.
 
     What the nominal system does. Of variants that were sampled percentiles, as far as five variants lie beyond them, and the
@@ -125,7 +127,7 @@ def summary(result: StudyResult) -> dict[str, Any]:
     return {**head(result), **({} if struck is None else {"struck": struck}), "measures": measures}
 
 
-def head(result: StudyResult) -> dict[str, Any]:
+def head(result: StudyResult) -> Entries:
     """Return what the summaries of studies and of searches begin with."""
     return {
         "format": result.inputs["format"], "name": result.inputs["name"], "id": result.inputs["id"],
@@ -134,9 +136,9 @@ def head(result: StudyResult) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
+def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> Entries:
     values, limit = finite(values_of(table, name)), measure_of(name).limit
-    content: dict[str, Any] = {"smallest": float(values.min()), "median": float(np.median(values))}
+    content: Entries = {"smallest": float(values.min()), "median": float(np.median(values))}
     if sampled:
         each = zip(_QUANTILES, quantiles(values, list(_QUANTILES.values())), strict=True)
         content = {name: value for name, value in each if np.isfinite(value)}
@@ -150,7 +152,7 @@ def _of_measure(table: pa.Table, name: str, *, sampled: bool) -> dict[str, Any]:
     return content
 
 
-def _indices(result: StudyResult, name: str) -> dict[str, Any]:
+def _indices(result: StudyResult, name: str) -> Entries:
     sobol = sobol_indices(result, name)
     indices = {
         one.name: {

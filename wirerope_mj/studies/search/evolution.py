@@ -6,15 +6,14 @@ from importlib.metadata import version
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans, Entries
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs import distributions
 
-Design = dict[str, Any]
+Design = Entries
 # Value of a design that failed, for the optimiser: a number, because it adds them up, and worse than any that did not.
 UNKNOWN = 1e12
 
@@ -99,7 +98,7 @@ class Evolution:
         self._algorithm.tell(infills=self._asked)
 
 
-def _variable(distribution: distributions.Uniform | distributions.Choice) -> Any:
+def _variable(distribution: distributions.Uniform | distributions.Choice) -> object:
     from pymoo.core import variable
 
     if isinstance(distribution, distributions.Uniform):
@@ -107,9 +106,6 @@ def _variable(distribution: distributions.Uniform | distributions.Choice) -> Any
     if set(distribution.choices) == {False, True} and isinstance(distribution.choices[0], bool):
         return variable.Binary()
     return variable.Choice(options=list(distribution.choices))
-
-
-Mask = npt.NDArray[np.bool_]
 
 
 def objectives(table: pa.Table, names: Sequence[str]) -> Array:
@@ -134,7 +130,7 @@ def violations(table: pa.Table, limits: Mapping[str, float]) -> Array:
     return (objectives(table, list(limits)) - allowed) / np.where(allowed == 0.0, 1.0, np.abs(allowed))
 
 
-def feasible(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> Mask:
+def feasible(table: pa.Table, names: Sequence[str], limits: Mapping[str, float]) -> Booleans:
     """Return the mask of the designs that were simulated, have a value of all that is minimised, and keep all limits, (n,)."""
     return np.asarray(np.isfinite(objectives(table, names)).all(axis=1) & (violations(table, limits) <= 0.0).all(axis=1))
 

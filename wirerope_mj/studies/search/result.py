@@ -9,6 +9,7 @@ import pyarrow as pa
 
 from wirerope_mj.engine.response.scene import Scene
 from wirerope_mj.engine.simulation.recorder import scene_of
+from wirerope_mj.foundation.arrays import Booleans
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.ended import why_early
@@ -17,7 +18,7 @@ from wirerope_mj.studies.inputs.failure import acts
 from wirerope_mj.studies.inputs_file import read_inputs
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import measure_of
-from wirerope_mj.studies.search.evolution import Mask, feasible, front, nearest, nearest_first
+from wirerope_mj.studies.search.evolution import feasible, front, nearest, nearest_first
 
 GENERATION = "generation"  # Column of the table: in which generation a design was first made
 _LINE = 1e-9  # Distance from the line between the front's ends that is rounding
@@ -51,7 +52,7 @@ class SearchResult(StudyResult):
         return super().study.of(self.table)
 
     @cached_property
-    def feasible(self) -> Mask:
+    def feasible(self) -> Booleans:
         """Mask of the designs that were simulated and keep the limits, (n,)."""
         return feasible(self.table, self.minimise, self.limits)
 

@@ -6,7 +6,6 @@ from contextlib import closing, nullcontext
 from dataclasses import replace
 from pathlib import Path
 from time import perf_counter
-from typing import Any
 
 import numpy as np
 import pyarrow as pa
@@ -14,7 +13,7 @@ import pyarrow as pa
 from wirerope_mj.engine.simulation.progress import Update, share_bar
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import finite, integer, one_of
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import Chunk, Engine, Part
 from wirerope_mj.studies.engines.local import run_local
@@ -41,7 +40,7 @@ class SearchDefinition:
         minimise: Sequence[str],
         limits: Mapping[str, float] | None = None,
         generations: int = 20,
-        start: Sequence[Mapping[str, Any]] = (),
+        start: Sequence[Mapping[str, object]] = (),
     ) -> None:
         """Prepare a search; nothing is simulated, and names are checked.
 
@@ -116,7 +115,7 @@ class SearchDefinition:
         columns = {name: pa.array([design[name] for design in designs], type=types[name]) for name in self.variables}
         return pa.table({"variant": pa.array(range(first, first + len(designs)), type=pa.int64()), **columns})
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> Entries:
         """Return what the search adds to the study, as plain TOML values."""
         return {
             "minimise": list(self.minimise),
@@ -138,14 +137,13 @@ class SearchDefinition:
         for name, value in self.limits.items():
             self.limits[name] = finite(f"limits[{name!r}]", value)
 
-    def _design(self, index: int, given: Mapping[str, Any]) -> Design:
+    def _design(self, index: int, given: Mapping[str, object]) -> Design:
         """Return a given design by column."""
         design: Design = {}
         known = {one.name for one in self.study.quantities} | set(self.variables)
         unknown = [name for name in given if name not in known]
         if unknown:
-            text = f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do."
-            raise ValueError(text)
+            raise ValueError(f"`start[{index}]`: nothing called {unknown[0]!r} varies; {', '.join(self.study.vary)} do.")
         for quantity in self.study.quantities:
             for column in quantity.columns:
                 if column.name not in given and quantity.name not in given:
@@ -168,7 +166,7 @@ def _variables(study: StudyDefinition) -> dict[str, Uniform | Choice]:
     return variables
 
 
-def _checked(index: int, name: str, value: Any, variable: Uniform | Choice) -> Any:
+def _checked(index: int, name: str, value: object, variable: Uniform | Choice) -> object:
     """Return a value of a given design; ValueError unless it is one that may be chosen."""
     if isinstance(variable, Choice):
         chosen = next((one for one in variable.choices if type(one) is type(value) and one == value), None)
@@ -176,8 +174,7 @@ def _checked(index: int, name: str, value: Any, variable: Uniform | Choice) -> A
             raise ValueError(f"`start[{index}]`: {name!r} must be one of {list(variable.choices)}, got {value!r}.")
         return chosen
     if isinstance(value, bool) or not isinstance(value, int | float) or not variable.low <= value <= variable.high:
-        text = f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}."
-        raise ValueError(text)
+        raise ValueError(f"`start[{index}]`: {name!r} must be from {variable.low:g} to {variable.high:g}, got {value!r}.")
     return float(value)
 
 
@@ -185,11 +182,11 @@ class Evolving:
     """A search that runs: `parts` counts those of the table so far, and their numbers go on through the generations."""
 
     def __init__(
-        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, options: dict[str, Any], update: Update
+        self, search: SearchDefinition, folder: Path, keep: str, engine: Engine, options: Entries, update: Update
     ) -> None:
         self._search, self._folder, self._keep = search, folder, keep
         self._engine, self._options, self._update = engine, options, update
-        self._known: dict[tuple[Any, ...], tuple[Array, Array]] = {}
+        self._known: dict[tuple[object, ...], tuple[Array, Array]] = {}
         self._chunks: queue.SimpleQueue[Chunk | None] = queue.SimpleQueue()
         self._results: Generator[Part, None, None] | None = None
         self._began, self._computed = perf_counter(), 0
@@ -213,7 +210,7 @@ class Evolving:
             evolution.tell(np.array([one for one, _ in results]), np.array([one for _, one in results]))
             self._report(generation + 1)
 
-    def _key(self, design: Design) -> tuple[Any, ...]:
+    def _key(self, design: Design) -> tuple[object, ...]:
         return tuple(design[name] for name in self._search.variables)
 
     def _remember(self, table: pa.Table) -> None:
@@ -320,7 +317,7 @@ def _loaded(folder: Path, study: StudyDefinition) -> SearchResult:
     return result
 
 
-def _summary(result: SearchResult) -> dict[str, Any]:
+def _summary(result: SearchResult) -> Entries:
     """Return the front of a search, SI, and its knee; percentiles of designs that an evolution has chosen mean nothing."""
     names = ["variant", GENERATION, *result.shown]
     return {

@@ -1,9 +1,8 @@
 """What the page is told of a run and the one before it: content as JSON, in the units that are displayed."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from itertools import chain
-from typing import Any
 
 import numpy as np
 
@@ -18,6 +17,7 @@ from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Panel
 from wirerope_mj.content.run import numerics_statement
 from wirerope_mj.content.verdicts import answer_blocks, headline
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.foundation.tables import Table
 from wirerope_mj.foundation.units import in_unit
@@ -32,7 +32,7 @@ _CHANNELS = 4  # that were measured, of which the page draws curves
 _POINTS = 1500  # Points of a curve on the page: two for every pixel of its width, so that no peak is lost
 
 
-def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = ()) -> dict[str, Any]:
+def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = ()) -> Entries:
     """Return verdict, tables and curves of a run beside those of the one before it and of tests, as JSON takes them."""
     runs = [now] if before is None else [before, now]
     comparison = compare_runs({run.name: run.response for run in runs}, verdicts={run.name: run.verdicts for run in runs})
@@ -55,7 +55,7 @@ def _measured_panels(agreeing: Sequence[Sequence[Correlation]], runs: Sequence[S
         yield replace(own[-1], curves=curves, title=f"{own[-1].title} {own[-1].ylabel}")
 
 
-def _told(run: ShownRun) -> dict[str, Any]:
+def _told(run: ShownRun) -> Entries:
     said = headline(run.verdicts)
     origin = "" if run.exact else " (the step is that of the first run)"
     return {
@@ -69,7 +69,7 @@ def _told(run: ShownRun) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _table(table: Table) -> dict[str, Any]:
+def _table(table: Table) -> Entries:
     """Return a table as text and tone of its cells, the first rows of a long one."""
     return {
         "id": table.id, "title": table.title, "note": table.note,
@@ -109,7 +109,7 @@ def _worst_mount(rows: list[MountPeak]) -> MountPeak | None:
     return max(rows, key=lambda row: float(np.abs([row.minimum, row.maximum]).max()))
 
 
-def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:
+def _curve(panel: Panel, runs: list[ShownRun]) -> Entries:
     """Return a panel as the page draws it, the earlier run first: the later one is drawn over it."""
     lines = []
     for curve in panel.curves:
@@ -123,6 +123,6 @@ def _curve(panel: Panel, runs: list[ShownRun]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _short(values: Any) -> list[float]:
+def _short(values: Iterable[float]) -> list[float]:
     """Return values with five digits, as many as a picture shows."""
     return [float(f"{value:.5g}") for value in values]

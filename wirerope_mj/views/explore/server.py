@@ -15,6 +15,7 @@ from threading import Lock
 from typing import Any, Protocol
 from urllib.parse import parse_qs, urlsplit
 
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.views.explore.viewer_files import FILES, viewer_files
 from wirerope_mj.views.recording.viewer import has_display
@@ -42,10 +43,10 @@ _HEADERS = {
 class Explored(Protocol):
     """What the page shows and changes."""
 
-    def start(self) -> dict[str, Any]:
+    def start(self) -> Entries:
         """Return title, sliders and the last answer."""
 
-    def run(self, values: object, *, passing: bool, exact: bool) -> dict[str, Any]:
+    def run(self, values: object, *, passing: bool, exact: bool) -> Entries:
         """Simulate with the sliders at some values and return the answer; ValueError or WireRopeError says why not."""
 
     def recording(self, number: int) -> bytes:
@@ -68,7 +69,7 @@ class ExploreServer(ThreadingHTTPServer):
         self.hosts = tuple(f"{name}:{self.server_port}" for name in (LOCAL, "localhost"))
         self.policy = _POLICY.format(ours=" ".join(f"http://{host}" for host in self.hosts))
 
-    def handle_error(self, request: Any, client_address: Any) -> None:
+    def handle_error(self, request: Any, client_address: object) -> None:
         """Print an error that nobody expected; a page that was closed while it was answered is none."""
         if not isinstance(sys.exception(), ConnectionError):
             super().handle_error(request, client_address)
@@ -100,7 +101,7 @@ class _Handler(BaseHTTPRequestHandler):
     def do_POST(self) -> None:
         self._answered(self._post)
 
-    def log_message(self, format: str, *args: Any) -> None:
+    def log_message(self, format: str, *args: object) -> None:
         """Print nothing: the terminal has the address to show."""
 
     def _answered(self, answer: Callable[[str, Mapping[str, list[str]]], None]) -> None:
@@ -160,7 +161,7 @@ class _Handler(BaseHTTPRequestHandler):
             )
         self._send_json(answer)
 
-    def _content(self) -> dict[str, Any]:
+    def _content(self) -> Entries:
         length = self.headers.get("Content-Length", "")
         if not length.isdecimal() or len(length) > 9 or int(length) > _LARGEST:
             reason = f"A request says its length and has at most {_LARGEST} bytes."
@@ -173,7 +174,7 @@ class _Handler(BaseHTTPRequestHandler):
             raise _RefusedError(HTTPStatus.BAD_REQUEST, "A request is a table in JSON.")
         return asked
 
-    def _send_json(self, content: Mapping[str, Any], status: HTTPStatus = HTTPStatus.OK) -> None:
+    def _send_json(self, content: Mapping[str, object], status: HTTPStatus = HTTPStatus.OK) -> None:
         self._send(json.dumps(content, allow_nan=False).encode(), "application/json", status)
 
     def _send(self, content: bytes, kind: str, status: HTTPStatus = HTTPStatus.OK) -> None:

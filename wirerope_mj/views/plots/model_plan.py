@@ -5,8 +5,11 @@ from typing import Any
 
 import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 
 from wirerope_mj.engine.from_tables import Layout, Mass
 from wirerope_mj.foundation.arrays import Array
@@ -22,7 +25,7 @@ def plan_figure(layout: Layout) -> Figure:
     figure = PlainFigure(figsize=(11.7, 8.3), layout="constrained")  # A4, lying
     payload = layout.payload
     figure.suptitle(f"{layout.name}: {payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm")
-    panels: dict[str, Any] = figure.subplot_mosaic([["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0))
+    panels: dict[str, Axes] = figure.subplot_mosaic([["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0))
     labels = {title: _draw(panels[title], layout, across, up) for title, across, up in _VIEWS}
     for title in labels:
         panels[title].set_title(title)
@@ -39,7 +42,7 @@ def save_plan(layout: Layout, path: Path) -> None:
         plan_figure(layout).savefig(path, dpi=150)
 
 
-def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Any]:
+def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Text]:
     """Draw a view; return its labels, those that stay where they are first."""
     pick = [across, up]
     labels = [_draw_mass(panel, mass, pick) for mass in layout.masses]
@@ -76,9 +79,9 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Any]:
     return labels
 
 
-def _apart(panel: Any, labels: list[Any]) -> None:
+def _apart(panel: Axes, labels: list[Any]) -> None:
     """Put each label on the first side of what it names on which it covers no other one and stays in the panel."""
-    taken: list[Any] = []
+    taken: list[Bbox] = []
     frame = panel.get_window_extent()
     for label in labels:
         first = label.get_position()
@@ -96,7 +99,7 @@ def _apart(panel: Any, labels: list[Any]) -> None:
         taken.append(label.get_window_extent())
 
 
-def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> Any:
+def _draw_mass(panel: Axes, mass: Mass, pick: list[int]) -> Text:
     """Draw the uniform box that has a mass's moments of inertia, and its name, which is returned."""
     properties = mass.properties
     moments = np.diag(properties.inertia)
@@ -108,7 +111,7 @@ def _draw_mass(panel: Any, mass: Mass, pick: list[int]) -> Any:
     return panel.annotate(mass.name, corner, xytext=(3, -9), textcoords="offset points", fontsize=7, color=_BODY)
 
 
-def _dimension(panel: Any, layout: Layout, across: int, up: int) -> None:
+def _dimension(panel: Axes, layout: Layout, across: int, up: int) -> None:
     """Draw chains of dimensions between the mounts' positions along both axes, beyond the outermost of what is drawn."""
     positions = _MILLI * np.array([mount.position for mount in layout.mounts])
     centre = _MILLI * layout.payload.centre
@@ -130,7 +133,7 @@ def _gaps(values: Array, centre: float) -> list[tuple[float, float]]:
     return list(zip(marks, marks[1:], strict=False))
 
 
-def _arrow(panel: Any, start: tuple[float, float], end: tuple[float, float], length: float, turned: int) -> None:
+def _arrow(panel: Axes, start: tuple[float, float], end: tuple[float, float], length: float, turned: int) -> None:
     panel.annotate("", end, start, arrowprops={"arrowstyle": "<->", "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0})
     panel.plot(*zip(start, end, strict=True), marker="|" if turned == 0 else "_", color="black", linewidth=0)
     middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
@@ -141,7 +144,7 @@ def _arrow(panel: Any, start: tuple[float, float], end: tuple[float, float], len
     )  # fmt: skip
 
 
-def _write_key(panel: Any, layout: Layout) -> None:
+def _write_key(panel: Axes, layout: Layout) -> None:
     payload = layout.payload
     i = payload.inertia
     x, y, z = _MILLI * payload.centre

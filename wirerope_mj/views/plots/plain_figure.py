@@ -7,6 +7,7 @@ from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+from matplotlib.backend_bases import RendererBase
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 
@@ -34,7 +35,7 @@ class PlainFigure(Figure):
         with atomic_file(path) as temporary:
             temporary.write_bytes(drawn.getvalue())
 
-    def draw(self, renderer: Any) -> None:
+    def draw(self, renderer: RendererBase) -> None:
         """Draw the figure; whatever it is written to passes here."""
         self._make_plain()
         with _missing_letters_allowed():

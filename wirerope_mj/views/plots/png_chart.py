@@ -3,13 +3,16 @@
 from collections.abc import Sequence
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import to_rgba
 from matplotlib.ticker import FixedFormatter, FixedLocator, NullLocator
 
 from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Panel
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.ticks import log_ticks
 from wirerope_mj.views.colours import LIGHT, field_colours, field_key, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -49,7 +52,7 @@ def save_charts(charts: Sequence[Chart], path: str | Path, *, title: str = "") -
     figure.savefig(path)
 
 
-def draw_panel(axes: Any, panel: Panel) -> None:
+def draw_panel(axes: Axes, panel: Panel) -> None:
     """Draw a panel on axes of matplotlib: curves, the first in front, limits, points and its ranges."""
     for number, curve in enumerate(panel.curves):
         _draw(axes, curve, zorder=3.0 - 0.01 * number, lines=not panel.log)
@@ -81,7 +84,7 @@ def draw_panel(axes: Any, panel: Panel) -> None:
     _name(axes, panel)
 
 
-def _mark(axes: Any, panel: Panel) -> None:
+def _mark(axes: Axes, panel: Panel) -> None:
     """Draw limits, notes and points over the curves."""
     low, high = axes.get_ylim()
     for name, level in panel.limits:
@@ -90,23 +93,23 @@ def _mark(axes: Any, panel: Panel) -> None:
     for name, level in panel.xlimits:
         axes.axvline(level, color=hexadecimal(LIGHT.limit), ls="--", lw=1.0, label=name)
     for x, y, text, on_left in panel.notes:
-        side = {"xytext": (-5 if on_left else 5, 0), "ha": "right" if on_left else "left"}
         axes.annotate(
             text, (x, y), textcoords="offset points", va="center", fontsize=8, annotation_clip=True, zorder=4.0,
-            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4}, **side,
+            bbox={"fc": "white", "ec": "none", "alpha": 0.7, "pad": 0.4},
+            xytext=(-5 if on_left else 5, 0), ha="right" if on_left else "left",
         )  # fmt: skip
     for x, y in panel.dots:
         axes.plot(x, y, "o", color="0.2", ms=5)
 
 
-def _name(axes: Any, panel: Panel) -> None:
+def _name(axes: Axes, panel: Panel) -> None:
     """Write the legend, each name once, where it covers least."""
-    named: dict[str, Any] = {}
+    named: dict[str, Artist] = {}
     for handle, label in zip(*axes.get_legend_handles_labels(), strict=True):
         named.setdefault(label, handle)  # each name once
     named.pop("", None)
     # The emptiest place takes long to find among the samples of a run.
-    place: dict[str, Any] = {"loc": "upper right" if panel.xunit == "s" else "best"}
+    place: Entries = {"loc": "upper right" if panel.xunit == "s" else "best"}
     place["ncols"] = 2 if axes.get_position().width > _WIDE else 1
     if panel.notes or panel.yticks or panel.field:  # where texts stand among the curves
         place = {"loc": "lower right", "bbox_to_anchor": (1.0, 1.0), "frameon": False, "ncols": 6}
@@ -114,7 +117,7 @@ def _name(axes: Any, panel: Panel) -> None:
         axes.legend(named.values(), named.keys(), fontsize=8, **place)
 
 
-def _shade(axes: Any, panel: Panel) -> None:
+def _shade(axes: Axes, panel: Panel) -> None:
     """Shade ranges across, with their names at the upper end, each below those that it overlaps."""
     left, right = axes.get_xlim()
     for number, (name, low, high) in enumerate(panel.bands):
@@ -123,13 +126,15 @@ def _shade(axes: Any, panel: Panel) -> None:
             over = sum(other[1] <= high and low <= other[2] for other in panel.bands[:number])
             axes.axvspan(first, last, color="0.5", alpha=0.15, lw=1.0 if first == last else 0.0, zorder=1)
             middle = (first * last) ** 0.5 if "x" in panel.log else 0.5 * (first + last)
-            place = {"xytext": (0.0, -12.0 * (1 + over)), "textcoords": "offset points", "ha": "center", "fontsize": 8}
-            axes.annotate(name, (middle, 1.0), xycoords=axes.get_xaxis_transform(), **place)
+            axes.annotate(
+                name, (middle, 1.0), xycoords=axes.get_xaxis_transform(), xytext=(0.0, -12.0 * (1 + over)),
+                textcoords="offset points", ha="center", fontsize=8,
+            )  # fmt: skip
 
 
-def _draw(axes: Any, curve: Curve, *, zorder: float, lines: bool) -> None:
+def _draw(axes: Axes, curve: Curve, *, zorder: float, lines: bool) -> None:
     """Draw a curve; what oscillates too often for a line as the band that it fills."""
-    look = {"color": curve_colour(curve), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
+    look: Entries = {"color": curve_colour(curve), "alpha": curve.opacity, "label": curve.name, "zorder": zorder}
     if curve.bars:
         axes.barh(curve.y, curve.x, height=curve.bars, **look)
         if curve.ends is not None:
@@ -154,7 +159,7 @@ def curve_colour(curve: Curve) -> str:
     return hexadecimal(named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)])
 
 
-def _round_ticks(axis: Any, low: float, high: float, *, most: int = 12) -> None:
+def _round_ticks(axis: Axis, low: float, high: float, *, most: int = 12) -> None:
     """Give a logarithmic axis from `low` to `high` at most about `most` ticks at round numbers, written as such."""
     ticks = log_ticks(low, high, most=most)
     axis.set_major_locator(FixedLocator(ticks.tolist()))

@@ -4,14 +4,15 @@ from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 from textwrap import wrap
-from typing import Any
 
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.panels import short
 from wirerope_mj.content.scene_outline import DrawnScene, View, drawn_scene, mount_positions, outlines
+from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.views.colours import LIGHT, hexadecimal
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -66,7 +67,7 @@ def save_still(view: SceneView, path: str | Path, *, title: str = "") -> None:
     figure.savefig(path, format="png")
 
 
-def _draw_view(panel: Any, block: SceneView, number: int) -> None:
+def _draw_view(panel: Axes, block: SceneView, number: int) -> None:
     """Draw a scene from above (0) or the side (1): geometry, what is ringed, mounts as marks, named where none is absent."""
     scene, absent = block.scene, block.absent or ()
     drawn, positions = drawn_scene(scene), mount_positions(scene)
@@ -87,7 +88,7 @@ def _draw_view(panel: Any, block: SceneView, number: int) -> None:
     for number, device in enumerate(devices):
         there = [mount.name for mount in scene.mounts if mount.isolator == device and mount.name not in absent]
         at = np.array([positions[name] for name in there]).reshape(-1, 3)
-        style = {"marker": _MARKERS[number % len(_MARKERS)], "color": _COLOURS[number % len(_COLOURS)], "mec": "white"}
+        style: Entries = {"marker": _MARKERS[number % len(_MARKERS)], "color": _COLOURS[number % len(_COLOURS)], "mec": "white"}
         panel.plot(at[:, view.right], at[:, view.up], ls="none", ms=5, mew=0.5, label=short(device), **style)
     empty = np.array([positions[mount.name] for mount in scene.mounts if mount.name in absent]).reshape(-1, 3)
     if len(empty):
@@ -95,7 +96,7 @@ def _draw_view(panel: Any, block: SceneView, number: int) -> None:
     _frame(panel, view, drawn)
 
 
-def _frame(panel: Any, view: View, drawn: DrawnScene) -> None:
+def _frame(panel: Axes, view: View, drawn: DrawnScene) -> None:
     """Give a view equal scales, its title and its axes."""
     low, high = drawn.low, drawn.high
     room = _ROOM * max(high[view.right] - low[view.right], high[view.up] - low[view.up], 1e-3)

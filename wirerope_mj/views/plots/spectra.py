@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from wirerope_mj.content.panels import BASE, Curve, Panel
 from wirerope_mj.content.selection import COLOURS
 from wirerope_mj.content.spectra import POWER_DECADES, spectrum_panel
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.units import STANDARD_GRAVITY, in_unit
 from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpectrum
 from wirerope_mj.views.plots.plain_figure import PlainFigure
@@ -35,9 +35,8 @@ def four_way_figure(spectra: Mapping[str, ShockResponseSpectrum], *, title: str 
 
 
 def shock_spectra_figure(
-    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "",
-    test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
-) -> Figure:  # fmt: skip
+    spectra: Mapping[str, ShockResponseSpectrum], *, title: str = "", test: tuple[ArrayLike, ArrayLike] | None = None
+) -> Figure:
     """Return the largest absolute accelerations (maximax) over frequency, "base" in grey.
 
     `test` are frequencies [Hz] and accelerations [m/s^2] of a test spectrum to be drawn beside them.
@@ -57,8 +56,8 @@ def density_figure(densities: Mapping[str, PowerSpectralDensity], *, title: str 
     curves = [replace(curve, name=name) for curve, name in zip(curves, names, strict=True)]
     figure, axes = _figure(spectrum_panel(curves, "PSD [g²/Hz]", "g²/Hz", decades=POWER_DECADES), title)
     for curve, density in zip(curves, densities.values(), strict=True):
-        error, band = density.standard_error, {"color": curve_colour(curve), "alpha": 0.15, "lw": 0.0}
-        axes.fill_between(curve.x, curve.y * max(1.0 - error, 1e-3), curve.y * (1.0 + error), **band)
+        low, high = curve.y * max(1.0 - density.standard_error, 1e-3), curve.y * (1.0 + density.standard_error)
+        axes.fill_between(curve.x, low, high, color=curve_colour(curve), alpha=0.15, lw=0.0)
     return figure
 
 
@@ -70,7 +69,7 @@ def save_four_way(spectra: Mapping[str, ShockResponseSpectrum], path: str | Path
 
 def save_shock_spectra(
     spectra: Mapping[str, ShockResponseSpectrum], path: str | Path, *, title: str = "",
-    test: tuple[npt.ArrayLike, npt.ArrayLike] | None = None,
+    test: tuple[ArrayLike, ArrayLike] | None = None,
 ) -> None:  # fmt: skip
     """Write `shock_spectra_figure` as a picture; the ending of `path` says of which kind."""
     shock_spectra_figure(spectra, title=title, test=test).savefig(path)
@@ -99,7 +98,7 @@ def _q(spectra: Mapping[str, ShockResponseSpectrum]) -> str:
     return f", Q = {q.pop():g}" if len(q) == 1 else ""
 
 
-def _figure(panel: Panel, title: str, size: tuple[float, float] = (9.0, 5.4)) -> tuple[Figure, Any]:
+def _figure(panel: Panel, title: str, size: tuple[float, float] = (9.0, 5.4)) -> tuple[Figure, Axes]:
     figure = PlainFigure(figsize=size, layout="constrained", dpi=120)
     if title:
         figure.suptitle(title, fontsize=12, fontweight="bold")
@@ -109,7 +108,7 @@ def _figure(panel: Panel, title: str, size: tuple[float, float] = (9.0, 5.4)) ->
     return figure, axes
 
 
-def _diagonals(panel: Any) -> None:
+def _diagonals(panel: Axes) -> None:
     """Draw and label the lines of equal displacement, rising, and of equal acceleration, falling."""
     (f0, f1), (v0, v1) = panel.get_xlim(), panel.get_ylim()
     turn = 2.0 * math.pi
@@ -128,7 +127,7 @@ def _diagonals(panel: Any) -> None:
             _label(panel, f, a / (turn * f), f"{in_unit(a, 'g'):.4g} g", -45.0, "right", "#8a5a33")
 
 
-def _label(panel: Any, x: float, y: float, text: str, angle: float, end: str, colour: str) -> None:
+def _label(panel: Axes, x: float, y: float, text: str, angle: float, end: str, colour: str) -> None:
     panel.text(x, y, text, rotation=angle, rotation_mode="anchor", ha=end, va="bottom", fontsize=7, color=colour, zorder=5)
 
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -14,7 +13,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MemorySamples
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.directions import unit_vector
-from wirerope_mj.views.recording.paths import TIMELINE, nanoseconds
+from wirerope_mj.views.recording.paths import TIMELINE, Columns, Stream, nanoseconds
 
 MOST_POINTS = 60  # Motions of a branch that are recorded: a step of one is small, and the file stays small too
 ROWS = 36  # Rows of a period of the base: ten degrees each
@@ -100,27 +99,24 @@ def with_values(like: Response, values: Array) -> Response:
 POINT, FREQUENCY = "point", "frequency_mHz"
 
 
-def at_points(animation: Animation, strip: Strip) -> list[Any]:
+def at_points(animation: Animation, strip: Strip) -> list[rr.TimeColumn]:
     """Return the index columns of one row for every motion of a strip: they stand beside those of the animation."""
     columns = [rr.TimeColumn(name, sequence=numbers) for name, numbers in _numbers(strip).items()]
     return [*columns, rr.TimeColumn(TIMELINE, duration=nanoseconds(animation.starts))]
 
 
-class Along:
+class Along(Stream):
     """A recording stream whose rows in time stand on other timelines too.
 
     `starts` are the instants [s] at which the motions begin, `numbers` their numbers on these timelines.
     """
 
-    def __init__(self, rec: Any, starts: Array, numbers: Mapping[str, Any]) -> None:
-        self._rec, self._numbers = rec, numbers
+    def __init__(self, rec: Stream, starts: Array, numbers: Mapping[str, Integers]) -> None:
+        super().__init__(rec)
+        self._numbers = numbers
         self._starts = nanoseconds(starts).astype(np.int64)
 
-    def log(self, *args: Any, **options: Any) -> None:
-        """Log as the stream does."""
-        self._rec.log(*args, **options)
-
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows whose index is the timeline in time alone."""
         time = index[0].as_arrow_array().cast("int64").to_numpy()
         motion = np.clip(np.searchsorted(self._starts, time, side="right") - 1, 0, None)
@@ -128,10 +124,10 @@ class Along:
         self._rec.send_columns(path, [*index, *more], columns)
 
 
-def timelines(rec: Any, animation: Animation) -> Along:
+def timelines(rec: Stream, animation: Animation) -> Along:
     """Return a stream whose rows in time stand on the branch too."""
     return Along(rec, animation.starts, _numbers(animation.strip))
 
 
-def _numbers(strip: Strip) -> dict[str, Any]:
+def _numbers(strip: Strip) -> dict[str, Integers]:
     return {POINT: np.arange(strip.points.size), FREQUENCY: np.round(1e3 * strip.frequency).astype(np.int64)}

@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -11,7 +10,7 @@ import scipy
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.paths import Rows, at, child
+from wirerope_mj.views.recording.paths import Rows, Stream, at, child
 from wirerope_mj.views.recording.poses import relative_pose, rotate
 
 _NET = (120, 220, 200)
@@ -37,7 +36,7 @@ def see_through(body: SceneBody) -> Sequence[Geom]:
     return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, _FAINT]) for geom in body.geoms] if body.bends else body.geoms
 
 
-def log_bending(rec: Any, path: str, response: Response, rows: Rows, factor: float) -> None:
+def log_bending(rec: Stream, path: str, response: Response, rows: Rows, factor: float) -> None:
     """Log a net through the points below the mounts on a base that bends, with bending enlarged from where it begins."""
     scene = response.scene
     mounts = [mount for mount in scene.mounts if mount.base_body == scene.base]

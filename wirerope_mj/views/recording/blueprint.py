@@ -1,7 +1,6 @@
 """Layout of the viewer, the same for one run and for several: the answer above scenes and tabs, texts and events below."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import rerun.blueprint as rrb
@@ -20,19 +19,19 @@ from wirerope_mj.views.recording.over_frequency import over_frequency_view
 from wirerope_mj.views.recording.panels import panel_view
 from wirerope_mj.views.recording.paths import entity
 from wirerope_mj.views.recording.texts import BANNER, BELOW
-from wirerope_mj.views.recording.views import event_view, layout, loop_view, scene_view, tabs_with, time_axis
+from wirerope_mj.views.recording.views import Pane, event_view, layout, loop_view, scene_view, tabs_with, time_axis
 
 _SCENES = (870.0, 720.0)  # Width and height of the pane of the scenes on a full-HD screen [points]
 _TABS = (1040.0, 730.0)  # The same of the tabs beside them, without their titles
 
 
-def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> Any:
+def blueprint_of(drawn: Drawn, plots: Sequence[LoopPlot], factor: float, *, tab: str, scene: str) -> rrb.Blueprint:
     """Return the layout with `tab` and `scene` in front, the first scene without one; `factor` enlarges the ghosts' motion.
 
     ValueError if there is no such tab or scene.
     """
     scenes = _scenes(drawn, factor)
-    left: Any = tabs_with(scenes, "scene", scene or str(scenes[0].name))
+    left: rrb.Container = tabs_with(scenes, "scene", scene or str(scenes[0].name))
     if (run := drawn.alone) is not None and run.selection.governing is not None:
         left = rrb.Vertical(left, _near(run, run.selection.governing, wide=True), row_shares=[3, 2])
     top = rrb.Horizontal(left, tabs_with(_tabs(drawn, plots), "tab", tab), column_shares=[5, 6], name="run")
@@ -49,11 +48,11 @@ def loop_widths(drawn: Drawn) -> dict[str, float]:
     return {axis: fitting_width(_TABS, *grid_shape(len(shared.shown(axis)))) for axis in shared.axes}
 
 
-def _text(path: tuple[str, ...], name: str) -> Any:
+def _text(path: tuple[str, ...], name: str) -> rrb.TextDocumentView:
     return rrb.TextDocumentView(origin=entity(*path), name=name)
 
 
-def _scenes(drawn: Drawn, factor: float) -> list[Any]:
+def _scenes(drawn: Drawn, factor: float) -> list[Pane]:
     """Return the scenes: of a run alone at true scale, from above and enlarged; of several first their worst mount."""
     larger = f", motion drawn {factor:g} times larger" if factor > 1.0 else ""
     largest = max(drawn.runs, key=lambda run: scene_extent(run.response.scene)[1])
@@ -90,12 +89,12 @@ def _origin(run: DrawnRun) -> str:
     return run.frames[base].path if base in run.response.bodies else entity("world")
 
 
-def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()) -> Any:
+def _scene(run: DrawnRun, name: str, camera: Camera, without: Sequence[str] = ()) -> rrb.Spatial3DView:
     contents = [f"+ {run.root}{entity('world')}/**", *(f"- {run.root}{path}" for path in without)]
     return scene_view(run.root + _origin(run), contents, name, camera)
 
 
-def _near(run: DrawnRun, mount: str, *, wide: bool = False) -> Any:
+def _near(run: DrawnRun, mount: str, *, wide: bool = False) -> rrb.Spatial3DView:
     """Return a mount from near, without what belongs to others."""
     bodies = dict.fromkeys(body for m in run.response.scene.mounts for body in (m.base_body, m.payload_body))
     hidden = [f"{run.frames[body].path}/{beside}/**" for body in bodies for beside in BESIDE]
@@ -105,12 +104,12 @@ def _near(run: DrawnRun, mount: str, *, wide: bool = False) -> Any:
     return _scene(run, name, close_up_of(run.response, mount, wide=wide), hidden)
 
 
-def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Any]:
+def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Pane]:
     """Return the overview, a tab for each quantity over time, the loops of each axis, and the texts."""
     tabs = [_overview(drawn)]
     for quantity in ("acceleration", "deflection", "force", "contact", "measured"):
         name = "Measured" if quantity == "measured" else f"{quantity.capitalize()}s"
-        along: dict[str, list[Any]] = {}
+        along: dict[str, list[Pane]] = {}
         for key in drawn.panels:
             if key[0] == quantity and not (drawn.alone and key[1] == TOTAL):
                 along.setdefault(key[1], []).append(_view(drawn, key))
@@ -130,7 +129,7 @@ def _tabs(drawn: Drawn, plots: Sequence[LoopPlot]) -> list[Any]:
     return tabs
 
 
-def _overview(drawn: Drawn) -> Any:
+def _overview(drawn: Drawn) -> rrb.Container:
     """Return what tells most: of a run alone what is used, what stands over frequency, and lanes; of several what differs."""
     views = [_view(drawn, key) for key in drawn.overview]
     if (run := drawn.alone) is None:
@@ -145,11 +144,11 @@ def _overview(drawn: Drawn) -> Any:
     return rrb.Vertical(*views, row_shares=[*shares, 0.9 + 0.6 * len(lanes)], name="Overview")
 
 
-def _view(drawn: Drawn, key: tuple[str, ...]) -> Any:
+def _view(drawn: Drawn, key: tuple[str, ...]) -> rrb.View:
     return panel_view(entity("histories", *key), drawn.panels[key], drawn.shared.window)
 
 
-def _loop_view(drawn: Drawn, plot: LoopPlot) -> Any:
+def _loop_view(drawn: Drawn, plot: LoopPlot) -> rrb.Spatial2DView:
     ratio = drawn.shared.utilisation(plot.mount, plot.axis)
     used = "" if np.isnan(ratio) or not drawn.alone else f", {100 * ratio:.0f} % of rated travel"
     return loop_view(plot.path, f"{plot.mount}: kN over mm{used}", width=plot.plot.width, trails=plot.trails)

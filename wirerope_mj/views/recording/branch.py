@@ -15,7 +15,6 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 """
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -39,7 +38,7 @@ from wirerope_mj.views.recording.enlarge import enlarged, factor_of
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, Color, Plot, fitting_width, log_frame
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.over_frequency import log_frequency_panel
-from wirerope_mj.views.recording.paths import AXES, at, child, entity, known_letters
+from wirerope_mj.views.recording.paths import AXES, Stream, at, child, entity, known_letters
 from wirerope_mj.views.recording.poses import Frame, frames_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
@@ -77,7 +76,7 @@ def record_branches(result: FrequencyResponse, findings: list[LevelSummary], con
     return target
 
 
-def _write(findings: list[LevelSummary], content: Content, rec: Any) -> None:
+def _write(findings: list[LevelSummary], content: Content, rec: rr.RecordingStream) -> None:
     strips = strips_of(findings)
     animation = animation_of(strips[-1])  # the highest level, which the scene shows
     _, extent = scene_extent(animation.response.scene)
@@ -98,7 +97,7 @@ def _write(findings: list[LevelSummary], content: Content, rec: Any) -> None:
     log_scene(timelines(rec, animation), scene, selection, frames)
 
 
-def _log_texts(rec: Any, content: Content, animation: Animation) -> None:
+def _log_texts(rec: Stream, content: Content, animation: Animation) -> None:
     """Log a text for every motion of the animation, and one about all levels."""
     strip, kind = animation.strip, rr.MediaType.MARKDOWN
     loop = next(iter(shown_loops(animation)), None)
@@ -120,7 +119,7 @@ def loop_grid(loops: int) -> tuple[int, float]:
     return columns, fitting_width(PANE, columns, rows)
 
 
-def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> Any:
+def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], factor: float) -> rrb.Blueprint:
     """Return the layout of the viewer; `scene` is the response that is drawn, with motions `factor` times as large."""
     texts = rrb.Tabs(
         rrb.TextDocumentView(origin=entity(MOTION), name="Motion"), rrb.TextDocumentView(origin=entity(ABOUT), name="Levels")
@@ -145,7 +144,7 @@ def _blueprint(scene: Response, animation: Animation, frames: dict[str, Frame], 
     return opening(rrb.Horizontal(left, right, column_shares=[5, 6]), panel)
 
 
-def _loops(animation: Animation) -> list[Any]:
+def _loops(animation: Animation) -> list[rrb.Container]:
     """Return the loops and the shape of one, if there are mounts."""
     shown = shown_loops(animation)
     if not shown:
@@ -157,7 +156,7 @@ def _loops(animation: Animation) -> list[Any]:
     return [rrb.Horizontal(rrb.Grid(*loops, grid_columns=columns), shape, column_shares=[8, 5])]
 
 
-def _plane(origin: str, name: str, width: float) -> Any:
+def _plane(origin: str, name: str, width: float) -> rrb.Spatial2DView:
     bounds = rrb.VisualBounds2D(x_range=[-16.0, width + 4.0], y_range=[-8.0, HEIGHT + 15.0])
     return rrb.Spatial2DView(origin=origin, name=known_letters(name), background=GROUND, visual_bounds=bounds)
 
@@ -166,7 +165,7 @@ def _color(level: int) -> Color:
     return DARK.series[level % len(DARK.series)]
 
 
-def log_here(rec: Any, path: str, animation: Animation, strips: list[Strip]) -> None:
+def log_here(rec: Stream, path: str, animation: Animation, strips: list[Strip]) -> None:
     """Log the motion of every level on its curve, with its values when the mouse is over it."""
     for strip in strips:
         below, branch = child(path, f"level_{strip.number + 1}"), strip.branch
@@ -194,7 +193,7 @@ def loop_path(mount: str, axis: int) -> str:
     return entity("loops", AXES[axis], mount)
 
 
-def log_orbit_loops(rec: Any, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
+def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
     """Log the loops that take most energy, all levels in one frame each, and the shape of the first."""
     shown = shown_loops(animation)
     few = len(shown) <= 2
@@ -227,7 +226,7 @@ def _filled(loop: Array) -> Array:
     return np.asarray((2.0 * loop - low - high) / np.maximum(high - low, 1e-12))
 
 
-def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
+def _log(rec: Stream, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
     """Log the loops of all levels, one row for every motion; that of an unstable motion is thin."""
     rec.log(path, plot.transform(), static=True)
     for strip, rows in zip(strips, loops, strict=True):
@@ -239,14 +238,14 @@ def _log(rec: Any, path: str, plot: Plot, animation: Animation, strips: list[Str
         rec.send_columns(below, at_points(animation, strip), columns)
 
 
-def _log_cursor(rec: Any, path: str, animation: Animation, points: Array) -> None:
+def _log_cursor(rec: Stream, path: str, animation: Animation, points: Array) -> None:
     """Log deflection and force of the mount at every instant of the animation."""
     look = rr.Points2D.from_fields(colors=_CURSOR, radii=rr.Radius.ui_points(4.5), draw_order=50.0)
     rec.log(path, look, static=True)
     timelines(rec, animation).send_columns(path, at(animation.response.time), rr.Points2D.columns(positions=points))
 
 
-def log_multipliers(rec: Any, animation: Animation, *, width: float) -> None:
+def log_multipliers(rec: Stream, animation: Animation, *, width: float) -> None:
     """Log the unit circle, and the multipliers of every motion of the animation."""
     side = _LARGEST * 1.06
     across = side * width / 100.0

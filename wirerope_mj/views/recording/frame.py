@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 import rerun as rr
 
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.views.colours import DARK
+from wirerope_mj.views.recording.paths import Stream
 
 HEIGHT = 100.0  # Height of a plot's frame, in units of its view
 LARGE = 4.5  # `lift` for a view that fills half the screen's height
@@ -40,13 +40,13 @@ class Plot:
         """Units of the view per unit across and upward; the view's y points down."""
         return self.width / (self.across[1] - self.across[0]), -HEIGHT / (self.upward[1] - self.upward[0])
 
-    def points(self, across: Any, upward: Any) -> Array:
+    def points(self, across: ArrayLike, upward: ArrayLike) -> Array:
         """Return positions in the view, (n, 2)."""
         x, y = np.broadcast_arrays(np.asarray(across, dtype=np.float64), np.asarray(upward, dtype=np.float64))
         sx, sy = self.scale
         return np.column_stack([(x.ravel() - self.across[0]) * sx, HEIGHT + (y.ravel() - self.upward[0]) * sy])
 
-    def transform(self) -> Any:
+    def transform(self) -> rr.Transform3D:
         """Return the map from numbers to the view."""
         sx, sy = self.scale
         return rr.Transform3D(translation=[*self.points(0.0, 0.0)[0], 0.0], scale=[sx, sy, 1.0])
@@ -59,7 +59,7 @@ def fitting_width(pane: tuple[float, float], columns: int, rows: int, *, least: 
 
 
 def log_frame(
-    rec: Any, path: str, plot: Plot, *, across: Array, upward: Array,
+    rec: Stream, path: str, plot: Plot, *, across: Array, upward: Array,
     names: tuple[Sequence[str], Sequence[str]] | None = None, marked: Sequence[tuple[float, Color]] = (),
     lift: float = 8.0,
 ) -> None:  # fmt: skip

@@ -1,7 +1,6 @@
 """Bodies drawn once more with their motion enlarged, as seen from their bases: of several runs as ghosts in one scene."""
 
 from dataclasses import replace
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -12,7 +11,7 @@ from wirerope_mj.views.recording.bending import log_bending, see_through
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
 from wirerope_mj.views.recording.enlarge import round_down
-from wirerope_mj.views.recording.paths import Below, child, entity
+from wirerope_mj.views.recording.paths import Below, Stream, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, grown, multiply, rotate
 from wirerope_mj.views.recording.scene import log_pose, scene_rows
 from wirerope_mj.views.recording.shapes import draw_geoms
@@ -35,7 +34,7 @@ def ghost_factor(drawn: Drawn) -> float:
     return round_down(_SEEN * extent / travel)
 
 
-def log_ghosts(rec: Any, drawn: Drawn, factor: float) -> None:
+def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
     """Log the bodies of all runs, their names beside them; of a run alone in its own colours, over where it began."""
     rec.log(entity(ROOT), rr.ViewCoordinates.RIGHT_HAND_Z_UP, static=True)
     bases: list[str] = []

@@ -1,17 +1,17 @@
 """Lanes below the plots: the phase of the base's motion, stops, and what uses most of its limits."""
 
-from typing import Any
+from collections.abc import Sequence
 
 import numpy as np
-import numpy.typing as npt
 import rerun as rr
 
 from wirerope_mj.content.events import NEAR
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
+from wirerope_mj.foundation.arrays import Booleans
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.mounts import CLOSED, changes, closed_at
-from wirerope_mj.views.recording.paths import at, entity
+from wirerope_mj.views.recording.paths import Stream, at, entity
 
 _MOST = 2  # Lanes of what uses most of its limits: each is 40 points high
 _LEGIBLE = 0.04  # Fraction of what is shown below which a state's name does not fit its lane
@@ -32,7 +32,7 @@ def lane_paths(response: Response, selection: Selection) -> list[str]:
     return [_path("base"), *stops, *(_path(name) for name in _subjects(selection))]
 
 
-def log_lanes(rec: Any, response: Response, selection: Selection) -> None:
+def log_lanes(rec: Stream, response: Response, selection: Selection) -> None:
     """Log the lanes of a run that is alone."""
     end = selection.window[1]
     _log_lane(rec, "base", _phases(response), _PHASES, end)
@@ -52,7 +52,7 @@ def _subjects(selection: Selection) -> list[str]:
     return (near or [used.subject for used in selection.used[:1]])[:_MOST]
 
 
-def _pressing(response: Response) -> npt.NDArray[np.bool_] | None:
+def _pressing(response: Response) -> Booleans | None:
     """Return whether any stop or declared pair of geoms presses at each sample, (n_t,); None where there are none."""
     pairs = [pair.force > 0.0 for pair in response.contacts.values()]
     stops = [closed_at(response, response.scene.stops)] if response.scene.stops else []
@@ -76,7 +76,9 @@ def _phases(response: Response) -> list[tuple[float, int]]:
     return [phase for phase in phases if response.reaches(phase[0])]
 
 
-def _log_lane(rec: Any, name: str, changes: list[tuple[float, int]], states: tuple[tuple[str, Any], ...], end: float) -> None:
+def _log_lane(
+    rec: Stream, name: str, changes: list[tuple[float, int]], states: Sequence[tuple[str, Sequence[int]]], end: float
+) -> None:
     """Log a lane, seen until an instant `end` [s]; what is too short for its name is drawn in its colour alone."""
     labels, colors = zip(*states, strict=True)
     blanks = [" " * (number + 1) for number in range(len(labels))]

@@ -2,23 +2,21 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import rerun as rr
 
 from wirerope_mj.content.selection import Selection, travel_limits
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.histories import MountResponse
 from wirerope_mj.engine.response.scene import SceneMount
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import colour_of
 from wirerope_mj.views.recording.drawn_runs import DrawnRun
 from wirerope_mj.views.recording.frame import HEIGHT, LARGE, Color, Plot, log_frame
-from wirerope_mj.views.recording.paths import AXES, Rows, at, child, entity
+from wirerope_mj.views.recording.paths import AXES, Rows, Stream, at, child, entity
 from wirerope_mj.views.thin import rows_of_line, rows_of_steps
 
 # Rows of a trail that are seen at once: the viewer draws a segment for each, in every view, for every frame.
@@ -44,7 +42,7 @@ class DrawnLoop:
     # deflection and force at these instants [mm, kN], (m, 2)
     points: Array = field(default_factory=lambda: np.zeros((0, 2)))
     # whether the path from each of these instants to the next is drawn, (m - 1,)
-    joined: npt.NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
+    joined: Booleans = field(default_factory=lambda: np.zeros(0, dtype=np.bool_))
 
     @property
     def trail(self) -> float | None:
@@ -136,7 +134,7 @@ def _around(plots: Sequence[Plot], width: float) -> Plot:
     return Plot(across=across, upward=upward, width=width)
 
 
-def log_loops(rec: Any, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequence[LoopPlot]) -> None:
+def log_loops(rec: Stream, drawn: Sequence[tuple[DrawnRun, DrawnLoop]], plots: Sequence[LoopPlot]) -> None:
     """Log all loops; frame, trail and cursor of those that have a view."""
     for axis in AXES:
         others = [(run, loop) for run, loop in drawn if loop.axis == axis and loop.plot is None]
@@ -171,7 +169,7 @@ def _cycles(values: Array, line: Rows) -> list[Rows]:
     return [line[max(0, middle - _STRETCH // 2) : middle + _STRETCH // 2] for middle in sorted(middles)]
 
 
-def _trail_rows(time: Array, values: Array, parts: Sequence[Rows]) -> tuple[Rows, npt.NDArray[np.bool_]]:
+def _trail_rows(time: Array, values: Array, parts: Sequence[Rows]) -> tuple[Rows, Booleans]:
     """Return the rows of trail and cursor, and whether the path from each to the next is drawn."""
     # Of a long run the cursor stands still for moments outside of the stretches that are drawn.
     if len(parts) == 1:
@@ -204,7 +202,7 @@ def _plot(loop: Array, mount: SceneMount, axis: str) -> Plot:
     return Plot.around(np.minimum(low, 0.0), np.maximum(high, 0.0), HEIGHT)
 
 
-def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:
+def _log_loop_frame(rec: Stream, path: str, plot: Plot, mounts: Sequence[SceneMount], axis: str, *, lift: float) -> None:
     """Log the frame of a loop, the rated travel of the mounts that it is of in red; `lift` is that of `log_frame`."""
     low, high = plot.across
     limits = dict.fromkeys(in_unit(limit, "mm") for mount in mounts for limit in travel_limits(mount, axis))
@@ -213,7 +211,7 @@ def _log_loop_frame(rec: Any, path: str, plot: Plot, mounts: Sequence[SceneMount
     log_frame(rec, path, plot, across=across, upward=linear_ticks(*plot.upward, most=5), marked=marked, lift=lift)
 
 
-def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Sequence[str]) -> Any:
+def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Sequence[str]) -> rr.LineStrips2D:
     """Return whole loops [mm, kN] as dim lines."""
     return rr.LineStrips2D(
         [outline for loop in loops for outline in loop.outlines],
@@ -224,7 +222,7 @@ def _outlines(loops: Sequence[DrawnLoop], colors: Sequence[Color], labels: Seque
     )
 
 
-def _log_trail(rec: Any, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
+def _log_trail(rec: Stream, path: str, loop: DrawnLoop, color: Color, *, cursor: Color, order: float) -> None:
     """Log the cursor [mm, kN], and the trail as one segment a row, at the same rows so that it reaches the cursor."""
     # Of trails that lie on each other that of the highest `order` is seen, 0 to 9.
     width = rr.Radius.ui_points(1.5)

@@ -6,7 +6,6 @@ in the recording of a response, /mode the text about the mode in view, /modes th
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -43,7 +42,7 @@ def record_modes(animation: ModeAnimation, path: str | Path, *, title: str = "",
     return target
 
 
-def _write(animation: ModeAnimation, rec: Any, title: str, larger: Sequence[Modes]) -> None:
+def _write(animation: ModeAnimation, rec: rr.RecordingStream, title: str, larger: Sequence[Modes]) -> None:
     response = animation.response
     selection, frames = select(response), frames_of(response)
     rec.send_blueprint(_blueprint(animation, frames, title), make_active=True, make_default=True)
@@ -64,7 +63,7 @@ def mode_text(modes: Modes, mode: int) -> str:
     return f"### Mode {mode + 1}: {markdown(modes.descriptions[mode])}\n\n{markdown_blocks(mode_blocks(modes, mode))}"
 
 
-def _blueprint(animation: ModeAnimation, frames: dict[str, Frame], title: str) -> Any:
+def _blueprint(animation: ModeAnimation, frames: dict[str, Frame], title: str) -> rrb.Blueprint:
     name = f"{title}: modes, drawn with mounts that swing by {in_unit(animation.amplitude, 'mm'):.3g} mm"
     scene = whole_scene_view(animation.response, frames, name, away=_AWAY)
     texts = rrb.Vertical(

@@ -1,23 +1,21 @@
 """Mounts and stops in the 3D scene: bars, ropes that stretch and shear, labels, force arrows, bumpers that change colour."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import pyarrow as pa
 import rerun as rr
 
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Scene, SceneBody, SceneMount
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, colour_of
 from wirerope_mj.views.recording.bending import bending_below
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.views.recording.now import heat, used_by
-from wirerope_mj.views.recording.paths import AXIAL, Rows, at, child
+from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
 from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
 
@@ -61,7 +59,7 @@ def close_up_of(response: Response, mount: str, *, wide: bool = False) -> Camera
 
 
 def log_mounts(
-    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], rows: Rows, *, extent: float
+    rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], rows: Rows, *, extent: float
 ) -> None:
     """Log bars, ropes, labels and forces of all mounts at some rows of the response, in a scene of `extent` [m]."""
     devices = devices_of(response, extent)
@@ -82,7 +80,7 @@ def log_mounts(
             _log_ropes(rec, child(path, "mounts", kind[0]), response, same, rows)
 
 
-def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
+def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device], rows: Rows) -> None:
     """Log one mesh and, for every row, the affine map of each mount from it: base's bar, then shear and stretch."""
     first = devices[0]
     vertices, triangles, normals = coil(first.width) if first.rope else block(first.width)
@@ -108,7 +106,7 @@ def _log_ropes(rec: Any, path: str, response: Response, devices: list[Device], r
     rec.send_columns(path, at(response.time[rows]), poses.partition(np.full(rows.size, len(devices))))
 
 
-def _log_bars(rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]) -> None:
+def _log_bars(rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], devices: list[Device]) -> None:
     """Log the two bars of every mount, fixed to the bodies; of a run alone in the colour of what it uses of its limits."""
     bodies = {body.name: body for body in response.scene.bodies}
     bars: dict[str, list[tuple[Array, Array, Array, str]]] = {}
@@ -145,7 +143,7 @@ def _seen_from_payload(bodies: dict[str, SceneBody], mount: SceneMount) -> Array
     return rotate(turn, mount.axes.T).T
 
 
-def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]) -> None:
+def _log_labels(rec: Stream, path: str, selection: Selection, devices: list[Device]) -> None:
     if devices:
         rec.log(
             child(path, "labels"),
@@ -158,7 +156,7 @@ def _log_labels(rec: Any, path: str, selection: Selection, devices: list[Device]
         )  # fmt: skip
 
 
-def _log_worst(rec: Any, path: str, response: Response, selection: Selection, device: Device) -> None:
+def _log_worst(rec: Stream, path: str, response: Response, selection: Selection, device: Device) -> None:
     """Log a ring about the worst mount as it is seen when the recording opens, and its name with its use, red beyond 100 %."""
     mount = device.mount
     used = next((one for one in selection.used if one.subject == mount.name), None)
@@ -179,7 +177,7 @@ def _log_worst(rec: Any, path: str, response: Response, selection: Selection, de
 
 
 def _log_forces(
-    rec: Any, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
+    rec: Stream, path: str, response: Response, selection: Selection, devices: list[Device], rows: Rows, extent: float
 ) -> None:
     """Log the force that each mount exerts on its payload as arrows of equal scale."""
     forces = [-response.mounts[device.mount.name].force[rows] @ device.mount.axes.T for device in devices]
@@ -203,18 +201,18 @@ OPEN, CLOSED = (150, 158, 168), (240, 96, 30)
 _COVER = 1.02  # of the radius of a ball that is covered: seen, and too thin to look like another size
 
 
-def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> npt.NDArray[np.bool_]:
+def closed_at(response: Response, stops: tuple[SceneMount, ...]) -> Booleans:
     """Return whether any of some stops presses at each sample, (n_t,)."""
     pressing = [response.mounts[stop.name].force.any(axis=1) for stop in stops]
     return np.asarray(np.any(pressing, axis=0))
 
 
-def changes(state: npt.NDArray[Any]) -> Rows:
+def changes(state: AnyArray) -> Rows:
     """Return the rows at which a state is another than before, the first one in any case."""
     return np.flatnonzero(np.diff(state.astype(int), prepend=-1))
 
 
-def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent: float) -> None:
+def log_stops(rec: Stream, response: Response, frames: dict[str, Frame], *, extent: float) -> None:
     """Log every stop as a bumper that changes colour.
 
     A ball that the model draws about the stop's point on the payload is covered, so that the colour is seen where the pad is
@@ -222,7 +220,7 @@ def log_stops(rec: Any, response: Response, frames: dict[str, Frame], *, extent:
     `extent` [m].
     """
     scene = response.scene
-    look: dict[str, Any] = {"show_labels": False, "fill_mode": "Solid"}  # the lanes and the report name them
+    look: dict[str, object] = {"show_labels": False, "fill_mode": "Solid"}  # the lanes and the report name them
     for stop in scene.stops:
         radius = _ball(scene, stop)
         shape = rr.Cylinders3D if radius is None else rr.Ellipsoids3D

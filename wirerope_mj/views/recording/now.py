@@ -1,7 +1,5 @@
 """What holds at the time cursor: a table of mounts and accelerations, and the mounts from above in the colours of their use."""
 
-from typing import Any
-
 import numpy as np
 import rerun as rr
 
@@ -13,7 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.markdown import markdown_blocks
-from wirerope_mj.views.recording.paths import Rows, at, child, entity
+from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 
 CURSOR, PLAN = "cursor", "plan"
 _ROWS, _PLAN_ROWS = 1000, 200  # Instants at which the table, and the plan, are made anew
@@ -24,7 +22,7 @@ _SCALE: tuple[tuple[float, Color], ...] = (
 _STEP = 0.1  # Of utilisations that are told apart by colour
 
 
-def log_cursor(rec: Any, run: RunResult) -> None:
+def log_cursor(rec: Stream, run: RunResult) -> None:
     """Log a table for every sample of what follows from the event, of a long run for intervals that have no gaps."""
     time = run.response.time
     rows = cursor_rows(time, run.selection, _ROWS)
@@ -60,7 +58,7 @@ def used_by(selection: Selection, names: list[str]) -> Array:
     return np.column_stack([courses.get(name, np.full(some.size, np.nan)) for name in names])
 
 
-def log_plan(rec: Any, response: Response, selection: Selection) -> None:
+def log_plan(rec: Stream, response: Response, selection: Selection) -> None:
     """Log every mount that is no stop at its place on the base, x to the right and y upwards."""
     mounts = response.scene.isolating
     if not mounts or not selection.used:

@@ -1,7 +1,5 @@
 """What stands over frequency: accelerations of a sweep, with its frequency at the time cursor, or spectra of other runs."""
 
-from typing import Any
-
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
@@ -14,7 +12,7 @@ from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.views.colours import DARK, Color
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, Plot, log_frame
 from wirerope_mj.views.recording.now import cursor_rows
-from wirerope_mj.views.recording.paths import at, child, entity, known_letters
+from wirerope_mj.views.recording.paths import Stream, at, child, entity, known_letters
 
 ROOT = "frequencies"
 WIDTH = 320.0  # Width of the frame, so that it fills its pane
@@ -27,7 +25,7 @@ _LEGEND, _LINE = (WIDTH + 46.0, 8.0), 9.0
 _ASIDE = 92.0  # width of the legend
 
 
-def log_over_frequency(rec: Any, run: RunResult, panel: Panel) -> None:
+def log_over_frequency(rec: Stream, run: RunResult, panel: Panel) -> None:
     """Log frame and curves of a panel over frequency; of a sweep the frequency at the time cursor besides."""
     path = entity(ROOT)
     plot = log_frequency_panel(rec, path, panel, width=WIDTH, lift=_LIFT)
@@ -35,7 +33,7 @@ def log_over_frequency(rec: Any, run: RunResult, panel: Panel) -> None:
     _log_now(rec, child(path, "data"), run, plot)
 
 
-def log_frequency_panel(rec: Any, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
+def log_frequency_panel(rec: Stream, path: str, panel: Panel, *, width: float, lift: float) -> Plot:
     """Log frame, ticks and curves of a panel over frequency, the first in front, and return its plot.
 
     Curves of one name are one entity. Positions are logarithms along logarithmic axes.
@@ -79,7 +77,7 @@ def _positions(curve: Curve, plot: Plot, *, upright: bool) -> Array:
     return line[np.unique(np.linspace(0, len(line) - 1, min(len(line), _MOST_ROWS)).round().astype(int))]
 
 
-def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
+def _log_peaks(rec: Stream, data: str, panel: Panel, plot: Plot) -> None:
     """Log the largest value of each curve, and their texts in a column, as peaks often coincide."""
     for number, curve in enumerate(panel.curves):
         if curve.peak is not None:
@@ -93,7 +91,7 @@ def _log_peaks(rec: Any, data: str, panel: Panel, plot: Plot) -> None:
     rec.log(entity(ROOT, "legend"), legend, static=True)
 
 
-def _log_now(rec: Any, data: str, run: RunResult, plot: Plot) -> None:
+def _log_now(rec: Stream, data: str, run: RunResult, plot: Plot) -> None:
     """Log the frequency of a sweep at the time cursor as an upright line."""
     if run.sweep is None:
         return
@@ -114,7 +112,7 @@ def _log_now(rec: Any, data: str, run: RunResult, plot: Plot) -> None:
     rec.send_columns(child(data, "cursor"), times, rr.LineStrips2D.columns(strips=strips))
 
 
-def over_frequency_view(panel: Panel) -> Any:
+def over_frequency_view(panel: Panel) -> rrb.Spatial2DView:
     """Return the view of a panel over frequency."""
     bounds = rrb.VisualBounds2D(x_range=[-16.0, WIDTH + _ASIDE], y_range=[-6.0, HEIGHT + 15.0])
     name = f"{panel.ylabel or panel.title}, over frequency [Hz]"

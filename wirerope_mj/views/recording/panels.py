@@ -1,7 +1,5 @@
 """Panels of content over time as plots of the viewer: curves thinned to what is drawn, marked peaks, limits as levels."""
 
-from typing import Any
-
 import numpy as np
 import rerun as rr
 import rerun.blueprint as rrb
@@ -12,7 +10,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.recording.drawn_runs import COLORS
 from wirerope_mj.views.recording.frame import GROUND, Color
-from wirerope_mj.views.recording.paths import at, child, known_letters
+from wirerope_mj.views.recording.paths import Stream, at, child, known_letters
 from wirerope_mj.views.recording.views import time_axis
 from wirerope_mj.views.thin import is_dense, rows_of_extremes, rows_of_line
 
@@ -21,12 +19,10 @@ _FINE = 1 / 400  # Fraction of a panel's range that a line may be off; below a p
 _BAND_ROWS, _OTHER_ROWS = 1400, 300
 _OTHERS = (104, 110, 118)  # Darker than a text must be, so that what is named stands in front
 _COLUMNS = 90
-_CORNERS = {
-    "RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False),
-}  # fmt: skip
+_CORNERS = {"RightTop": (True, True), "RightBottom": (True, False), "LeftTop": (False, True), "LeftBottom": (False, False)}
 
 
-def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, every: bool) -> None:
+def log_panel(rec: Stream, path: str, panel: Panel, ends: tuple[float, float], *, every: bool) -> None:
     """Log the curves of a panel, the first in front, and its limits between the instants `ends` [s].
 
     The viewer draws entities in the order of their paths: the others, then named curves from the last to the first, each
@@ -54,7 +50,7 @@ def log_panel(rec: Any, path: str, panel: Panel, ends: tuple[float, float], *, e
         rec.send_columns(below, at(ends), rr.Scalars.columns(scalars=np.full(2, level)))
 
 
-def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> Any:
+def panel_view(path: str, panel: Panel, window: tuple[float, float]) -> rrb.TimeSeriesView:
     """Return the plot of a panel over `window` [s], with its legend where it hides least."""
     corner = getattr(rrb.Corner2D, _emptiest_corner(panel, window))
     return rrb.TimeSeriesView(
@@ -70,7 +66,7 @@ def color_of(curve: Curve) -> Color:
     return DARK.base if curve.kind == BASE else _OTHERS
 
 
-def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float, width: float) -> str:
+def _log_curve(rec: Stream, path: str, curve: Curve, panel: Panel, tolerance: float, width: float) -> str:
     """Log a curve, as a band where it oscillates too often for a line, and return its name in the legend."""
     dense = is_dense(curve.x, curve.y[:, None], tolerance)
     name = f"{peak_text(curve, panel)}{' (band)' if dense else ''}"
@@ -82,7 +78,7 @@ def _log_curve(rec: Any, path: str, curve: Curve, panel: Panel, tolerance: float
     return name
 
 
-def _log_others(rec: Any, path: str, curves: list[Curve], tolerance: float) -> None:
+def _log_others(rec: Stream, path: str, curves: list[Curve], tolerance: float) -> None:
     """Log curves that nobody looks at closely, all in one entity and with one name."""
     time, values = curves[0].x, np.stack([curve.y for curve in curves], axis=1)
     if is_dense(time, values, 3.0 * tolerance):

@@ -1,6 +1,7 @@
 """Names of entities and timeline in letters that the viewer has, and the one conversion of instants to its nanoseconds."""
 
 import re
+from collections.abc import Callable, Iterable
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import numpy.typing as npt
 import pyarrow as pa
 import rerun as rr
 
+from wirerope_mj.foundation.arrays import ArrayLike
 from wirerope_mj.mounts.isolator import AXES as AXES
 from wirerope_mj.views.thin import Rows as Rows
 
@@ -32,32 +34,48 @@ def child(parent: str, *parts: str) -> str:
     return parent + entity(*parts) if parts else parent
 
 
-class Below:
+Columns = Iterable[rr.ComponentColumn]
+
+
+class Stream:
+    """A recording stream that hands everything to another one: what derives from it does so differently."""
+
+    def __init__(self, rec: rr.RecordingStream) -> None:
+        self._rec = rec
+
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
+        """Log parts of an entity, at no instant if they are `static`."""
+        self._rec.log(path, *parts, static=static)
+
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
+        """Send rows of an entity at the instants of the index."""
+        self._rec.send_columns(path, index, columns)
+
+
+class Below(Stream):
     """A recording stream that puts every entity below `root`: several responses stand beside each other in one file."""
 
-    def __init__(self, rec: Any, root: str) -> None:
-        self._rec, self._root = rec, root
+    def __init__(self, rec: Stream, root: str) -> None:
+        super().__init__(rec)
+        self._root = root
 
-    def log(self, path: str, *args: Any, **options: Any) -> None:
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
-        self._rec.log(self._root + path, *args, **options)
+        self._rec.log(self._root + path, *parts, static=static)
 
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does."""
         self._rec.send_columns(self._root + path, index, columns)
 
 
-class AtEvents:
+class AtEvents(Stream):
     """A recording stream that shows everything at a few instants on a timeline of their own, too."""
 
-    def __init__(self, rec: Any, instants: npt.ArrayLike) -> None:
-        self._rec, self._instants = rec, nanoseconds(instants)
+    def __init__(self, rec: Stream, instants: ArrayLike) -> None:
+        super().__init__(rec)
+        self._instants = nanoseconds(instants)
 
-    def log(self, path: str, *args: Any, **options: Any) -> None:
-        """Log as the stream does."""
-        self._rec.log(path, *args, **options)
-
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does, and those that hold at the instants."""
         self._rec.send_columns(path, index, columns)
         times = index[0].as_arrow_array().cast("int64").to_numpy().view("timedelta64[ns]")
@@ -65,28 +83,28 @@ class AtEvents:
         known = rows >= 0
         if known.any():
             some = [rr.TimeColumn(EVENT, duration=self._instants[known])]
-            self._rec.send_columns(path, some, [_Rows(column, rows[known]) for column in columns])
+            self._rec.send_columns(path, some, [_Changed(column, lambda array: array.take(rows[known])) for column in columns])
 
 
-class _Rows:
-    """Some rows of a component's column, as `send_columns` takes it."""
+class _Changed:
+    """A component's batch or column with another array, as the stream takes it."""
 
-    def __init__(self, column: Any, rows: Rows) -> None:
-        self._column, self._rows = column, rows
+    def __init__(self, column: rr.ComponentColumn, change: Callable[[pa.Array], pa.Array]) -> None:
+        self._column, self._change = column, change
 
-    def component_descriptor(self) -> Any:
+    def component_descriptor(self) -> rr.ComponentDescriptor:
         return self._column.component_descriptor()
 
-    def as_arrow_array(self) -> Any:
-        return self._column.as_arrow_array().take(self._rows)
+    def as_arrow_array(self) -> pa.Array:
+        return self._change(self._column.as_arrow_array())
 
 
-def nanoseconds(time: npt.ArrayLike) -> npt.NDArray[np.timedelta64]:
+def nanoseconds(time: ArrayLike) -> npt.NDArray[np.timedelta64]:
     """Return instants [s] as the timeline counts them: rounded, because rerun itself truncates floats."""
     return np.round(np.atleast_1d(np.asarray(time, dtype=np.float64)) * 1e9).astype(np.int64).astype("timedelta64[ns]")
 
 
-def at(time: npt.ArrayLike) -> list[Any]:
+def at(time: ArrayLike) -> list[rr.TimeColumn]:
     """Return the index columns of rows at the instants `time` [s]."""
     return [rr.TimeColumn(TIMELINE, duration=nanoseconds(time))]
 
@@ -105,11 +123,8 @@ def known_letters(text: str) -> str:
     return _UNKNOWN.sub(lambda match: f"U+{ord(match[0]):04X}", text)
 
 
-class KnownLetters:
+class KnownLetters(Stream):
     """A recording stream whose texts hold only letters that the viewer has."""
-
-    def __init__(self, rec: Any) -> None:
-        self._rec = rec
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self._rec, name)
@@ -118,30 +133,17 @@ class KnownLetters:
         """Send the name of the recording."""
         self._rec.send_recording_name(known_letters(name))
 
-    def log(self, path: str, *parts: Any, static: bool = False) -> None:
+    def log(self, path: str, *parts: rr.AsComponents, static: bool = False) -> None:
         """Log as the stream does."""
-        batches = [_Shown(batch) for part in parts for batch in part.as_component_batches()]
+        batches = [_Changed(batch, _shown) for part in parts for batch in part.as_component_batches()]
         self._rec.log(path, batches, static=static)
 
-    def send_columns(self, path: str, index: list[Any], columns: Any) -> None:
+    def send_columns(self, path: str, index: list[rr.TimeColumn], columns: Columns) -> None:
         """Send rows as the stream does."""
-        self._rec.send_columns(path, index, [_Shown(column) for column in columns])
+        self._rec.send_columns(path, index, [_Changed(column, _shown) for column in columns])
 
 
-class _Shown:
-    """A component's batch or column, as the stream takes it."""
-
-    def __init__(self, batch: Any) -> None:
-        self._batch = batch
-
-    def component_descriptor(self) -> Any:
-        return self._batch.component_descriptor()
-
-    def as_arrow_array(self) -> Any:
-        return _shown(self._batch.as_arrow_array())
-
-
-def _shown(array: Any) -> Any:
+def _shown(array: pa.Array) -> pa.Array:
     """Return an array of texts, or of lists of texts, with known letters; any other as it is."""
     if pa.types.is_string(array.type):
         texts = array.to_pylist()

@@ -3,7 +3,6 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import rerun as rr
@@ -31,7 +30,7 @@ from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
 from wirerope_mj.views.recording.now import log_cursor, log_plan
 from wirerope_mj.views.recording.over_frequency import log_over_frequency
 from wirerope_mj.views.recording.panels import log_panel
-from wirerope_mj.views.recording.paths import TIMELINE, AtEvents, Below, at, entity, known_letters, root_of
+from wirerope_mj.views.recording.paths import TIMELINE, AtEvents, Below, Stream, at, entity, known_letters, root_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of
 from wirerope_mj.views.recording.texts import overlay_texts, run_texts, test_texts
@@ -40,15 +39,9 @@ OVERLAY_FILE = "overlay.rrd"
 
 
 def record_rerun(
-    response: Response,
-    path: str | Path,
-    *,
-    title: str = "",
-    scenario_text: str = "",
-    verdicts: Sequence[Verdict] | None = None,
-    tab: str = "Overview",
-    state: bool = False,
-) -> Path:
+    response: Response, path: str | Path, *, title: str = "", scenario_text: str = "",
+    verdicts: Sequence[Verdict] | None = None, tab: str = "Overview", state: bool = False,
+) -> Path:  # fmt: skip
     """Write a response as a recording that opens in the rerun viewer as it should be read, and return its path.
 
     Args:
@@ -96,16 +89,9 @@ def record_run(
 
 
 def record_overlay(
-    responses: Mapping[str, Response],
-    path: str | Path,
-    *,
-    align: Align = "start",
-    inputs: Inputs | None = None,
-    tables: Sequence[Table] = (),
-    tab: str = "Overview",
-    scene: str = "",
-    state: bool = False,
-) -> Path:
+    responses: Mapping[str, Response], path: str | Path, *, align: Align = "start", inputs: Inputs | None = None,
+    tables: Sequence[Table] = (), tab: str = "Overview", scene: str = "", state: bool = False,
+) -> Path:  # fmt: skip
     """Write two or more responses as one recording in which they lie over each other, and return its path.
 
     What they share by name is drawn in the same axes, and the base of each whatever it is called; differences are those to the
@@ -143,7 +129,7 @@ def record_runs(
     return target
 
 
-def _write(rec: Any, shown: Any, drawn: Drawn, *, tab: str, scene: str, state: bool) -> None:
+def _write(rec: rr.RecordingStream, shown: Stream, drawn: Drawn, *, tab: str, scene: str, state: bool) -> None:
     """Log what one run and several have in common, the layout first: the viewer then has it from the beginning."""
     loops, factor = drawn_loops(drawn.runs, drawn.shared), ghost_factor(drawn)
     plots = loop_plots(loops, drawn.shared, loop_widths(drawn))
@@ -167,7 +153,7 @@ def _write(rec: Any, shown: Any, drawn: Drawn, *, tab: str, scene: str, state: b
             log_state(Below(rec, run.root), run.response)
 
 
-def _log_events(rec: Any, run: DrawnRun) -> None:
+def _log_events(rec: Stream, run: DrawnRun) -> None:
     """Log the events of a run."""
     events = events_of(run.response, run.selection)
     if events:
@@ -180,7 +166,7 @@ def _log_events(rec: Any, run: DrawnRun) -> None:
         rec.send_columns(entity("events", *run.names), at([event.time for event in events]), columns)
 
 
-def _send_properties(rec: Any, run: DrawnRun, title: str) -> None:
+def _send_properties(rec: rr.RecordingStream, run: DrawnRun, title: str) -> None:
     """Send the recording's name and, for tables of several recordings, motion, level, verdict and the worst utilisation."""
     response, used = run.response, run.selection.used
     rec.send_recording_name(title or response.scene.name)
@@ -200,7 +186,7 @@ def _send_properties(rec: Any, run: DrawnRun, title: str) -> None:
 ROOT = "state"
 
 
-def log_state(rec: Any, response: Response) -> None:
+def log_state(rec: Stream, response: Response) -> None:
     """Log every column of the response's samples.
 
     Columns of one kind ("base", "bodies", "points", "mounts", and "time" itself) stand side by side in one entity: each

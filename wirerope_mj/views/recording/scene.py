@@ -1,7 +1,5 @@
 """The 3D scene: bodies as a tree of frames that rides on the base, their geoms, the mounts, the base's acceleration."""
 
-from typing import Any
-
 import numpy as np
 import rerun as rr
 
@@ -12,7 +10,7 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.bending import log_bending, see_through
 from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts, log_stops
-from wirerope_mj.views.recording.paths import Rows, at, child, entity
+from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
 from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
 from wirerope_mj.views.thin import rows_of_steps
@@ -24,7 +22,7 @@ ARROW = (255, 196, 60)  # Colour of the acceleration of the base of a run alone
 
 
 def log_scene(
-    rec: Any, response: Response, selection: Selection, frames: dict[str, Frame], *, arrow: tuple[int, int, int] = ARROW
+    rec: Stream, response: Response, selection: Selection, frames: dict[str, Frame], *, arrow: tuple[int, int, int] = ARROW
 ) -> None:
     """Log bodies, geoms, mounts and the base's acceleration, an arrow of the given colour."""
     _, extent = scene_extent(response.scene)
@@ -81,7 +79,7 @@ def scene_rows(response: Response, frames: dict[str, Frame]) -> Rows:
     return rows
 
 
-def log_pose(rec: Any, path: str, time: Array, position: Array, orientation: Array, rows: Rows) -> None:
+def log_pose(rec: Stream, path: str, time: Array, position: Array, orientation: Array, rows: Rows) -> None:
     """Log a pose at some rows, or once if it has one row: position (n_t, 3), quaternion (n_t, 4), w first."""
     if len(position) == 1:
         rec.log(path, rr.Transform3D(translation=position[0], quaternion=quaternion(orientation[0])), static=True)
@@ -91,7 +89,7 @@ def log_pose(rec: Any, path: str, time: Array, position: Array, orientation: Arr
 
 
 def _log_base_acceleration(
-    rec: Any, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
+    rec: Stream, response: Response, frames: dict[str, Frame], extent: float, color: tuple[int, int, int]
 ) -> None:
     """Log the acceleration of the base as an arrow beside it, so that the shock is seen although the camera rides."""
     acceleration = response.base.acceleration

@@ -1,7 +1,6 @@
 """Geoms as rerun shapes, and the mesh of a wire-rope coil."""
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -9,7 +8,7 @@ import rerun as rr
 
 from wirerope_mj.engine.response.scene import Geom, SceneMount
 from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.views.recording.paths import child
+from wirerope_mj.views.recording.paths import Stream, child
 from wirerope_mj.views.recording.poses import rotate
 
 _COILS = 8
@@ -19,7 +18,7 @@ _ROPE = 0.075  # diameter of the rope over the width of the device, as in catalo
 _LENGTH = 1.9  # length of the bars over the width
 
 
-def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> None:
+def draw_geoms(rec: Stream, path: str, geoms: Sequence[Geom], extent: float) -> None:
     """Log the geoms of a body: those of one shape together, because every entity costs two kilobytes; meshes alone.
 
     They stand in the body's axes about its centre of mass; `extent` [m] of the scene is for planes without an end.
@@ -38,7 +37,7 @@ def draw_geoms(rec: Any, path: str, geoms: Sequence[Geom], extent: float) -> Non
             rec.log(child(path, "geoms", shape), _solids(shape, same), static=True)
 
 
-def quaternion(orientation: Array) -> Any:
+def quaternion(orientation: Array) -> rr.Quaternion:
     """Return a quaternion (4,), w first, as one of rerun."""
     return rr.Quaternion(xyzw=np.roll(orientation, -1))
 
@@ -49,7 +48,7 @@ def drawn_size(mount: SceneMount, extent: float) -> tuple[float, float]:
     return height, mount.width if np.isfinite(mount.width) else 1.1 * height
 
 
-def _solids(shape: str, geoms: list[Geom]) -> Any:
+def _solids(shape: str, geoms: list[Geom]) -> rr.AsComponents:
     sizes = np.array([geom.size for geom in geoms])
     centers = np.array([geom.position for geom in geoms])
     common = {

@@ -6,7 +6,6 @@ import uuid
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
 
 import rerun as rr
 from rerun.error_utils import strict_mode
@@ -27,7 +26,7 @@ def target_of(path: str | Path, *, file: str = FILE) -> Path:
 
 
 @contextmanager
-def atomic_recording(target: Path, *, case: str = "") -> Iterator[Any]:
+def atomic_recording(target: Path, *, case: str = "") -> Iterator[rr.RecordingStream]:
     """Write what the block logs as `target`, and leave nothing behind if the block fails.
 
     The viewer has one layout for all recordings of an application: each `case` is one of its own.

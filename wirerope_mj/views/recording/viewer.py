@@ -49,12 +49,10 @@ def find_recording(path_or_folder: str | Path) -> Path:
     name = JOINED if (given / JOINED).is_file() else FILE
     path = given / name if given.is_dir() else given
     if not path.is_file():
-        text = f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}."
-        raise RecordError(text)
+        raise RecordError(f"{path}: there is no such recording. A folder that `wirerope run` has written holds a {FILE}.")
     with path.open("rb") as file:
         if not file.read(len(_BEGINNING)).startswith(_BEGINNING):
-            text = f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}."
-            raise RecordError(text)
+            raise RecordError(f"{path}: this is not a recording of rerun; `wirerope show` takes a run's folder or its {FILE}.")
     return path
 
 

@@ -1,7 +1,7 @@
 """Views of every recording: scenes, plots over time, loops, tabs, and the time panel."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TypeAlias
 
 import rerun as rr
 import rerun.blueprint as rrb
@@ -12,10 +12,11 @@ from wirerope_mj.views.recording.frame import GROUND, HEIGHT
 from wirerope_mj.views.recording.paths import TIMELINE, entity, known_letters
 from wirerope_mj.views.recording.poses import Frame
 
+Pane: TypeAlias = rrb.View | rrb.Container
 SLOW_MOTION = 0.05  # Playback speed for a shock: an event of half a second takes ten
 
 
-def layout(content: Any, window: tuple[float, float]) -> Any:
+def layout(content: Pane, window: tuple[float, float]) -> rrb.Blueprint:
     """Return the blueprint of `content`: paused at the start of `window` [s], which is what playing repeats."""
     start, end = (rr.TimeInt(seconds=instant) for instant in window)
     speed = SLOW_MOTION if window[1] - window[0] < 10.0 else 1.0  # what lasts longer is slow enough in real time
@@ -26,7 +27,7 @@ def layout(content: Any, window: tuple[float, float]) -> Any:
     return opening(content, panel)
 
 
-def opening(content: Any, panel: Any) -> Any:
+def opening(content: Pane, panel: rrb.TimePanel) -> rrb.Blueprint:
     """Return the blueprint of `content` and a time panel alone."""
     return rrb.Blueprint(
         content, panel, rrb.BlueprintPanel(state="hidden"), rrb.SelectionPanel(state="hidden"), rrb.TopPanel(state="hidden"),
@@ -34,7 +35,7 @@ def opening(content: Any, panel: Any) -> Any:
     )  # fmt: skip
 
 
-def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> Any:
+def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) -> rrb.Spatial3DView:
     """Return a view of a scene that rides on `origin`; `camera` is in its frame."""
     return rrb.Spatial3DView(
         origin=origin, contents=list(contents), name=known_letters(name), background=GROUND,
@@ -45,7 +46,7 @@ def scene_view(origin: str, contents: Sequence[str], name: str, camera: Camera) 
     )  # fmt: skip
 
 
-def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
+def tabs_with(entries: list[Pane], argument: str, name: str) -> rrb.Tabs:
     """Return tabs with that called `name` in front, which `argument` asked for; ValueError if there is none."""
     names = [str(entry.name) for entry in entries]
     if name not in names:
@@ -53,7 +54,7 @@ def tabs_with(entries: list[Any], argument: str, name: str) -> Any:
     return rrb.Tabs(*entries, active_tab=names.index(name))
 
 
-def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *, away: float = 1.0) -> Any:
+def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *, away: float = 1.0) -> rrb.Spatial3DView:
     """Return a view of everything, from `away` times as far as the modelled geometry needs."""
     base, camera = response.scene.base, whole_scene(response)
     camera = Camera(eye=camera.target + away * (camera.eye - camera.target), target=camera.target)
@@ -61,14 +62,14 @@ def whole_scene_view(response: Response, frames: dict[str, Frame], name: str, *,
     return scene_view(origin, ["+ " + entity("world") + "/**"], name, camera)
 
 
-def time_axis(window: tuple[float, float]) -> Any:
+def time_axis(window: tuple[float, float]) -> rrb.TimeAxis:
     """Return the axis of a plot over `window` [s]."""
     boundary = rrb.TimeRangeBoundary
     start, end = (boundary.absolute(seconds=instant) for instant in window)
     return rrb.TimeAxis(view_range=rr.TimeRange(start=start, end=end))
 
 
-def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, float | None]) -> Any:
+def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, float | None]) -> rrb.Spatial2DView:
     """Return a view of the plot of a loop, whose frame has this width.
 
     `trails` are entities, and how long each reaches behind the cursor [s]; None for the whole past.
@@ -85,7 +86,7 @@ def loop_view(origin: str, name: str, *, width: float, trails: Mapping[str, floa
     )  # fmt: skip
 
 
-def event_view(origin: str) -> Any:
+def event_view(origin: str) -> rrb.TextLogView:
     """Return the log of the events below `origin`."""
     # Instants stand in the texts: the viewer writes nanoseconds, and cuts them off.
     times = [rrb.encodings.TimelineColumn(TIMELINE, visible=False)]

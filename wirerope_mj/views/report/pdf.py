@@ -2,7 +2,7 @@
 
 import warnings
 from pathlib import Path
-from typing import Any
+from types import ModuleType
 
 from wirerope_mj.foundation.errors import WireRopeError
 
@@ -22,7 +22,7 @@ def check_pdf() -> None:
     _weasyprint()
 
 
-def _weasyprint() -> Any:
+def _weasyprint() -> ModuleType:
     try:
         with warnings.catch_warnings():
             # It announces which system libraries its next versions will need; what is written today needs none of them.
