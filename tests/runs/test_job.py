@@ -160,6 +160,15 @@ def test_a_changed_limit_is_judged_as_a_new_run_would_be_without_simulating(agai
         assert new == old
 
 
+def test_a_document_that_stands_in_the_folder_is_written_anew(again, tmp_path):
+    again(docx=True)
+    document = tmp_path / "job" / "out" / "report.docx"
+    before = document.read_bytes()
+    again(CASES.replace("Table on one mount", "Table on a mount"))
+    assert document.read_bytes() != before
+    assert not (tmp_path / "job" / "out" / "report.pdf").exists()
+
+
 def test_a_case_whose_files_were_altered_runs_again(again, tmp_path):
     summary = tmp_path / "job" / "out" / "cases" / "down-mild" / "summary.json"
     summary.write_text(summary.read_text(encoding="utf-8").replace("PASS", "FAIL"), encoding="utf-8")

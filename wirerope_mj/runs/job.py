@@ -84,7 +84,7 @@ def run_job(
         folder: of the job: a new one, or that of an earlier version of it, whose runs are kept where their inputs are the same.
         force: whether all cases are simulated again.
         workers: number of processes; None for one per processor.
-        pdf: whether the report is written as a PDF, too.
+        pdf: whether the report is written as a PDF, too; one that stands in the folder is written anew.
         docx: so, as a DOCX.
         done: called after each case.
 
@@ -95,6 +95,7 @@ def run_job(
     """
     job = job if isinstance(job, Job) else load_job(job)
     folder = Path(folder)
+    pdf, docx = pdf or (folder / "report.pdf").exists(), docx or (folder / "report.docx").exists()
     page_files(folder, None, pdf=pdf, docx=docx, force=True)  # what cannot be written is known before anything is computed
     if (folder / JOB).is_file():
         job_table(folder)  # perhaps it is the user's own file of that name, which must not be replaced
