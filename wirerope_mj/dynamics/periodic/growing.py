@@ -1,5 +1,6 @@
 """A branch while it is followed, from point to point until it ends; kept on disk if a folder is given."""
 
+import itertools
 import math
 import time
 from collections.abc import Callable
@@ -72,16 +73,17 @@ class GrowingBranch:
         """Return a motion a little further on, found anew from the last one, None if there is none.
 
         A stable one is left to itself first: along slow directions a branch collects what the tolerance leaves of every point.
+        Where that leads nowhere, it is left to itself at the new value, too.
         """
         options, x = self.options, last.shot.x
         towards = 1.0 if last.tangent[-1] > 0.0 else -1.0
         if not last.unstable:
             x = self.search.settled(x, last.shot.track.drive, SETTLING[0])
-        for leap in LEAPS:
+        for settling, leap in itertools.product((0,) if last.unstable else (0, SETTLING[1]), LEAPS):
             value = last.parameter * math.exp(towards * leap * options.largest_step)
             if (value - options.stop) * options.sign > 0.0:
-                return None
-            motion = self.path.closed(x, value)
+                continue
+            motion = self.path.closed(self.search.settled(x, self.path.drive(value), settling) if settling else x, value)
             if motion is not None:
                 # The shortest is a step like others, but where the branch has turned back, as at a needle, and is left.
                 if leap > LEAPS[0] or any((options.followed(row) - last.parameter) * options.sign > 0.0 for row in self.rows):
