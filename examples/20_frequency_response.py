@@ -11,7 +11,7 @@ import numpy as np
 import wirerope_mj as wr
 
 # %%
-# The shipped shaker model: 3.5 kg on an isolator that is tuned to resonate at 36.2 Hz under 0.5 g, as a thesis reports.
+# The shipped shaker model: 3.5 kg on an isolator that is tuned to a thesis' resonance of 36.2 Hz, under 0.5 g.
 
 system = wr.load_system("sdof_shaker")
 levels = {0.25: np.linspace(33.0, 42.0, 19), 0.5: np.linspace(33.0, 42.0, 19)}

@@ -22,6 +22,8 @@ OFFSET = 1e-5
 """Of the differences of its map, relative to the motion's ranges."""
 TRIED = 12
 """Motions of each branch, equally many points apart."""
+WIDTH, SMOOTH_TOLERANCE, SETTLED = 0.1, 1e-6, 20
+"""Of the smooth law over the motion's largest velocity, the tolerance that it is tried with, and periods that it settles."""
 STEPS, WAITED, KICK = 256, 200, 1e-3
 """Of the judge: steps in a period, periods, and the disturbance relative to the ranges."""
 
@@ -33,8 +35,9 @@ def law(n: float) -> wr.BoucWen:
 
 @numba.njit
 def slopes(p, push, d, v, z):  # type: ignore[no-untyped-def]
-    """Return the rates of velocity and z; p = alpha, beta, gamma, n, k."""
-    rate = (p[0] - (p[2] + p[1] * np.sign(v * z)) * abs(z) ** p[3]) * v
+    """Return the rates of velocity and z; p = alpha, beta, gamma, n, k, and the width of tanh for the sign of v, 0 for none."""
+    sign = np.sign(v) if p[5] == 0.0 else np.tanh(v / p[5])
+    rate = (p[0] - (p[2] + p[1] * sign * np.sign(z)) * abs(z) ** p[3]) * v
     return -(p[4] * d + z) / MASS - push, rate
 
 
@@ -77,8 +80,8 @@ def waited(p, omega, y):  # type: ignore[no-untyped-def]
     return np.abs((other - y) / ranges).max() / KICK
 
 
-def by_differences(p: Array, omega: float, y: Array, ranges: Array, tolerance: float) -> float:
-    """Return the largest multiplier by differences of the map that an adaptive integrator makes."""
+def by_differences(p: Array, omega: float, y: Array, ranges: Array, tolerance: float, settled: int = 0) -> float:
+    """Return the largest multiplier by differences of the map that an adaptive integrator makes, after some periods."""
 
     def rates(t: float, state: Array) -> Array:
         acceleration, rate = slopes(p, LEVEL * np.sin(omega * t), *state)
@@ -88,6 +91,8 @@ def by_differences(p: Array, omega: float, y: Array, ranges: Array, tolerance: f
         end = solve_ivp(rates, (0.0, 2.0 * np.pi / omega), start, "RK45", rtol=tolerance, atol=1e-3 * tolerance * ranges)
         return np.asarray(end.y[:, -1])
 
+    for _ in range(settled):
+        y = after(y)
     there = after(y)
     columns = [(after(y + OFFSET * ranges * unit) - there) / ranges / OFFSET for unit in np.eye(3)]
     return float(np.abs(np.linalg.eigvals(np.stack(columns, axis=1))).max())
@@ -105,17 +110,21 @@ def ours(n: float) -> wr.Branch:
 
 @cache
 def tried(n: float) -> tuple[Array, Array, Array]:
-    """Return frequencies, largest multipliers at each tolerance (n_f, n_tolerances), and what a disturbance became."""
+    """Return frequencies, largest multipliers at each tolerance and of the smooth law (n_f, n_tolerances + 1), and what a
+    disturbance became."""
     one, found = law(n), ours(n)
-    p = np.array([one.alpha, one.beta, one.gamma, one.n, one.k])
+    p = np.array([one.alpha, one.beta, one.gamma, one.n, one.k, 0.0])
     frequencies, multipliers, left = [], [], []
     for index in np.linspace(0, found.frequency.size - 1, TRIED).astype(int):
         run = found.orbit(int(index)).response
         mount, mass = run.mounts["m1"], run.bodies["mass"]
         path = np.stack([mount.deflection[:, 2], mass.velocity[:, 2] - run.base.velocity[:, 2], mount.hysteretic_state[:, 2]])
         omega, y = 2.0 * np.pi * found.frequency[index], path[:, 0].copy()
+        ranges, smooth = np.ptp(path, axis=1), p.copy()
+        smooth[5] = WIDTH * np.abs(path[1]).max()
         frequencies.append(found.frequency[index])
-        multipliers.append([by_differences(p, omega, y, np.ptp(path, axis=1), tolerance) for tolerance in TOLERANCES])
+        multipliers.append([by_differences(p, omega, y, ranges, tolerance) for tolerance in TOLERANCES])
+        multipliers[-1].append(by_differences(smooth, omega, y, ranges, SMOOTH_TOLERANCE, SETTLED))
         left.append(waited(p, omega, y))
     return np.array(frequencies), np.array(multipliers), np.array(left)
 
@@ -129,8 +138,11 @@ def numbers() -> dict[str, float]:
         found |= {f"motions_{place}": float(same.size), f"ours_{place}": float(np.sum(~ours(n).stable))}
         for column in range(len(TOLERANCES)):
             found[f"naive_{place}_{column + 1}"] = float(np.sum(multipliers[:, column] > 1.0))
+        found[f"smooth_{place}"] = float(np.sum(multipliers[:, -1] > 1.0))
         found[f"waited_{place}"] = float(np.sum(left > 1.0))
         found[f"left_{place}"] = float(left.max())
+    found["smooth"] = sum(found[f"smooth_{place}"] for place in range(1, len(EXPONENTS) + 1))
+    found["naive"] = sum(found[f"naive_{place}_2"] for place in range(1, len(EXPONENTS) + 1))
     return found
 
 
