@@ -14,12 +14,16 @@ from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge,
 from wirerope_mj.assessment.criteria.ended import used_limits
 from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.content.events import events_of, first_above, main_instants
-from wirerope_mj.content.judged_run import RunResult
+from wirerope_mj.content.judged_run import RunResult, judged_run
 from wirerope_mj.content.now import at_cursor
 from wirerope_mj.content.panels import Curve, Panel
 from wirerope_mj.content.selection import select
+from wirerope_mj.dynamics.modes import modes
+from wirerope_mj.engine.simulation import simulate
+from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.errors import RecordError, WireRopeError
 from wirerope_mj.foundation.ticks import linear_ticks
+from wirerope_mj.motions import HalfSine
 from wirerope_mj.views.recording import loops, record_rerun, show
 from wirerope_mj.views.recording.now import cursor_rows
 from wirerope_mj.views.recording.panels import log_panel
@@ -314,3 +318,15 @@ def test_letters_that_the_viewer_lacks_are_spelled_wherever_they_stand(tmp_path)
     assert "Dämpfer α" in everything
     assert "U+274C" in everything
     assert known_letters(everything) == everything
+
+
+def test_a_run_whose_system_is_at_hand_says_its_natural_frequencies():
+    system, shock = load_system("sdof_shaker"), HalfSine(peak=10.0, duration=0.011, direction="z")
+    run = judged_run(system, shock, simulate(system, shock, duration=0.02, timestep=5e-4))
+    texts = {text.name: text for text in run_texts(run, title="", scenario_text="")}
+    assert texts["Modes"].place == "Modes"
+    frequency = modes(system).frequencies[0]
+    assert f"{frequency:.3f}" in texts["Modes"].text
+    assert "Quote the small-amplitude natural frequency for small vibration" in texts["Modes"].text
+    alone = RunResult(response=run.response, verdicts=())
+    assert "Modes" not in {text.name for text in run_texts(alone, title="", scenario_text="")}

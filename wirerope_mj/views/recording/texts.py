@@ -12,6 +12,7 @@ from wirerope_mj.content.comparison_findings import Inputs
 from wirerope_mj.content.contacts import contact_blocks
 from wirerope_mj.content.correlation import agreement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
+from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks
 from wirerope_mj.content.payload import acceleration_blocks
 from wirerope_mj.content.run import numerics_statement
@@ -25,7 +26,10 @@ BANNER, BELOW = "banner", "below"
 
 
 def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, ...]:
-    """Return verdict, scenario, peaks and all verdicts of a run; `scenario_text` is Markdown, or TOML, set as such."""
+    """Return verdict, scenario, peaks, all verdicts and the modes of a run; `scenario_text` is Markdown, or TOML, set as such.
+
+    Of a run whose system is not at hand there are no modes.
+    """
     first = [headline(run.verdicts), most_critical(run.verdicts)]
     peaks: list[Block | None] = [*first[:1], *answer_blocks(run)]
     peaks += [*acceleration_blocks(run), *mount_blocks(run), *contact_blocks(run)]
@@ -34,11 +38,13 @@ def run_texts(run: RunResult, *, title: str, scenario_text: str) -> tuple[Text, 
     scenario = [f"### {markdown(title or run.response.scene.name)}", body, f"*{numerics}*"]
     critical = markdown_blocks(first[1:])
     banner = f"**{markdown(run.headline)}**  {critical}".strip()
+    modes = markdown_blocks(run_modes_blocks(run)) if isinstance(run, JudgedRun) else ""
     return (
         Text(path=("verdict",), name="Verdict", place=BANNER, text=banner),
         Text(path=("scenario",), name="Scenario", place=BELOW, text="\n\n".join(filter(None, scenario))),
         Text(path=("peaks",), name="Peaks", place="Peaks", text=markdown_blocks(peaks)),
         Text(path=("verdicts",), name="Verdicts", place="Verdicts", text=markdown_blocks([full_table(run.verdicts)])),
+        *([Text(path=("modes",), name="Modes", place="Modes", text=modes)] if modes else []),
     )
 
 
