@@ -23,6 +23,8 @@ NEVER = 1e300  # length after which a state comes to zero that never does [m]
 # longest step over the length on which a state changes: 1e-11 of the state is left to the error of a whole line
 STEP = 0.08
 MOST = 64.0  # steps from which on the adaptive integration of one lane is the cheaper one
+# yield deflections, for n = 1, after which a state has come to its bound but for rounding and forgotten where it began
+SATURATED = 60.0
 LINE = 12  # index of a line's start and direction among the parameters of the biaxial kernel
 
 
@@ -169,10 +171,11 @@ def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
         p[i] = numbers[first + i, number]
     for i in range(RATE_NUMBERS, LINE + 2):
         p[i] = 0.0  # of work, which is not needed; a line is the same wherever it begins
-    length = math.sqrt(dx * dx + dy * dy)
+    length, ux, uy = math.sqrt(dx * dx + dy * dy), dx / p[4], dy / p[5]
     p[LINE + 2], p[LINE + 3] = dx / length, dy / length
     z[0], z[1] = zx, zy
-    advance(BIAXIAL, p, 0, 0.0, length, z, 0, 2, slopes, trial)
+    part = min(1.0, SATURATED / (min(p[1], 1.0) * math.sqrt(ux * ux + uy * uy)))
+    advance(BIAXIAL, p, 0, 0.0, part * length, z, 0, 2, slopes, trial)
     states[j, number], states[k, number] = z[0], z[1]
 
 
