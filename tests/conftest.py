@@ -20,8 +20,9 @@ def pytest_sessionstart(session):
     if cache is None or hasattr(session.config, "workerinput"):
         return
     digest = hashlib.sha256(f"{sys.version} {os.environ.get('NUMBA_CACHE_DIR')}".encode())
-    for path in sorted(PACKAGE.rglob("*.py")):
-        digest.update(path.read_bytes())
+    for content in (path.read_bytes() for path in sorted(PACKAGE.rglob("*.py"))):
+        if b"njit" in content or b"inlined" in content:
+            digest.update(content)
     if cache.get("wirerope/compiled", "") != digest.hexdigest():
         subprocess.run([sys.executable, "-c", COMPILE, "compile"], check=True, stdout=subprocess.DEVNULL)
         cache.set("wirerope/compiled", digest.hexdigest())
