@@ -12,7 +12,8 @@ from PIL import Image
 
 import wirerope_mj as wr
 from docs.thesis import FOLDER
-from docs.thesis.rope import AMPLITUDES, MM, record, spring
+from docs.thesis.rope import AMPLITUDES, MM, G, record, spring
+from wirerope_mj.mounts.estimate import estimate_loop
 
 Array = npt.NDArray[np.float64]
 LAWS = {
@@ -25,6 +26,8 @@ LABELS = {
 }  # fmt: skip
 TURNS = (0.0, 10.0, -10.0, 6.0, -2.0, 4.0, -6.0, 3.0, -10.0)  # [mm]
 FRAMES = 40
+POLYCAL = ((9.5, 109.0, 102.0), (11.0, 111.0, 104.0), (12.7, 113.0, 106.0))
+"""Rope, height and width [mm] of four arcs of 46.5 mm about their centre lines."""
 
 
 @cache
@@ -66,7 +69,7 @@ def _ascending(x: Array, force: Array) -> tuple[Array, Array]:
 
 
 def numbers() -> dict[str, float]:
-    """Return errors of all laws, Ko's coefficients over amplitude, TNO's two fits."""
+    """Return errors of all laws, what is estimated of a polycal, Ko's coefficients over amplitude, TNO's two fits."""
     found: dict[str, float] = {}
     for name, fit in fits().items():
         found |= {
@@ -76,10 +79,22 @@ def numbers() -> dict[str, float]:
         found |= {f"{name}_first": 100.0 * float(fit.residuals[0]), f"{name}_last": 100.0 * float(fit.residuals[-1])}
     (_, _, _, f0, f1, f2), left = tinker_cutchins()
     found |= {"f0": float(f0), "f1": float(f1) / 1e3, "f2": float(f2) / 1e6, "tinker_error": 100.0 * left}
+    for place, (rope, height, width) in enumerate(POLYCAL, 1):
+        part = estimate_loop(rope=rope / MM, height=height / MM, width=width / MM, loops=2)  # two arcs are one loop
+        values = part.values
+        found |= {
+            f"rope{place}": rope, f"height{place}": height, f"width{place}": width,
+            f"carries{place}": values.static_load / G, f"travel{place}": MM * values.travel["compression"],
+            f"small{place}": values.vibration["compression"] / 1e3, f"large{place}": values.shock["compression"] / 1e3,
+            f"across{place}": values.shock["shear"] / 1e3,
+            f"band{place}": 1.0 + part.bands["compression shock"].within,
+            f"other{place}": 1.0 + (part.bands["compression shock"].other or 0.0),
+        }  # fmt: skip
     loops = wr.cyclic_test(spring(), AMPLITUDES)
     for place, loop in enumerate(loops, 1):
         found |= {f"k{place}": loop.secant_stiffness / 1e3, f"w{place}": 1e3 * loop.dissipated_energy}
         found[f"c{place}"] = loop.dissipated_energy / (np.pi * 2.0 * np.pi * loop.amplitude**2)
+    found["stiffer"] = found["k4"] / found["small2"]
     for place in range(1, len(loops)):
         growth = np.log(loops[place].dissipated_energy / loops[place - 1].dissipated_energy)
         found[f"p{place}"] = growth / np.log(AMPLITUDES[place] / AMPLITUDES[place - 1])

@@ -110,8 +110,10 @@ def ours(n: float) -> wr.Branch:
 
 @cache
 def tried(n: float) -> tuple[Array, Array, Array]:
-    """Return frequencies, largest multipliers at each tolerance and of the smooth law (n_f, n_tolerances + 1), and what a
-    disturbance became."""
+    """Return frequencies, what a disturbance became, and largest multipliers: at each tolerance, and of the smooth law.
+
+    The multipliers, which stand between the two, are (n_f, n_tolerances + 1).
+    """
     one, found = law(n), ours(n)
     p = np.array([one.alpha, one.beta, one.gamma, one.n, one.k, 0.0])
     frequencies, multipliers, left = [], [], []

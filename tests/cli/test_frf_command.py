@@ -98,7 +98,7 @@ def test_one_table_and_one_headline_stand_on_screen_page_and_in_the_file(written
         assert f" {name} {frequency:.5g} {amplitude:.4g} " in out
         assert f">{frequency:.5g}</td>" in page
     assert 'data-id="amplitude"' in page
-    assert page.count("<svg") == 3
+    assert page.count("<svg") == 4
     assert {row[2] for row in content["tables"]["orbits"]["rows"]} == {"stable"}
 
 

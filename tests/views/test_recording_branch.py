@@ -94,6 +94,32 @@ def test_loops_are_those_of_the_motions(chunks, findings):
         np.testing.assert_allclose(drawn[:, 1], 1e-3 * mount.force[:, 2], atol=1e-6)
 
 
+def test_portraits_are_deflections_and_the_velocity_of_the_mass_over_its_base(chunks, findings):
+    strip = strips_of(findings)[1]
+    *_, portraits = rows_of(chunks, "/portrait/data/level_2", "LineStrips2D:strips")
+    for index in (0, 30, MOST_POINTS - 1):
+        response = strip.orbits[index].response
+        drawn = portraits[index].values.flatten().flatten().to_numpy().reshape(-1, 2)
+        rate = response.bodies["mass"].velocity[:, 2] - response.base.velocity[:, 2]
+        for filled, values in zip(drawn.T, (response.mounts["m1"].deflection[:, 2], rate), strict=True):
+            # A periodic spline's rate at its knots is off by (2 pi k / 128)^4 / 180 of the harmonic k, 1e-8 to 1e-6 here.
+            middle = 0.5 * (values.max() + values.min())
+            np.testing.assert_allclose(filled, 2.0 * (values - middle) / np.ptp(values), atol=1e-5)
+
+
+def test_the_report_shows_portraits_of_the_motions_whose_loops_it_shows(result, findings):
+    charts = {block.id: block for block in response_content(result, findings).blocks("full") if hasattr(block, "rows")}
+    loops, portraits = (charts[name].rows[0] for name in ("orbit-loops", "orbit-portraits"))
+    for loop, portrait in zip(loops, portraits, strict=True):
+        assert [curve.name for curve in loop.curves] == [curve.name for curve in portrait.curves]
+        assert {(curve.x[0], curve.y[0]) for curve in portrait.curves} == set(portrait.dots)
+        for a, b in zip(loop.curves, portrait.curves, strict=True):
+            np.testing.assert_array_equal(a.x, b.x)
+            turning = b.y[[a.x.argmin(), a.x.argmax()]]
+            # The samples are at most half a step beside the reversal: sin(pi / 128) / 2 of the range, and harmonics.
+            assert np.abs(turning).max() < 0.02 * np.ptp(b.y)
+
+
 def test_the_animation_plays_one_period_of_each_motion_up_to_its_largest_acceleration(animation):
     strip, response = animation.strip, animation.response
     assert response.time.size == ROWS * MOST_POINTS

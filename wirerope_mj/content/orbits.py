@@ -19,7 +19,7 @@ Motion = tuple[Branch, int, PeriodicOrbit]  # A branch, the number of one of its
 
 
 def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:
-    """Yield the loops of the mount that takes most energy at some points along the resonance of some levels, and a table."""
+    """Yield loops and phase portraits of the mount that takes most energy along the resonance of some levels, and a table."""
     if not branches or not branches[0].system.mounts:
         return
     rows = np.unique(np.linspace(0, len(branches) - 1, min(len(branches), _MOST)).round().astype(int))
@@ -28,36 +28,43 @@ def orbit_blocks(branches: Sequence[Branch]) -> Iterator[Block]:
     if not loops:
         return
     motions = [[(branch, point, branch.orbit(point)) for point in along_resonance(branch)] for branch in chosen]
-    yield _loops_chart(motions, *loops[0])
+    yield _chart(motions, *loops[0])
+    yield _chart(motions, *loops[0], portraits=True)
     yield orbit_table([motion for level in motions for motion in level], *loops[0])
 
 
-def _loops_chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int) -> Chart:
-    """Return force over deflection of a mount, a panel for each level."""
+def _chart(motions: Sequence[Sequence[Motion]], mount: str, axis: int, *, portraits: bool = False) -> Chart:
+    """Return force over deflection of a mount, or the deflection's rate over it, a panel for each level."""
     device = motions[0][0][0].system.mounts[mount].isolator.name
-    panels = [_loops_panel(level, mount, axis) for level in motions]
+    panels = [_panel(level, mount, axis, portraits=portraits) for level in motions]
     across = 2 if len(panels) == _MOST else len(panels)
+    what = "Phase portraits" if portraits else "Loops"
+    more = " A dot marks where a period of the base begins." if portraits else ""
     return Chart(
-        id="orbit-loops", rows=[panels[first : first + across] for first in range(0, len(panels), across)], height=260.0,
-        caption=f"Loops of {mount} ({device}), {AXES[axis]}, along the resonance of each level: the highest motion bold, "
-        "unstable ones dashed.",
-        alt=f"Loops of {mount} along the resonance.",
+        id="orbit-portraits" if portraits else "orbit-loops", height=260.0,
+        rows=[panels[first : first + across] for first in range(0, len(panels), across)],
+        caption=f"{what} of {mount} ({device}), {AXES[axis]}, along the resonance of each level: the highest motion bold, "
+        f"unstable ones dashed.{more}",
+        alt=f"{what} of {mount} along the resonance.",
     )  # fmt: skip
 
 
-def _loops_panel(level: Sequence[Motion], mount: str, axis: int) -> Panel:
-    unit, curves = _force_unit(level, mount, axis), []
+def _panel(level: Sequence[Motion], mount: str, axis: int, *, portraits: bool) -> Panel:
+    unit, curves, dots = "m/s" if portraits else _force_unit(level, mount, axis), [], []
     for number, (branch, point, orbit) in enumerate(level):
         loop, highest = orbit.response.mounts[mount], point == branch.peak
         name = f"{orbit.frequency:.4g} Hz" + (" highest" if highest else "") + ("" if orbit.stable else ", unstable")
+        upward = orbit.deflection_rate(mount) if portraits else loop.force
         curve = Curve(
-            x=in_unit(loop.deflection[:, axis], "mm"), y=in_unit(loop.force[:, axis], unit), name=name,
+            x=in_unit(loop.deflection[:, axis], "mm"), y=in_unit(upward[:, axis], unit), name=name,
             kind=BASE if highest else number, dash="" if orbit.stable else "dashed", weight=1.8 if highest else 1.0,
         )  # fmt: skip
         curves.append(curve)
+        begins = orbit.steps // orbit.periods * np.arange(orbit.periods if portraits else 0)
+        dots += [(float(curve.x[row]), float(curve.y[row])) for row in begins]
     curves.sort(key=lambda curve: (curve.kind == BASE, not curve.dash))  # dashed ones in front of what they run along
     return Panel(
-        curves=curves, ylabel=f"force [{unit}]",
+        curves=curves, ylabel=f"its rate [{unit}]" if portraits else f"force [{unit}]", dots=dots,
         xlabel="deflection [mm], tension positive" if AXES[axis] == "axial" else "deflection [mm]",
         title=f"{abs(float(level[0][0].acceleration[0])):.4g} m/s²",
         xlim=with_room(np.concatenate([curve.x for curve in curves])), unit=unit, xunit="mm",

@@ -69,7 +69,7 @@ def _soft_hardening() -> Figure:
         section="3.2.1",
         statement="Wire-rope isolators soften at small amplitudes, pass through a nearly linear range and harden at large "
         "ones. The Bouc-Wen law cannot do this: for z > 0 its slope cannot first decrease and then increase. Ni's "
-        "modification can.",
+        "modified laws are proposed for it (3.2.3, 3.4).",
         shown=f"The secant stiffness of Ni's symmetric law falls from {n['first_stiffness'] / 1e3:.0f} kN/m at "
         f"{MM * SECANTS[0]:g} mm to {n['least_stiffness'] / 1e3:.1f} kN/m at {MM * n['least_amplitude']:.2f} mm and rises "
         f"to {n['last_stiffness'] / 1e3:.0f} kN/m at {MM * SECANTS[-1]:g} mm. {n['plain_found']:.0f} of the "

@@ -5,6 +5,7 @@ from fractions import Fraction
 from functools import cached_property
 
 import numpy as np
+import scipy
 
 from wirerope_mj.dynamics.periodic.laws import smoothed
 from wirerope_mj.engine.response import Response
@@ -69,6 +70,12 @@ class PeriodicOrbit(Summarised):
             system, self.motion, duration=self.duration, initial=self.state, timestep=step,
             sample_rate=self.steps / self.duration,
         )  # fmt: skip
+
+    def deflection_rate(self, mount: str) -> Array:
+        """Differentiate a mount's deflection, as the periodic cubic spline through its samples [m/s], (n_t, 3)."""
+        deflection = self.response.mounts[mount].deflection
+        closed = np.concatenate([deflection[:-1], deflection[:1]])  # without the residual
+        return np.asarray(scipy.interpolate.CubicSpline(self.response.time, closed, bc_type="periodic")(self.response.time, 1))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -22,7 +22,8 @@ class SymmetricBoucWen(Hysteresis):
 
     Softens at small deflections through z and hardens at large ones through k2 [N/m^2] and k3 [N/m^3]; k1 [N/m], z and its
     parameters as in `Hysteresis`. F1 is that of a stable spring if k1, k3 >= 0 and k2 >= -3 sqrt(k1 k3 / 2); a fit that ends
-    elsewhere holds for its own travel only. Source: Ni, Ko, Wong and Zhan (1999) as described in Schwanen (2004), section 3.4.
+    elsewhere holds for its own travel only. Source: (3.15) of Schwanen (2004) with F2 = 1, our reading of what section 3.4 says
+    of the symmetric law of Ni, Ko, Wong and Zhan (1999).
     """
 
     name: ClassVar[str] = "symmetric-bouc-wen"

@@ -222,9 +222,9 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
             at, low, high = envelope(x, y[:, None])
             return [_path(across.of(at), upward.of(values[:, 0])) for values in (high, low) if values.any()]
         rows = rows_of_line(x, y[:, None], tolerance)
-    else:  # a loop
+    else:  # a loop, whose corners would show at `_FINE`
         both = np.column_stack([x, y])
-        rows = rows_of_line(np.arange(x.size, dtype=np.float64), both, _FINE * np.ptp(both, axis=0))
+        rows = rows_of_line(np.arange(x.size, dtype=np.float64), both, 0.25 * _FINE * np.ptp(both, axis=0))
     return [_path(across.of(x[rows]), upward.of(y[rows]))]
 
 

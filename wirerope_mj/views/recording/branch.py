@@ -8,7 +8,7 @@ Timelines: `point` goes from motion to motion along the branches of all levels, 
 /response                        frame of the frequency response, logarithmic;  .../data/NAME  a curve, folds among them
 /response/data/here/level_1      the motion of each level on its curve
 /loops/AXIS/MOUNT                frame of a mount's loops;  .../data/level_1  the loop;  .../data/cursor
-/shape                           the loop that takes most energy, over its own ranges
+/shape  /portrait                the loop that takes most energy, and its phase portrait, over their own ranges
 /multipliers                     unit circle, and the Floquet multipliers of the motion
 /motion  /about                  texts: the motion in view, and all levels
 ```
@@ -51,7 +51,7 @@ AWAY = 1.15  # Factor by which the camera stands farther away than for the model
 PER_SECOND = 5.0  # Points that are played in a second
 RESPONSE_WIDTH = 225.0  # Width of the frame of the response, so that it fills its pane
 MOST_LOOPS = 4  # Loops that are shown: those that take most energy at the highest amplitude
-SHAPE = "shape"  # Entity of the loop whose own ranges fill the frame
+SHAPE, PORTRAIT = "shape", "portrait"  # Entities of a loop and its phase portrait, whose own ranges fill the frame
 _SHAPE_TICKS = np.array([-1.0, 0.0, 1.0])
 _CURSOR = (255, 255, 255)
 MULTIPLIERS = "multipliers"
@@ -151,9 +151,9 @@ def _loops(animation: Animation) -> list[rrb.Container]:
         return []
     columns, width = loop_grid(len(shown))
     loops = [_plane(loop_path(mount, axis), f"{mount}, {AXES[axis]}: kN over mm", width) for mount, axis in shown]
-    mount, axis = shown[0]
-    shape = _plane(entity(SHAPE), f"{mount}, {AXES[axis]}: over its own ranges", SQUARE)
-    return [rrb.Horizontal(rrb.Grid(*loops, grid_columns=columns), shape, column_shares=[8, 5])]
+    shape = _plane(entity(SHAPE), "Loop, own ranges", SQUARE)
+    portrait = _plane(entity(PORTRAIT), "Phase portrait", SQUARE)
+    return [rrb.Horizontal(rrb.Grid(*loops, grid_columns=columns), rrb.Tabs(shape, portrait), column_shares=[8, 5])]
 
 
 def _plane(origin: str, name: str, width: float) -> rrb.Spatial2DView:
@@ -194,7 +194,7 @@ def loop_path(mount: str, axis: int) -> str:
 
 
 def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, width: float, shape_width: float) -> None:
-    """Log the loops that take most energy, all levels in one frame each, and the shape of the first."""
+    """Log the loops that take most energy, all levels in one frame each, shape and phase portrait of the first."""
     shown = shown_loops(animation)
     few = len(shown) <= 2
     lift, most = (LARGE, 6) if few else (2.0 * LARGE, 4)  # of small frames numbers would touch
@@ -209,10 +209,11 @@ def log_orbit_loops(rec: Stream, animation: Animation, strips: list[Strip], *, w
         )  # fmt: skip
         _log(rec, child(path, "data"), plot, animation, strips, loops)
         _log_cursor(rec, child(path, "data", "cursor"), animation, loop_points(animation.response.mounts[mount], axis))
-    loops = [[_filled(loop) for loop in _loops_over(strip, *shown[0])] for strip in strips]
     plot = Plot(across=(-1.12, 1.12), upward=(-1.12, 1.12), width=shape_width)
-    log_frame(rec, entity(SHAPE), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
-    _log(rec, child(entity(SHAPE), "data"), plot, animation, strips, loops)
+    for name, curves_over in ((SHAPE, _loops_over), (PORTRAIT, _portraits_over)):
+        curves = [[_filled(curve) for curve in curves_over(strip, *shown[0])] for strip in strips]
+        log_frame(rec, entity(name), plot, across=_SHAPE_TICKS, upward=_SHAPE_TICKS, lift=LARGE)
+        _log(rec, child(entity(name), "data"), plot, animation, strips, curves)
 
 
 def _loops_over(strip: Strip, mount: str, axis: int) -> list[Array]:
@@ -220,10 +221,18 @@ def _loops_over(strip: Strip, mount: str, axis: int) -> list[Array]:
     return [loop_points(orbit.response.mounts[mount], axis) for orbit in strip.orbits]
 
 
-def _filled(loop: Array) -> Array:
-    """Return a loop over its own half ranges."""
-    low, high = loop.min(axis=0), loop.max(axis=0)
-    return np.asarray((2.0 * loop - low - high) / np.maximum(high - low, 1e-12))
+def _portraits_over(strip: Strip, mount: str, axis: int) -> list[Array]:
+    """Return the phase portraits of a mount at every motion of a level [m, m/s], (m, 2) each."""
+    return [
+        np.column_stack([orbit.response.mounts[mount].deflection[:, axis], orbit.deflection_rate(mount)[:, axis]])
+        for orbit in strip.orbits
+    ]
+
+
+def _filled(curve: Array) -> Array:
+    """Return a curve over its own half ranges."""
+    low, high = curve.min(axis=0), curve.max(axis=0)
+    return np.asarray((2.0 * curve - low - high) / np.maximum(high - low, 1e-12))
 
 
 def _log(rec: Stream, path: str, plot: Plot, animation: Animation, strips: list[Strip], loops: list[list[Array]]) -> None:
