@@ -20,7 +20,7 @@ from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, STRUCK, WITHIN
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.numbers import ABSENT, MINUS, fixed
-from wirerope_mj.content.panels import Chart, short
+from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.content.payload import accelerations_chart
 from wirerope_mj.content.run import run_content
 from wirerope_mj.content.run_spectra import run_spectra
@@ -324,6 +324,18 @@ def test_the_first_of_several_lines_lies_over_the_others_and_the_base_behind_the
     svg = chart_svg(accelerations_chart(finished, ["block", "block_top"]))
     panel = svg[svg.index('class="panel"') :]
     assert re.findall('data-name="([^"]*)"', panel) == ["base", "block_top", "block"]  # drawn one over the other
+
+
+def test_what_oscillates_too_often_for_a_line_is_a_filled_band_and_named_so():
+    time = np.linspace(0.0, 20.0, 20_001)
+    fast, slow = (Curve(name="a", x=time, y=np.sin(2 * np.pi * f * time), kind=0) for f in (50.0, 0.1))
+    svg = chart_svg(Chart(rows=[[Panel(curves=[fast], ylabel="y")]]))
+    (band,) = re.findall(r'fill-opacity="0.3" d="M([^"]*)Z"', svg)
+    points = np.array(re.split("[ L]", band), dtype=float).reshape(-1, 2)
+    assert points[0, 0] == points[-1, 0] == points[:, 0].min()  # along the upper end, and back along the lower
+    assert np.ptp(points[:, 1]) > 100.0
+    assert "filled: lowest to highest" in svg
+    assert "filled" not in chart_svg(Chart(rows=[[Panel(curves=[slow], ylabel="y")]]))
 
 
 def test_the_contents_lead_to_every_part(page):

@@ -79,15 +79,20 @@ def _panel(panel: Panel, left: float, top: float, width: float, height: float, a
     across = _Scale(x0, x1, left, left + width, logs[0])
     upward = _Scale(y0, y1, top + height, top, logs[1])
     parts = [*_bands(panel, across, top, height), _grid(across, upward, panel, labelled=labelled)]
-    drawn = []
+    drawn, filled = [], ""
     if panel.field:
         parts.insert(0, _cells(panel.field, across, upward))
     for curve in panel.curves:
         if curve.bars:
             drawn.append(_bars(curve, across, upward))
             continue
-        drawn += [f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in _paths(curve, across, upward)]
+        paths = _paths(curve, across, upward)
+        drawn += [f'<path {_look(curve)} data-name="{safe_text(curve.name)}" d="{d}"/>' for d in paths]
+        if len(paths) > 1:
+            drawn.append(f'<path fill="{hexadecimal(_color(curve))}" fill-opacity="0.3" d="{_between(*paths)}"/>')
+            filled = _text(left + width, top - 3.0, "filled: lowest to highest", anchor="end")
     parts += reversed(drawn)  # the first in front
+    parts.append(filled)
     for name, level in panel.limits:
         if y0 <= level <= y1:
             parts.append(f'<path {_LIMIT} data-name="{safe_text(name)}" d="M{left:.1f} {upward(level):.1f}h{width:.1f}"/>')
@@ -205,7 +210,7 @@ def _ticks(scale: _Scale, *, most: int) -> list[tuple[float, str]]:
 
 
 def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
-    """Return a curve as a path, or as the two of its envelope where it oscillates too often for a line."""
+    """Return a curve as a path, or as the upper and the lower end of the band that it fills where it oscillates too often."""
     keep = (curve.x >= across.low) & (curve.x <= across.high) if (np.diff(curve.x) >= 0.0).all() else slice(None)
     x, y = curve.x[keep], curve.y[keep]
     if curve.marks:
@@ -220,7 +225,7 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
     elif (np.diff(x) > 0.0).all():
         if is_dense(x, y[:, None], tolerance):
             at, low, high = envelope(x, y[:, None])
-            return [_path(across.of(at), upward.of(values[:, 0])) for values in (high, low) if values.any()]
+            return [_path(across.of(at), upward.of(values[:, 0])) for values in (high, low)]
         rows = rows_of_line(x, y[:, None], tolerance)
     else:  # a loop, whose corners would show at `_FINE`
         both = np.column_stack([x, y])
@@ -230,6 +235,13 @@ def _paths(curve: Curve, across: _Scale, upward: _Scale) -> list[str]:
 
 def _path(x: Array, y: Array) -> str:
     return "M" + " ".join(f"{a:g} {b:g}" for a, b in _points(x, y))
+
+
+def _between(high: str, low: str) -> str:
+    """Return the path about the band between two paths that `_path` made."""
+    numbers = low[1:].split(" ")
+    back = " ".join(f"{a} {b}" for a, b in zip(numbers[-2::-2], numbers[::-2], strict=True))
+    return f"{high}L{back}Z"
 
 
 def _points(x: Array, y: Array) -> list[list[float]]:
@@ -242,11 +254,14 @@ _FAINT = (196, 201, 207)  # of lines that are not named, which lie behind the ot
 _LIMIT = f'class="limit" fill="none" stroke="{hexadecimal(LIGHT.limit)}" stroke-width="1.1" stroke-dasharray="5 4"'
 
 
+def _color(curve: Curve) -> Color:
+    named: dict[int | str, Color] = {BASE: LIGHT.base, OTHERS: _FAINT, LIMIT: LIGHT.limit}
+    return named[curve.kind] if curve.kind in named else LIGHT.series[int(curve.kind)]
+
+
 def _look(curve: Curve, bar: float = 0.0) -> str:
     """Return class and colour of a curve: a page's style may change the colour, a PDF takes it as it is."""
-    kind = curve.kind
-    named: dict[int | str, Color] = {BASE: LIGHT.base, OTHERS: _FAINT, LIMIT: LIGHT.limit}
-    color = named[kind] if kind in named else LIGHT.series[int(kind)]
+    kind, color = curve.kind, _color(curve)
     name = str(kind) if isinstance(kind, str) else f"c{kind}"
     width = round(bar, 1) or curve.weight * (_MARK if curve.marks else 1.0 if isinstance(kind, str) else 1.5)
     cap = ' stroke-linecap="round"' if curve.marks else ""  # a mark is a line of no length with round ends
