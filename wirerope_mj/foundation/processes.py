@@ -4,6 +4,7 @@ import atexit
 import os
 import subprocess
 import sys
+from contextlib import suppress
 from pathlib import Path
 
 # What the process beside a command runs, and whether this one may start it: commands may; a library starts none unasked.
@@ -39,6 +40,7 @@ def compile_beside() -> None:
     global _allowed
     if _allowed and processors() > 1:
         nothing = subprocess.DEVNULL
-        process = subprocess.Popen(BESIDE, env=environment_of_children(), stdin=nothing, stdout=nothing, stderr=nothing)
-        atexit.register(process.terminate)
+        with suppress(OSError):  # without it the command compiles alone
+            process = subprocess.Popen(BESIDE, env=environment_of_children(), stdin=nothing, stdout=nothing, stderr=nothing)
+            atexit.register(process.terminate)
     _allowed = False

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.dynamics.sweep.sweeps import stepped_sine
 from wirerope_mj.engine.system import System
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.motions.phrases import file_first, parse_phrase
 from wirerope_mj.motions.psd_lines import Points, table_lines
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS, motion_from_phrase
@@ -32,10 +33,9 @@ def with_dwells_found(
 
 
 def _completed(text: str, system: System, folder: Path) -> str:
-    spoken = SPOKEN_MOTIONS[KIND]
     try:
         (quantity, lines), rest = file_first(table_lines)(text, folder)
-        phrase = parse_phrase(rest, words=spoken.words)
+        phrase = parse_phrase(rest, words=SPOKEN_MOTIONS[KIND].words)
     except ValueError:
         return text  # what is wrong with it is said where the motion is made
     if "dwell" not in phrase.named or "frequency" in phrase.quantities or not system.payloads:
@@ -54,7 +54,7 @@ def prominences(system: System, quantity: str, lines: Points, direction: str | S
     payload's centre of mass along x, y or z over the base's. Ends of the table count where they stand above their neighbour,
     and so does what is below 1, as MIL-STD-167-1A, appendix A.2.2, lists candidates for its endurance test.
     """
-    bodies: list[list[np.ndarray]] = []
+    bodies: list[list[Array]] = []
     state = None
     for level, band in groupby(lines, key=lambda line: line[1]):
         part = stepped_sine(

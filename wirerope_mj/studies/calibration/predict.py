@@ -123,21 +123,25 @@ def predict(
     error = generator.standard_t(peaks, count * ERRORS)
     scaled = [k for k, name in enumerate(measures) if name not in UNSCALED]
     struck, farther = measures.index("struck"), _at_level(work, calibration.values[np.newaxis], 1.0 + size * STEPS[-1])
-    stopped = samples[:, struck].any() or farther[:, struck].any()
-    levels = [_at_level(work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS] if stopped else []
+    own, stopped = samples, (samples[:, struck] > 0.0).any() or (farther[:, struck] > 0.0).any()
     samples = np.repeat(samples, ERRORS, axis=0)
     samples[:, scaled] *= np.maximum(1.0 + size * error, 0.0)[:, np.newaxis]
     if stopped:  # a mount's force is off by the error of its law at any deflection
-        followed = [k for k in scaled if not measures[k].startswith("force/")]
+        levels = [own if step == 0.0 else _at_level(work, chosen, max(1.0 + size * step, LEAST)) for step in STEPS]
         between = _between(np.array(levels), error.reshape(count, ERRORS)).reshape(-1, len(measures))
-        samples[:, followed] = between[:, followed]
+        followed = [k for k in scaled if not measures[k].startswith("force/")]
+        failed = np.isnan(between[:, followed])  # those draws stay multiplied
+        samples[:, followed] = np.where(failed, samples[:, followed], between[:, followed])
     samples = samples[~np.isnan(samples).all(axis=1)]
     return Prediction(names=measures, samples=samples, peak_error=size, beyond=beyond, motion=motion.description)
 
 
 def _at_level(work: Work, values: Array, factor: float) -> Array:
-    """Return measures as `_measures` does, of the motion times a factor."""
-    return _measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
+    """Return measures as `_measures` does, of the motion times a factor; NaN if no draw can be simulated."""
+    try:
+        return _measures(replace(work, motions=(Scaled(work.motions[0], factor),)), values)
+    except ConvergenceError:
+        return np.full((len(values), len(measure_names(work.system))), np.nan)
 
 
 def _between(levels: Array, errors: Array) -> Array:
