@@ -8,7 +8,7 @@ from wirerope_mj.content.panels import LIMIT
 from wirerope_mj.mounts.laws import BoucWen
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import find_isolator, load_isolator
-from wirerope_mj.views.plots.png_chart import save_charts
+from wirerope_mj.views.pictures import save_pictures
 from wirerope_mj.views.plots.svg_chart import chart_svg
 
 pytestmark = pytest.mark.quick
@@ -36,7 +36,7 @@ def test_panel_holds_loops_in_millimetres_and_kilonewtons_with_the_rated_points(
 def test_every_kind_of_isolator_has_a_picture(tmp_path, name, panels):
     chart = isolator_chart(load_isolator(find_isolator(name)))
     assert len(chart.rows[0]) == panels
-    save_charts([chart], tmp_path / "loops.png", title=name)
+    save_pictures([chart], tmp_path / "loops.png", title=name)
     assert (tmp_path / "loops.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -54,7 +54,7 @@ def test_cyclic_tests_are_drawn_as_they_were_run_in_units_of_their_size(tmp_path
     assert np.abs(second.y).max() == pytest.approx(tests["axial, 2 Hz"][0].force.max() / 1e3)
     assert shear.curves[0].x.min() == pytest.approx(4.0)
     assert shear.curves[0].y.max() == pytest.approx(tests["shear"][0].force.max())
-    save_charts([chart], tmp_path / "loops.svg", title="two")
+    save_pictures([chart], tmp_path / "loops.svg", title="two")
     assert "<svg" in (tmp_path / "loops.svg").read_text(encoding="utf-8")
 
 
@@ -71,5 +71,5 @@ def test_legend_names_a_few_of_many_loops_with_the_smallest_and_the_largest():
 def test_a_picture_that_cannot_be_written_leaves_nothing(tmp_path):
     chart = isolator_chart(load_isolator(find_isolator("sdof_36hz")))
     with pytest.raises(ValueError, match="docx"):
-        save_charts([chart], tmp_path / "loops.docx")
+        save_pictures([chart], tmp_path / "loops.docx")
     assert list(tmp_path.iterdir()) == []

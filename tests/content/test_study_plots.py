@@ -16,7 +16,7 @@ from wirerope_mj.content.study_charts import (
 from wirerope_mj.studies.inputs.sampling import LISTED
 from wirerope_mj.studies.results.effects import Effect, effects
 from wirerope_mj.studies.results.study_summary import StudySummary
-from wirerope_mj.views.plots.png_chart import save_charts
+from wirerope_mj.views.pictures import save_pictures
 from wirerope_mj.views.plots.svg_chart import chart_svg
 
 
@@ -143,7 +143,7 @@ def test_drawn_variants_get_their_distribution_and_their_inputs(tmp_path):
     table = table_of({"motion/level": x[:, 0], "mount/m$1/axial/alpha": x[:, 1]}, x[:, 0])
     found = charts(table, "random", ["motion/level", "mount/m$1/axial/alpha"])
     assert list(found) == ["distribution", "sensitivity", "scatter"]
-    save_charts(list(found.values()), tmp_path / "charts.png")  # a dollar in a name begins no formula
+    save_pictures(list(found.values()), tmp_path / "charts.png")  # a dollar in a name begins no formula
     assert all(chart_svg(one).startswith("<svg") for one in found.values())
 
 

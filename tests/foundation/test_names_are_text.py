@@ -27,7 +27,6 @@ from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
-from wirerope_mj.content.panels import short
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines, plain, plain_lines
@@ -294,11 +293,6 @@ def test_no_picture_is_drawn_without_this_rule():
     plots = Path(wr.__file__).parent / "views" / "plots"
     other = [path.name for path in plots.glob("*.py") if re.search(r"(?<!Plain)\bFigure\(\w|\$", path.read_text("utf-8"))]
     assert other == []
-
-
-def test_a_name_that_begins_with_an_underscore_stands_in_the_legend(run):
-    assert not short("_table").startswith("_")
-    assert "_table" in short("_table")
 
 
 def test_files_are_written_where_they_were_asked_for_alone(place, run, study):

@@ -53,9 +53,9 @@ def isolators(
     show(isolator_content(device, left_out(part, device) if known else None))
     if out is not None:
         from wirerope_mj.content.cyclic_tests import isolator_chart
-        from wirerope_mj.views.plots.png_chart import save_charts
+        from wirerope_mj.views.pictures import save_pictures
 
-        save_charts([isolator_chart(device)], out, title=device.name)
+        save_pictures([isolator_chart(device)], out, title=device.name)
         say_written(out)
     return 0
 

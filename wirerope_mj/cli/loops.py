@@ -49,7 +49,7 @@ def loops(
     from wirerope_mj.foundation.atomic_files import check_writable
     from wirerope_mj.mounts.isolator.device import amplitudes_of
     from wirerope_mj.mounts.test_rig import cyclic_test, save_cyclic_test
-    from wirerope_mj.views.plots.png_chart import save_charts
+    from wirerope_mj.views.pictures import save_pictures
     from wirerope_mj.views.terminal import show
 
     device, stem, rated = _load(source, axis)
@@ -72,7 +72,7 @@ def loops(
     tested = {title: law for title, (_, law) in laws.items()}
     content = loops_content(CyclicTests(isolator=device, laws=tested, loops=found, **how))
     show(content)
-    save_charts([block for block in content.blocks() if isinstance(block, Chart)], picture, title=device.name)
+    save_pictures([block for block in content.blocks() if isinstance(block, Chart)], picture, title=device.name)
     say_written(picture)
     if csv is not None:
         save_cyclic_test(next(iter(found.values())), csv, frequency=frequency)

@@ -90,9 +90,8 @@ _CRESTS = 300  # intervals of an envelope: each should hold a period at least
 
 
 def short(name: str) -> str:
-    """Return a name as it fits a legend, its end kept, where numbers stand; never one that a legend leaves out."""
-    fits = name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
-    return f" {fits}" if fits.startswith("_") else fits  # matplotlib hides labels that begin with an underscore
+    """Return a name as it fits a legend, its end kept, where numbers stand."""
+    return name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:

@@ -4,7 +4,7 @@ import math
 from dataclasses import replace
 
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from wirerope_mj.assessment.criteria import EXCEEDED, Verdict
 from wirerope_mj.content.blocks import SceneView
@@ -71,14 +71,14 @@ def _travels(response: Response, number: int) -> dict[str, Array]:
 
 def _moved(response: Response, number: int, travels: dict[str, Array], factor: float) -> Scene:
     """Return the scene with its moving bodies at a sample, displacements and rotations `factor` times as large."""
-    bodies = []
+    bodies, rotation = [], scipy.spatial.transform.Rotation
     for body in response.scene.bodies:
         if body.name in travels:
             start, now = (
-                Rotation.from_quat(quaternion, scalar_first=True)
+                rotation.from_quat(quaternion, scalar_first=True)
                 for quaternion in (body.orientation, response.bodies[body.name].orientation[number])
             )
-            turned = Rotation.from_rotvec(factor * (now * start.inv()).as_rotvec()) * start
+            turned = rotation.from_rotvec(factor * (now * start.inv()).as_rotvec()) * start
             position = body.position + factor * travels[body.name]
             bodies.append(replace(body, position=position, orientation=turned.as_quat(scalar_first=True)))
         else:

@@ -99,15 +99,15 @@ def _question(result: FrequencyResponse) -> Entries:
 
 
 def _write_views(result: FrequencyResponse, findings: list[LevelSummary], content: Content, folder: Path) -> None:
-    # Here, because matplotlib and rerun take longer to import than checking the options.
-    from wirerope_mj.views.plots.png_chart import save_charts
+    # Here, because rerun and the page take longer to import than checking the options.
+    from wirerope_mj.views.pictures import save_pictures
     from wirerope_mj.views.report import report_html
 
     title = f"{result.name}, base {dict(content.facts)['Base']}"
     charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
     for name, picture in PICTURES.items():
         if name in charts:
-            save_charts([charts[name]], folder / picture, title=title)
+            save_pictures([charts[name]], folder / picture, title=title)
     (folder / REPORT).write_text(report_html(content), encoding="utf-8")
     if result.branches:
         from wirerope_mj.views.recording.branch import record_branches

@@ -91,7 +91,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
     within the run, or nothing has moved at it.
     """
     from wirerope_mj.content.worst import scene_at, worst_instant
-    from wirerope_mj.views.plots.scene_plan import save_still
+    from wirerope_mj.views.pictures import save_pictures
 
     check_writable(out, force=force)
     run = judged_folder(_run_folder(folder))
@@ -106,7 +106,7 @@ def write_still(folder: Path, out: Path, *, at: str | None = None, force: bool =
     view = worst_instant(run) if instant is None else scene_at(run.response, instant)
     if view is None:
         raise ValueError("nothing that is drawn has moved from its modelled place at this instant; say another with `at`.")
-    save_still(view, out, title=run.title)
+    save_pictures([view], out, title=run.title)
     return out
 
 

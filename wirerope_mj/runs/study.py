@@ -19,6 +19,7 @@ from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views.json_content import plain_content
+from wirerope_mj.views.pictures import save_pictures
 
 MOST = 6  # Variants in one comparison: more cannot be distinguished
 _ROWS = 12  # of a table in the viewer
@@ -48,17 +49,14 @@ def write_content(content: Content, folder: Path) -> None:
 
     Statements and tables stand in content.json under their ids, each chart is a picture by its id, scenes are placements.png.
     """
-    from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes a while
-    from wirerope_mj.views.plots.scene_plan import save_scenes
-
     write_json(folder / CONTENT, plain_content(content, "answer", "results", "inputs", "worst"))
     blocks = list(content.blocks())
     for chart in blocks:
         if isinstance(chart, Chart):
-            save_charts([chart], folder / f"{chart.id}.png", title=content.title)
+            save_pictures([chart], folder / f"{chart.id}.png", title=content.title)
     scenes = [block for block in blocks if isinstance(block, SceneView)]
     if scenes:
-        save_scenes(scenes, folder / "placements.png", title=content.title)
+        save_pictures(scenes, folder / "placements.png", title=content.title)
 
 
 def write_study_report(

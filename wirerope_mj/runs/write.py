@@ -236,11 +236,11 @@ def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, mode
 def _write_views(
     scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool, case: str
 ) -> None:
-    # Here, because matplotlib and rerun take longer to import than a small simulation takes.
+    # Here, because rerun and the page take longer to import than a small simulation takes.
     from wirerope_mj.content.payload import panel_over_frequency
     from wirerope_mj.content.run import run_content
     from wirerope_mj.runs.page import REPORT
-    from wirerope_mj.views.plots.png_chart import save_charts
+    from wirerope_mj.views.pictures import save_pictures
     from wirerope_mj.views.recording.record import record_run
     from wirerope_mj.views.report import report_html
 
@@ -251,13 +251,13 @@ def _write_views(
     writing("the pictures")
     charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
     drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]
-    save_charts(drawn, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
+    save_pictures(drawn, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
     if "loops" in charts:
-        save_charts([charts["loops"]], folder / "loops.png", title=title)
+        save_pictures([charts["loops"]], folder / "loops.png", title=title)
     for number, record in enumerate(records_in(scenario.motion), start=1):
         name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
         chart = charts[f"record-{record.path.name}"]
-        save_charts([chart], folder / name, title=f"{title}: {chart.caption}")
+        save_pictures([chart], folder / name, title=f"{title}: {chart.caption}")
     writing("the report")
     (folder / REPORT).write_text(report_html(content), encoding="utf-8")
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import mujoco
 import numpy as np
-from scipy.spatial.transform import Rotation
+import scipy
 
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.system.changes import Changes, Vector
@@ -202,8 +202,9 @@ def _move_sites(model: mujoco.MjModel, data: mujoco.MjData, system: System, chan
     for site, (name, (shift, turn)) in moves.items():
         body = int(model.site_bodyid[site])
         if any(turn):
-            about = Rotation.from_rotvec(_in_body(data, body, turn))
-            turned = about * Rotation.from_quat(model.site_quat[site], scalar_first=True)
+            rotation = scipy.spatial.transform.Rotation  # here, because it takes as long to import as all of this wing
+            about = rotation.from_rotvec(_in_body(data, body, turn))
+            turned = about * rotation.from_quat(model.site_quat[site], scalar_first=True)
             model.site_quat[site] = turned.as_quat(scalar_first=True)
         if not any(shift):
             continue

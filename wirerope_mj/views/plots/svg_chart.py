@@ -18,7 +18,7 @@ from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, he
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
 WIDTH = 760.0  # Width of a chart, in units of about a pixel of a page
-_LEFT, _RIGHT, _GAP = 58.0, 12.0, 66.0
+_LEFT, _RIGHT, _GAP = 58.0, 16.0, 66.0
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0

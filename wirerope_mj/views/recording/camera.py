@@ -104,13 +104,17 @@ def scene_extent(scene: Scene) -> tuple[Array, float]:
 
 def _corners(scene: Scene) -> Array:
     """Return the corners of the boxes around all geoms that end somewhere, world frame, (n, 3)."""
-    corners = [
-        body.position + rotate(body.orientation, geom.position + rotate(geom.orientation, reach(geom) * CORNERS))
+    boxes = [
+        (body.position, body.orientation, geom.position, geom.orientation, half)
         for body in scene.bodies
         for geom in body.geoms
-        if np.isfinite(reach(geom)).all()
+        if np.isfinite(half := reach(geom)).all()
     ]
-    return np.concatenate(corners) if corners else np.array([body.position for body in scene.bodies])
+    if not boxes:
+        return np.array([body.position for body in scene.bodies])
+    at, turn, inside, turned, half = (np.array(part)[:, None] for part in zip(*boxes, strict=True))
+    corners: Array = at + rotate(turn, inside + rotate(turned, half * CORNERS))
+    return corners.reshape(-1, 3)
 
 
 def reach(geom: Geom) -> Array:

@@ -2,6 +2,7 @@
 
 import tempfile
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import singledispatchmethod
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,7 @@ from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.tables import Column, Table
+from wirerope_mj.views.pictures import save_pictures
 
 _COLOURS = {"within": "176B2F", "near": "7A5600", "unjudged": "7A5600", "exceeded": "B30000", "quiet": "56616F"}
 _SHADES = {"within": "E9F6EC", "exceeded": "FCEBEA", "unjudged": "FDF5E1"}
@@ -137,16 +139,12 @@ class _Writer:
 
     @set_block.register
     def _(self, block: Chart) -> None:
-        from wirerope_mj.views.plots.png_chart import save_charts  # late: matplotlib takes long to import
-
-        save_charts([block], self._picture())
+        save_pictures([block], self._picture())
         self._place(_PICTURE, block.caption, block.alt)
 
     @set_block.register
     def _(self, block: SceneView) -> None:
-        from wirerope_mj.views.plots.scene_plan import save_scenes
-
-        save_scenes([block], self._picture())
+        save_pictures([replace(block, caption="")], self._picture())
         self._place(_DRAWING, block.caption, block.caption)
 
     def _picture(self) -> Path:
