@@ -32,6 +32,7 @@ def test_the_default_of_a_scenario_passes_with_a_margin(name):
     assert 0.1 < used(name) <= MARGIN
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "options"),
     [("floating_floor_shock", {"level_g": 15.0}), ("floating_floor_double_pulse", {"displacement_mm": 45.0})],

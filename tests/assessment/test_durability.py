@@ -142,6 +142,7 @@ def test_a_damage_spectrum_follows_the_deflections_that_scipy_solves():
         assert found.damage[0] == pytest.approx(expected, rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_damage_spectrum_of_a_history_is_that_of_pyyeti():
     with np.printoptions():  # which pyyeti sets for the whole process
         fdepsd = pytest.importorskip("pyyeti.fdepsd")

@@ -32,6 +32,7 @@ def judged(system, motion, duration, limits=None, **options):
     return response, judge(response, limits)
 
 
+@pytest.mark.slow
 def test_a_run_that_ends_inside_the_answer_is_not_judged_and_longer_ones_agree(cabinet):
     whole_run, reference = judged(cabinet, PULSE, 3.0)
     least = np.ceil(1e3 * (0.011 + 2.0 * whole_run.numerics.slowest_period))  # [ms]

@@ -182,6 +182,7 @@ def test_a_parameter_that_is_not_significant_stands_in_the_headline_and_beside_i
     assert f'<p id="headline" class="verdict unjudged">Converged, but {names} ' in page
 
 
+@pytest.mark.slow
 def test_friction_on_two_scales_becomes_laws_in_parallel(folder, capsys):
     rope = wr.Parallel(
         laws=[
@@ -205,6 +206,7 @@ def test_friction_on_two_scales_becomes_laws_in_parallel(folder, capsys):
     assert "bouc-wen" in capsys.readouterr().out
 
 
+@pytest.mark.slow
 def test_the_number_of_scales_is_taken_from_the_data_and_shown(folder, capsys):
     rope = wr.BoucWen.from_normalised(z_max=360.0, x_y=3e-3, sigma=0.6, n=1.6, k=3e4)
     write_record(folder / "one.csv", *rig_record(rope, [0.5e-3, 1e-3, 3e-3, 8e-3], seed=3, noise=0.003, points=100.0))

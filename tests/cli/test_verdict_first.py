@@ -87,6 +87,7 @@ def test_a_terminal_shows_what_is_being_written_and_keeps_nothing_of_it(tmp_path
     assert shown.endswith("\x1b[2K")  # the line is erased
 
 
+@pytest.mark.slow
 def test_a_reader_that_leaves_before_the_verdict_does_not_cost_the_folder(tmp_path):
     command = [sys.executable, "-c", "import sys; from wirerope_mj.cli import main; sys.exit(main())", *SHORT, "run"]
     with subprocess.Popen(

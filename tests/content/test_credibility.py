@@ -82,6 +82,7 @@ def test_a_given_step_is_an_assumption(identified):
     assert grade(rows["computation"]) == 1
 
 
+@pytest.mark.slow
 def test_a_study_is_graded_as_its_runs_are_by_the_largest_of_its_deflections(identified, tmp_path):
     small = replace(TESTED, amplitude=(1e-4, 4e-3), deflection=(-4e-3, 4e-3))
     known = replace(identified, validity=Validity(axial=small))

@@ -166,6 +166,7 @@ def test_smoothing_is_a_small_step_away_and_stays_stable():
     assert at_peak.smoothing_width == pytest.approx(0.03 * velocity, rel=0.05)  # the width is that of the point before
 
 
+@pytest.mark.slow
 def test_the_variational_equation_gives_the_columns_integrated_one_by_one():
     system = wr.load_system("models/floating_floor.xml")
     search = OrbitSearch(system, direction="z", history="relaxed", accuracy=1.5625e-6)  # 1024 steps per period

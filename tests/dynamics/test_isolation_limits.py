@@ -122,6 +122,7 @@ def test_the_catalogues_curves_are_those_of_work_and_energy(limits, axis):
             assert ratios[place] == pytest.approx(expected, rel=2e-3)
 
 
+@pytest.mark.slow
 def test_the_catalogue_lies_where_the_caption_says(limits):
     n = limits.measure()
     assert (n["axial_count"], n["shear_count"]) == (8.0, 8.0)

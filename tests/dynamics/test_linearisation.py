@@ -16,6 +16,7 @@ STIFF = SymmetricBoucWen(alpha=1.0, beta=0.5, gamma=-0.2, n=2.0, k1=1.0, k2=0.0,
 TENSION = AsymmetricBoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0, k1=0.5, k2=0.1, k3=0.05, b=np.e, c=0.2)
 
 
+@pytest.mark.slow
 def test_a_spring_and_damper_is_answered_exactly():
     mass, k, c, level = 2.0, 300.0, 4.0, 5.0
     frequency = np.linspace(0.3, 8.0, 23)

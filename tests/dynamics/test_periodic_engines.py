@@ -123,6 +123,7 @@ def test_only_a_copy_that_lands_is_handed_on():
     assert np.isfinite(landed.end).all()
 
 
+@pytest.mark.slow
 def test_a_branch_that_comes_to_land_goes_on(by_both):
     system = mass_over_deck()
     own, other = by_both(

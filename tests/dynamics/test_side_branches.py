@@ -25,6 +25,7 @@ def floor():
     return frequency_response(one_scale_floor(), options)
 
 
+@pytest.mark.slow
 def test_a_branch_goes_on_past_a_side_branch_to_the_resonance(floor):
     """It turned back at 7.785 Hz, passed its start, and called 2.08 m/s^2 there the resonance peak."""
     (branch,) = floor.branches
@@ -40,6 +41,7 @@ def test_a_branch_goes_on_past_a_side_branch_to_the_resonance(floor):
     assert frequency == pytest.approx(9.17, rel=0.01)  # steps of the branch; a sweep of an independent integration says 9.2
 
 
+@pytest.mark.slow
 def test_what_lies_beside_it_is_said(floor):
     (branch,) = floor.branches
     assert branch.side_branches
@@ -54,6 +56,7 @@ def test_what_lies_beside_it_is_said(floor):
     assert content.verdict.text.startswith("Resonance of floor at 9.")
 
 
+@pytest.mark.slow
 def test_the_highest_of_a_branch_that_ended_early_is_not_called_a_resonance(floor):
     level = floor.levels[0]
     branch = dataclasses.replace(level.branch, complete=False)

@@ -13,7 +13,7 @@ from wirerope_mj.dynamics.periodic.variational import variational_of
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 
 
-@pytest.mark.quick
+@pytest.mark.slow
 @pytest.mark.parametrize("level_g", [0.2, 4.0])  # of the bound of z in its yield deflection: a tenth, and far beyond it
 @pytest.mark.parametrize("n", [0.1, 0.2, 0.35])
 def test_multipliers_do_not_depend_on_the_steps(n, level_g):
@@ -43,6 +43,7 @@ def test_with_n_of_one_it_gives_the_columns_of_the_map():
     assert np.abs(scaled - columns).max() < 2e-3 * np.abs(columns).max()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("law", [two_scales(), bouc_wen(0.2)], ids=["two scales", "one"])
 def test_both_engines_give_the_same_multipliers(monkeypatch, law):
     """MuJoCo's steps sample the slope of steep states where the kernel carries them in closed form."""
@@ -77,6 +78,7 @@ def test_a_branch_of_a_steep_law_is_stable_and_has_no_gaps(law):
     assert branch.amplitude[branch.peak] == pytest.approx(last, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_an_orbit_of_a_steep_law_is_judged_alike_alone():
     orbit = wr.periodic_orbit(sdof(bouc_wen(0.15), mass=MASS), frequency=34.0, acceleration=1.96, direction="z")
     assert orbit.residual < 1e-8

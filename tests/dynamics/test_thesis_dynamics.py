@@ -336,6 +336,7 @@ def library(law, **more):
     )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_29_an_adaptive_integrator_and_the_law_s_kinks_make_stable_motions_unstable_and_a_smooth_law_does_not():
     found = motions(MODIFIED)
     loose = {"tolerance": 1e-6, "difference": 1e-5}

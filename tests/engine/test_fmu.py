@@ -152,6 +152,7 @@ def test_a_law_that_ends_is_said_where_it_ends():
         going.advance(0.01, [0.0, 0.0, 1000.0])
 
 
+@pytest.mark.slow
 def test_the_command_writes_a_unit_once_and_names_what_is_wrong(tmp_path):
     assert wirerope("fmu", "shock_table", "table.fmu", cwd=tmp_path).returncode == 0
     description = fmpy.read_model_description(str(tmp_path / "table.fmu"))

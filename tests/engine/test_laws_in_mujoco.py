@@ -64,6 +64,7 @@ def test_loop_integrated_in_mujoco_has_the_closed_form_peak_and_work(beta, gamma
 SHAKING = wr.Sine(frequency=10.0, acceleration=3 * G, direction="z")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(LAWS))
 def test_every_law_draws_in_mujoco_the_loop_of_its_trace(name):
     law = example(name)

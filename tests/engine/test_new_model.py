@@ -43,6 +43,7 @@ def make(*options, name="genset"):
     return main(["new", name, "--mounts", "mounts.csv", "--masses", "masses.csv", *options])
 
 
+@pytest.mark.slow
 def test_a_model_that_nothing_holds_up_is_written_and_exits_with_1_as_the_help_says(here, capsys):
     good_tables()
     write("mounts.csv", MOUNTS, [f"m{n}, {x}, {y}, 100, enidine_wr12_400, 0, 0" for n, x, y in SOFT])
@@ -120,6 +121,7 @@ def test_six_mounts_of_a_symmetric_genset_carry_a_sixth_each(here, capsys):
     assert [row[6] for row in rows] == ["16.7"] * 12  # per cent of the weight, on the first loading and relaxed
 
 
+@pytest.mark.slow
 def test_axes_of_a_mount_lead_from_the_base_to_the_payload(here):
     """A direction, or inclination and azimuth, mean the same; bars stand square to it."""
     direction = "direction_x, direction_y, direction_z, bars_x, bars_y, bars_z"
@@ -156,6 +158,7 @@ def test_stops_close_after_their_gap_and_stand_in_files_of_their_own(here):
     ]  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_folder_is_complete_and_its_tables_make_it_again(here):
     assert main(["new", "genset", "--template", "genset", "--pdf"]) == 0
     first = Path("genset/genset.xml").read_bytes()
@@ -206,6 +209,7 @@ def number_or_text(cell):
         return cell
 
 
+@pytest.mark.slow
 def test_a_workbook_makes_the_same_model_as_csv(here):
     good_tables()
     assert make(name="genset") == 0
@@ -364,6 +368,7 @@ Taken at the output coordinate system. (Using positive tensor notation.)
 """
 
 
+@pytest.mark.slow
 def test_mass_properties_of_a_cad_program_are_read_with_their_sign(here):
     write("mounts.csv", MOUNTS, FEET)
     Path("genset.txt").write_text(CAD)

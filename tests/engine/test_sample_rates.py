@@ -158,6 +158,7 @@ def test_the_rates_of_deflections_follow_from_the_bodies(shaken):
         assert apart < 3e-3 * np.abs(differences).max()  # the second derivative jumps where the pulse ends
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("ignore:the base moves at up to 200 Hz")
 @pytest.mark.parametrize("quantity", ["deflection", "force"])
 def test_damage_is_the_same_at_any_rate_or_refused_with_one_that_suffices(cabinet, tmp_path, quantity):

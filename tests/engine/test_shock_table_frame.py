@@ -173,6 +173,7 @@ def test_the_answer_of_the_gallery_holds_by_runs_of_their_own(rigid, figure):
     assert worst[1.1] < 0.05 < worst[0.9]
 
 
+@pytest.mark.slow
 def test_the_figures_numbers_are_consistent(figure):
     _, n = figure
     assert n["isolator"] == pytest.approx(math.sqrt(110e3 / 50.0) / (2 * math.pi), rel=1e-6)  # the sheet's shock stiffness
@@ -190,6 +191,7 @@ def test_a_frame_that_cannot_be_is_refused(change):
         load_scenario("shock_table_frame").make(**change)
 
 
+@pytest.mark.slow
 def test_the_step_of_the_figure_has_the_velocity_of_its_pulse(figure):
     room, _ = figure
     pulse = load_scenario("shock_table_frame").make().motion

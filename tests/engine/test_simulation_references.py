@@ -204,6 +204,7 @@ def test_an_eccentric_floor_on_eight_mounts_follows_newton_and_euler(floor_runs)
     np.testing.assert_allclose(corner.relative_displacement, moved, atol=1e-9)
 
 
+@pytest.mark.slow
 def test_peaks_of_the_floor_are_those_of_the_reference(floor_runs):
     r, model, states, deck_position, deck_velocity = floor_runs
     rows = [model.mounts(y, p, v) for y, p, v in zip(states, deck_position, deck_velocity, strict=True)]

@@ -55,6 +55,7 @@ def heavy(name, factor, isolators=None):
     return wr.load_system(text.replace('gravity="0 0 -9.80665"', f'gravity="0 0 {-factor * G}"'), isolators=isolators)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "factor", "mass", "wanted"),
     [

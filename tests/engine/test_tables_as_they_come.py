@@ -51,6 +51,7 @@ def european(folder):
         (folder / f"{name.lower()}.csv").write_text("\n".join([*above, *lines]).replace("[mm]", "(mm)"), encoding="utf-8-sig")
 
 
+@pytest.mark.slow
 def test_a_workbook_and_a_folder_with_decimal_commas_make_one_model(here):
     workbook(here / "job.xlsx")
     european(here / "tables")
@@ -63,6 +64,7 @@ def test_a_workbook_and_a_folder_with_decimal_commas_make_one_model(here):
     assert float(system.model.body("equipment").mass[0]) == pytest.approx(400.5)
 
 
+@pytest.mark.slow
 def test_clearances_hold_for_the_corners_of_the_envelope_by_a_pattern(here, capsys):
     workbook(here / "job.xlsx")
     assert main(["new", "a", "--tables", "job.xlsx"]) == 0

@@ -85,6 +85,7 @@ def test_a_second_process_compiles_nothing(use):
     assert use() == (7.0, 2.5, [])
 
 
+@pytest.mark.slow
 def test_a_changed_kernel_is_compiled_again_with_those_that_call_it_and_no_other(use):
     use()
     assert use(inner="FACTOR * x + 1.0") == (8.0, 2.5, ["outer", "inner"])
@@ -96,6 +97,7 @@ def test_a_comment_changes_nothing(use):
     assert use(inner="FACTOR * x  # [N]") == (7.0, 2.5, [])
 
 
+@pytest.mark.slow
 def test_a_constant_of_another_module_counts(use):
     """So do the addresses of tables, which are such constants."""
     use()
@@ -107,6 +109,7 @@ def test_how_a_kernel_is_compiled_counts(use):
     assert use(decorator="inlined")[2] == ["outer", "inner"]
 
 
+@pytest.mark.slow
 def test_another_numba_another_python_and_another_processor_compile(use):
     use()
     assert use(before="import numba; numba.__version__ = '0.1'") == (7.0, 2.5, ALL)
@@ -116,6 +119,7 @@ def test_another_numba_another_python_and_another_processor_compile(use):
     assert use(NUMBA_OPT="1") == (7.0, 2.5, ALL)
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(kernel_files.level() is None, reason="no code is shipped for this machine's processor")
 def test_code_for_a_level_of_processors_is_used_by_those_that_have_its_features_and_no_others(use):
     assert kernel_files.level() == "x86-64-v3"  # the machine of these tests has it
@@ -131,6 +135,7 @@ def test_code_for_a_level_of_processors_is_used_by_those_that_have_its_features_
     assert use(before=lacking % "popcnt") == (7.0, 2.5, ALL)
 
 
+@pytest.mark.slow
 def test_a_file_that_was_cut_off_is_compiled_anew_and_replaced(use, tmp_path):
     use()
     for path in files(tmp_path):
@@ -139,6 +144,7 @@ def test_a_file_that_was_cut_off_is_compiled_anew_and_replaced(use, tmp_path):
     assert use() == (7.0, 2.5, [])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("content", [b"", b"short", b"no code at all"])
 def test_a_file_of_anything_else_is_compiled_anew(use, tmp_path, content):
     use()
@@ -153,6 +159,7 @@ def test_a_folder_that_cannot_be_written_hinders_nothing(use, tmp_path):
     assert use(NUMBA_CACHE_DIR=str(tmp_path / "file" / "cache")) == (7.0, 2.5, ALL)
 
 
+@pytest.mark.slow
 def test_two_processes_at_once_leave_whole_files(use, tmp_path):
     both = [use(wait=False), use(wait=False)]
     for process in both:
@@ -189,6 +196,7 @@ def test_a_relative_folder_of_the_environment_is_not_used(use, tmp_path):
 owned = pytest.mark.skipif(not kernel_files._KNOWN, reason="this system has no owners and modes")
 
 
+@pytest.mark.slow
 @owned
 @pytest.mark.parametrize("place", ["cache", "."])
 def test_a_folder_that_others_may_write_is_not_used(use, tmp_path, place):
@@ -202,6 +210,7 @@ def test_a_folder_that_others_may_write_is_not_used(use, tmp_path, place):
     assert use() == (7.0, 2.5, [])
 
 
+@pytest.mark.slow
 @owned
 def test_a_folder_in_which_nobody_may_rename_what_is_not_theirs_may_be_above_it(use, tmp_path):
     tmp_path.chmod(0o1777)
@@ -209,6 +218,7 @@ def test_a_folder_in_which_nobody_may_rename_what_is_not_theirs_may_be_above_it(
     assert use() == (7.0, 2.5, [])
 
 
+@pytest.mark.slow
 @owned
 def test_a_kernel_that_others_may_write_is_not_used_and_replaced(use, tmp_path):
     use()
@@ -218,6 +228,7 @@ def test_a_kernel_that_others_may_write_is_not_used_and_replaced(use, tmp_path):
     assert use() == (7.0, 2.5, [])
 
 
+@pytest.mark.slow
 @owned
 def test_a_link_is_no_kernel(use, tmp_path):
     use()
@@ -228,6 +239,7 @@ def test_a_link_is_no_kernel(use, tmp_path):
     assert use() == (7.0, 2.5, ALL)
 
 
+@pytest.mark.slow
 @owned
 @pytest.mark.skipif(not kernel_files._KNOWN or os.geteuid() != 0, reason="only root may give files away")
 @pytest.mark.parametrize("what", ["cache", "files"])

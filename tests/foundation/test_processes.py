@@ -43,6 +43,7 @@ def test_the_first_kernel_that_a_command_compiles_starts_one_process_which_ends_
     assert not os.path.exists(f"/proc/{number}")
 
 
+@pytest.mark.slow
 def test_a_library_starts_none_and_so_does_a_command_with_one_processor(tmp_path):
     assert beside(tmp_path, before="", waits=False) == []
     assert beside(tmp_path, processors=1, waits=False) == []

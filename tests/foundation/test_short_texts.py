@@ -63,6 +63,7 @@ def results(tmp_path_factory):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_every_result_says_itself_in_two_kilobytes(results):
     sizes = {name: len(repr(result)) for name, result in results.items()}
     assert {name: size for name, size in sizes.items() if size > MOST} == {}
@@ -70,6 +71,7 @@ def test_every_result_says_itself_in_two_kilobytes(results):
     assert {name: size for name, size in html.items() if size > 2 * MOST} == {}  # tags and all
 
 
+@pytest.mark.slow
 def test_the_texts_say_what_there_is(results):
     assert repr(results["mounts"]).startswith("40 by name: m01, m02")
     assert "Enidine WR16-400" in repr(results["mount"])
@@ -89,6 +91,7 @@ def test_a_short_motion_says_itself_as_the_call_that_makes_it_and_a_long_one_cut
     assert eval(repr(short), {"RandomVibration": wr.RandomVibration}) == short
 
 
+@pytest.mark.slow
 def test_a_comparison_of_laws_is_still_a_table_when_it_is_printed(results):
     assert str(results["laws compared"]).startswith("law ")
     assert "of LawRow" in repr(results["laws compared"])

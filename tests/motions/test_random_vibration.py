@@ -123,6 +123,7 @@ def test_axes_with_seeds_of_their_own_are_independent(history):
     assert coherence.mean() == pytest.approx(1 / segments, rel=4 / math.sqrt(2 / 3 * 220))
 
 
+@pytest.mark.slow
 def test_an_oscillator_answers_as_miles_says():
     flat = RandomVibration(psd=[(8.0, 1.0), (480.0, 1.0)], duration=LENGTH, seed=6, direction="z", rise=1.0, fall=1.0)
     frequency, q = 60.0, 10.0

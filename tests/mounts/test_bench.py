@@ -90,6 +90,7 @@ def test_loop_that_does_not_close_says_why_and_what_to_try():
         cyclic_test(worn, 0.001, points_per_cycle=4)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("operating_point", [0.0, -2e-3])
 def test_a_scale_that_yields_far_beyond_the_amplitude_closes(operating_point):
     # The large set forgets a millionth of its start in a cycle of 0.02 mm, the small one half of it.

@@ -295,7 +295,7 @@ def test_shaker_isolator_resonates_at_36_2_hz_at_half_a_g():
     assert 4.0 < peak / (0.5 * STANDARD_GRAVITY) < 8.0
 
 
-@pytest.mark.quick
+@pytest.mark.slow
 def test_shaker_resonance_moves_left_as_the_level_rises():
     law = isolator("sdof_36hz").axial
     weak, _ = resonance(law, 0.25, np.arange(36.8, 38.5, 0.2))

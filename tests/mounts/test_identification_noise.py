@@ -32,11 +32,13 @@ def scatter(**options):
     ]
 
 
+@pytest.mark.slow
 def test_standard_errors_hold_where_loops_of_unlike_noise_count_alike():
     # The rms of 40 normal numbers is within 2.6 of its own standard errors, 1 / sqrt(80), of one.
     assert scatter() == pytest.approx([1.0] * 5, abs=0.29)
 
 
+@pytest.mark.slow
 def test_standard_errors_hold_where_a_newton_counts_alike():
     assert scatter(weights="equal") == pytest.approx([1.0] * 5, abs=0.29)
 

@@ -60,6 +60,7 @@ def test_a_stop_is_found_within_its_errors_from_noisy_loops(case):
     assert gap.standard_error < 2e-5  # 1 % of 2 kN over 500 kN/m is 40 um in one sample, and there are some ten near the knee
 
 
+@pytest.mark.slow
 def test_exponent_and_rounding_are_searched_for_when_asked():
     rubber = wr.Stop(gap_below=3e-3, k=5e5 * 1e-3**-0.5, exponent=1.5, loss=0.2, reversal=1e-3)
     found = wr.identify(loops_of(rubber, [5e-3, 8e-3], noise=0.002), law=wr.Stop, free=["exponent"])
@@ -124,6 +125,7 @@ def test_an_isolator_is_found_beside_a_known_stop():
         assert abs(p.value - true) < 4.0 * p.standard_error
 
 
+@pytest.mark.slow
 def test_a_start_joins_the_grid_and_must_say_what_the_loops_show():
     loops = loops_of(STOP, [6e-3, 8e-3], noise=0.01)
     near = wr.Stop(gap_below=4.5e-3, k=4e5, loss=0.2, reversal=1e-3)

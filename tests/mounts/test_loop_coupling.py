@@ -129,6 +129,7 @@ def planes(draw):
     return laws.LoopBoucWen(roll=roll, axial=axial, loop=wr.LoopCoupling(**ends, coefficients=table))
 
 
+@pytest.mark.slow
 @given(
     law=planes(),
     points=st.lists(st.tuples(st.floats(-2.0, 2.0), st.floats(-2.0, 2.0)), min_size=2, max_size=10),

@@ -69,6 +69,7 @@ def test_a_better_fit_met_on_the_way_is_handed_back():
     assert result.better["a"] == pytest.approx(103.0, abs=0.1)
 
 
+@pytest.mark.slow
 def test_springs_that_harden_and_soften_alike_are_told_of():
     # b2 < 0 beside a stiffer kb fits as well: found by moving nothing, only by beginning there too.
     truth = wr.VaianaRosati(kb=45555.0, f0=188.1, alpha=374.8, b1=23.6, b2=143.2, g1=94.4, g2=256.0, g3=1.157e-3)

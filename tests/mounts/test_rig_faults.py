@@ -83,6 +83,7 @@ def foreign_record(name, *, lag, noise, seed=0):
     return time, path[::10], late + noise * 0.5 * np.ptp(force) * np.random.default_rng(seed).standard_normal(time.size)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("lag", [0.0, 0.001, -0.004])
 @pytest.mark.parametrize("name", DEVICES)
 def test_the_lag_of_any_rate_independent_device_is_named_from_a_thousandth_of_a_cycle(name, lag):
@@ -116,11 +117,13 @@ def test_a_lag_of_a_thousandth_is_named_in_most_records_whose_noise_lets_it():
     assert sum(named) >= 15
 
 
+@pytest.mark.slow
 def test_noise_is_named():
     (text,) = said(*rig_record(LAW, SIZES, points=400.0, noise=0.12))
     assert text.startswith("noise of the force")
 
 
+@pytest.mark.slow
 def test_the_command_takes_hum_out_and_says_it(tmp_path, capsys):
     from wirerope_mj.cli import main
 

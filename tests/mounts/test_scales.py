@@ -73,6 +73,7 @@ def test_the_law_has_one_spring_one_asymmetry_and_scales_apart(three):
     assert repr(three).startswith("Identification of 3 scales of AsymmetricBoucWen")
 
 
+@pytest.mark.slow
 def test_the_smallest_amplitude_left_out_is_predicted_three_times_better_than_by_one_set(loops):
     smallest = prepare(loops)[0]
     errors = {
@@ -84,6 +85,7 @@ def test_the_smallest_amplitude_left_out_is_predicted_three_times_better_than_by
     assert errors[3] < errors[1] / 3.0, errors
 
 
+@pytest.mark.slow
 def test_stiffness_and_damping_of_small_cycles_are_the_devices(three):
     for amplitude in (0.05e-3, 0.2e-3):  # a tenth of the least amplitude, and less than half of it
         ours, device = (wr.cyclic_test(law, amplitude, points_per_cycle=200)[0] for law in (three.law, rope()))
@@ -105,6 +107,7 @@ def test_other_laws_have_two_scales_too(kind):
     assert fit.residual == pytest.approx(2e-3, rel=0.1)
 
 
+@pytest.mark.slow
 def test_n_of_a_scale_does_not_leave_its_bound(loops):
     # Two scales for a device of three: n is pressed down, as one set's is to 0.11.
     fit = wr.identify(loops, law=wr.AsymmetricBoucWen, scales=2, profiles=False)

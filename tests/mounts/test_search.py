@@ -28,6 +28,7 @@ def test_jacobian_of_a_number_near_zero_is_no_rounding(k):
     np.testing.assert_allclose(found.jacobian[:, place], expected, atol=1e-4 * np.abs(expected).max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [0.05, 0.1])
 def test_a_fit_far_below_the_yield_deflection_ends_although_most_is_open(share):
     # There the law is a spring and a little friction: z_max, x_y, k, and n creep along a valley that the noise does not see.

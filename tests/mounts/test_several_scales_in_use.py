@@ -92,6 +92,7 @@ def test_a_law_without_friction_has_no_yield():
     assert wr.KelvinVoigt(k=1e5, c=10.0).with_yield(2.0) == wr.KelvinVoigt(k=1e5, c=10.0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "value", "change"),
     [
@@ -193,6 +194,7 @@ def test_each_of_several_laws_is_smoothed():
     assert sizes[1] == pytest.approx(sizes[0], rel=1e-2)
 
 
+@pytest.mark.slow
 def test_specimens_of_several_scales_give_a_spread():
     rng, specimens = np.random.default_rng(5), []
     for factor in (0.9, 1.0, 1.1):

@@ -85,6 +85,7 @@ def test_what_hardly_moves_across_and_what_nothing_was_measured_of_is_not_said()
     assert off_centre == {"axial": "-8 to -4 mm (tested -5 to 5 mm)"}
 
 
+@pytest.mark.slow
 def test_command_and_report_say_it(isolator, tmp_path):
     (tmp_path / "one.xml").write_text(sdof_text(mass=20.0).replace('data="a"', 'data="a.toml"'), encoding="utf-8")
     replace(isolator, name="rig").save(tmp_path / "a.toml")
@@ -116,6 +117,7 @@ def test_a_range_that_cannot_be_is_refused(table, said):
         wr.Isolator.from_dict({"name": "a", "axial": LAW.to_dict(), "validity": {"axial": whole}})
 
 
+@pytest.mark.slow
 def test_three_axes_are_joined_into_one_file(tmp_path):
     parts = {"axial": 8e-3, "shear": 6e-3, "roll": 5e-3}
     for axis, largest in parts.items():
@@ -137,6 +139,7 @@ def test_three_axes_are_joined_into_one_file(tmp_path):
         assert f"{axis}.csv" in whole.provenance.source
 
 
+@pytest.mark.slow
 def test_an_identification_says_how_well_peaks_of_shocks_are_known():
     """The band of a foreign device, that of bristles with seed 113, holds a shock within its tests."""
     import prediction_errors as foreign

@@ -199,6 +199,7 @@ def test_of_the_runs_that_wait_only_the_newest_is_computed():
         assert run(server, {"values": "fails"}) == (422, {"error": "it fell over."})
 
 
+@pytest.mark.slow
 def test_the_command_prints_its_address_and_ends_on_an_interrupt(tmp_path):
     code = "import sys; from wirerope_mj.cli import main; sys.exit(main())"
     command = [sys.executable, "-c", code, "explore", "shock_table", "--no-browser", "--no-viewer"]

@@ -136,6 +136,7 @@ def test_only_what_a_change_touches_runs_again(again, monkeypatch, change, expec
     assert again(CASES.replace(*change)) == expected
 
 
+@pytest.mark.slow
 def test_a_changed_limit_is_judged_as_a_new_run_would_be_without_simulating(again, tmp_path, monkeypatch):
     monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
     runs = tmp_path / "job" / "out" / "cases"
@@ -175,6 +176,7 @@ def test_a_case_whose_files_were_altered_runs_again(again, tmp_path):
     assert again() == {"Down, mild": "altered"}
 
 
+@pytest.mark.slow
 def test_a_record_is_an_input_by_its_content(tmp_path, monkeypatch):
     monkeypatch.setattr(job_module, "_write_views", lambda *_, **__: None)
     at = np.arange(200) / 1000.0

@@ -32,6 +32,7 @@ def test_a_report_is_made_of_an_older_run(tmp_path, capsys):
     assert "shock_table" in (tmp_path / "run" / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.mark.slow
 def test_a_study_is_read_shown_and_computed_again(tmp_path):
     old = wr.load_study(OLD / "study")
     assert old.complete

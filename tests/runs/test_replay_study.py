@@ -22,6 +22,7 @@ def folder(tmp_path_factory):
     return path
 
 
+@pytest.mark.slow
 def test_a_study_is_replayed_and_a_changed_number_is_found(folder, capsys):
     assert main(["replay", str(folder)]) == 0
     assert "every variant simulated again: bit-identical; the tables agree" in re.sub(r"\s+", " ", capsys.readouterr().out)

@@ -185,6 +185,7 @@ def test_a_run_that_does_not_end_leaves_nothing_and_keeps_the_old_one(table, tmp
     assert sorted((path.name, path.stat().st_mtime_ns) for path in moved.iterdir()) == before
 
 
+@pytest.mark.slow
 def test_a_record_is_copied_and_read_from_the_folder(tmp_path):
     source = tmp_path / "elsewhere" / "deck.csv"
     source.parent.mkdir()

@@ -193,6 +193,7 @@ def test_intervals_of_any_forward_model_hold_the_truth_as_often_as_they_say():
     assert 28 <= inside <= 40
 
 
+@pytest.mark.slow
 def test_a_model_that_does_not_follow_is_not_sure_of_itself():
     time, forward = forward_of(swinging)
     noise = 0.01 * np.random.default_rng(1).standard_normal(time.size)

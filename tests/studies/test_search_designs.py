@@ -132,6 +132,7 @@ def test_a_search_that_was_stopped_again_and_again_ends_with_the_same_bytes(foun
     assert content(tmp_path / "out") == content(found.folder)
 
 
+@pytest.mark.slow
 def test_a_search_that_was_killed_ends_with_the_same_bytes(found, tmp_path):
     code = (
         "import os, signal, sys\n"
@@ -164,6 +165,7 @@ def test_parts_of_other_designs_are_not_believed(found, tmp_path, monkeypatch):
     assert content(tmp_path / "out") == content(found.folder)
 
 
+@pytest.mark.slow
 def test_dask_gives_the_same_rows(found, tmp_path):
     pytest.importorskip("distributed")
     with warnings.catch_warnings():

@@ -88,6 +88,7 @@ def test_a_cluster_that_exists_gives_the_local_table_bit_for_bit(cluster, local,
     assert kept.samples.columns(0, len(names)).tobytes() == again.samples.columns(0, len(names)).tobytes()
 
 
+@pytest.mark.slow
 def test_workers_of_other_versions_end_the_study_with_one_message(cluster, tmp_path, monkeypatch):
     here = dask_engine.versions()
     for name, word in (("mujoco", "mujoco 4.*instead of 99.0"), ("code", f"code {here['code']} instead of 99.0")):
@@ -98,6 +99,7 @@ def test_workers_of_other_versions_end_the_study_with_one_message(cluster, tmp_p
         assert not list((tmp_path / name / "parts").iterdir())
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_loses_nothing(cluster, local):
     address, _, worker = cluster
     asked, found = study(), {}
@@ -148,6 +150,7 @@ def test_a_chunk_that_kills_its_workers_is_tried_alone_at_the_end_and_fails_alon
     assert bits(again.table) == bits(local)
 
 
+@pytest.mark.slow
 def test_what_is_no_scheduler_is_said_within_seconds():
     for address in ("tcp://127.0.0.1:9", "nonsense", "foo://here:1"):
         began = time.monotonic()

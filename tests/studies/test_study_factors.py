@@ -14,6 +14,7 @@ def study(**arguments):
     return wr.Study(model="cabinet.xml", motion=PULSE, duration=0.08, timestep=5e-4, sampling="list", **arguments)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("name", "change"), [("stiffness", "scaled"), ("damping", "with_damping")])
 def test_a_factor_on_a_mount_is_what_the_isolator_makes_of_it(tmp_path, name, change):
     factors = [0.5, 1.0, 2.0]
@@ -44,6 +45,7 @@ def test_a_mount_without_stiffness_is_refused(value):
         study(vary={"mount/m01/stiffness": wr.Choice(1.0, value)}).table()
 
 
+@pytest.mark.slow
 def test_isolators_are_chosen_by_name(tmp_path):
     names = ["enidine_wr16_400", "enidine_wr16_700"]
     result = wr.Study(

@@ -24,6 +24,7 @@ def written(turn):
     return wr.load_system(spec)
 
 
+@pytest.mark.slow
 def test_a_turned_mount_is_that_of_a_model_written_so(tmp_path):
     angles = [-20.0, 0.0, 35.0]
     result = study({"mount/m01/turn/x": wr.Choice(*angles)}).run(tmp_path / "study")
@@ -53,6 +54,7 @@ def test_a_turned_variant_is_made_again_from_its_changes():
         wr.varied(wr.load_system("cabinet"), turns={"m01": [0.1]})
 
 
+@pytest.mark.slow
 def test_names_share_a_draw(tmp_path):
     vary = read_vary(["mount/m0*/stiffness & body/rack/mass = Normal(1, 0.1, relative)"])
     drawn = study(vary, sampling="sobol", variants=8)

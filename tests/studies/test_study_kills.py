@@ -51,6 +51,7 @@ def parts_in(folder):
         return []
 
 
+@pytest.mark.slow
 def test_a_study_killed_at_random_ten_times_ends_with_the_same_table(alone, tmp_path):
     folder, chance, parts, delays = tmp_path / "killed", random.SystemRandom(), [], []
     for _ in range(10):
@@ -236,6 +237,7 @@ def test_what_no_memory_threads_or_files_were_there_for_is_no_result_and_compute
         assert (folder / name).read_bytes() == (alone.folder / name).read_bytes()
 
 
+@pytest.mark.slow
 def test_a_worker_ends_in_the_middle_of_a_chunk_when_nobody_waits_for_it_any_more():
     study = table_study(variants=1, duration=1e5)  # a hundred million steps
     worker = local._Process(pickle.dumps(functools.partial(compute, study.work)))

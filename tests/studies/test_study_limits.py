@@ -94,6 +94,7 @@ def test_a_stated_limit_stands_in_summary_and_report_whose_headline_counts_it(tm
     assert "Within the limits" not in page
 
 
+@pytest.mark.slow
 def test_stated_limits_stay_until_others_are_stated(tmp_path, capsys):
     folder = tmp_path / "study"
     assert run_with_limit(folder, "acceleration = 500 g") == 0
@@ -154,6 +155,7 @@ def test_the_list_of_measures_has_every_kind_and_not_every_mount(result):
     assert len(said) < 600 < len(", ".join(names))
 
 
+@pytest.mark.slow
 def test_the_nominal_system_stands_beside_its_variants(tmp_path):
     pulse = wr.HalfSine(peak=50.0, duration=0.011, direction="z", start=0.01)
     study = wr.Study(

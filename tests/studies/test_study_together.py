@@ -70,6 +70,7 @@ def test_a_base_that_moves_from_the_start_carries_all_along():
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
 
 
+@pytest.mark.slow
 def test_company_does_not_matter():
     study = study_of({key: value for vary in STUDIES.values() for key, value in vary.items() if "beta" not in key})
     rows = study.table().to_pylist()
@@ -86,6 +87,7 @@ def test_mounts_that_failed_are_left_to_systems_of_their_own():
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
 
 
+@pytest.mark.slow
 def test_what_is_too_heavy_says_so_and_leaves_the_others_as_they_are():
     study = study_of(
         {"body/floor/mass": wr.Uniform(0.9, 1.1, relative=True)},
