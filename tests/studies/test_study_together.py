@@ -5,8 +5,10 @@ import pytest
 from one_scale import one_scale
 
 import wirerope_mj as wr
+from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.studies.engines import compute as engine
 from wirerope_mj.studies.engines.together import NONE, together
+from wirerope_mj.studies.inputs.variants import Maker
 
 SHOCK = wr.HalfSine(peak=60.0, duration=0.011, direction="z", start=0.005)
 STUDIES = {
@@ -100,3 +102,12 @@ def test_what_is_too_heavy_says_so_and_leaves_the_others_as_they_are():
     assert found["status"].to_pylist() == ["done", "failed", "done"]
     assert found["message"][1].as_py()
     require_equal(found.take([0, 2]), table(study, [rows[0], rows[2]]))
+
+
+def test_the_slowest_period_of_a_variant_is_that_of_its_own_system():
+    """Found from the numbers in the lanes, so that no system is made to say whether a run is long enough."""
+    study = study_of(STUDIES["laws of coupled mounts"] | STUDIES["body"], isolators=one_scale("wr16_400", "wr12_400"))
+    rows, make = study.table().to_pylist(), Maker(study.work.system, study.work.motions, study.work.columns)
+    own = [slowest_period(make.system(row)) for row in rows]
+    assert together(study.work, rows).slowest == pytest.approx(own, rel=1e-9)
+    assert np.ptp(own) > 1e-3 * np.mean(own)

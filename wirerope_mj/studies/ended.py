@@ -30,10 +30,15 @@ class Lengths:
         all_act = not any(column.name.endswith(_TAKEN_AWAY) for column in work.columns)
         self._enough = {number for number, holds in enumerate(far) if holds and all_act}
 
-    def early(self, row: Entries) -> str:
-        """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not."""
+    def early(self, row: Entries, slowest: float = math.nan) -> str:
+        """Return why the run of a variant ends before its peaks are over, as a note; "" if it does not.
+
+        `slowest` is the period of its slowest mode [s]; NaN to look for it.
+        """
         number = self._number(row)
-        return "" if number in self._enough else self._early(number, slowest_period(self._make.system(row)))
+        if number in self._enough:
+            return ""
+        return self._early(number, slowest_period(self._make.system(row)) if math.isnan(slowest) else slowest)
 
     def quiet_from(self, row: Entries) -> float:
         """Return the instant [s] from which on nothing of a variant may grow; infinite where that may be until the end."""

@@ -66,10 +66,15 @@ def eigenvalues(system: System, *, closed: bool = False) -> ComplexArray:
     free = np.flatnonzero(moves)
     pairs = zip(matrices, joint_matrices(model), strict=True)
     stiffness, damping = ((mounts + joints)[np.ix_(free, free)] for mounts, joints in pairs)
-    inverse, n = np.linalg.inv(mass[np.ix_(free, free)]), free.size
-    rates = np.zeros((2 * n, 2 * n))  # of displacements and velocities
-    rates[:n, n:] = np.eye(n)
-    rates[n:, :n], rates[n:, n:] = -inverse @ stiffness, -inverse @ damping
+    return _eigenvalues(mass[np.ix_(free, free)], stiffness, damping)
+
+
+def _eigenvalues(inertia: Array, stiffness: Array, damping: Array) -> ComplexArray:
+    """Return the eigenvalues [1/s] of linear systems, (..., 2 n), of matrices (..., n, n)."""
+    inverse, n = np.linalg.inv(inertia), inertia.shape[-1]
+    rates = np.zeros((*inertia.shape[:-2], 2 * n, 2 * n))  # of displacements and velocities
+    rates[..., :n, n:] = np.eye(n)
+    rates[..., n:, :n], rates[..., n:, n:] = -inverse @ stiffness, -inverse @ damping
     return np.asarray(np.linalg.eigvals(rates), dtype=np.complex128)
 
 
@@ -111,13 +116,18 @@ def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
 
 def slowest_period(system: System) -> float:
     """Return the period of the slowest mode [s] for small amplitudes of the unloaded mounts, 1 s if nothing oscillates."""
-    rates = np.abs(eigenvalues(system).imag)
-    moving = rates[rates > SLOWEST_RATE]
-    return float(2.0 * np.pi / moving.min()) if moving.size else 1.0
+    return float(_slowest_of(eigenvalues(system)))
 
 
-class StepBound:
-    """Bounds of the fastest rates of variants whose mounts stand where those of a system do.
+def _slowest_of(eigenvalues: ComplexArray) -> Array:
+    """Return the periods of the slowest oscillations [s] of eigenvalues (..., n), 1 s where nothing oscillates."""
+    rates = np.abs(eigenvalues.imag)
+    slowest = np.where(rates > SLOWEST_RATE, rates, np.inf).min(axis=-1, initial=np.inf)
+    return np.where(np.isfinite(slowest), 2.0 * np.pi / slowest, 1.0)
+
+
+class VariantRates:
+    """Rates of the own motion of variants whose mounts stand where those of a system do, and bounds of the fastest.
 
     With inertia M, stiffness K and damping C, symmetric and not negative, every eigenvalue is at most
     c / 2 + sqrt(c^2 / 4 + k), c and k the largest ones of M^-1 C and M^-1 K; these are at most the roots of the sums of the
@@ -129,8 +139,7 @@ class StepBound:
         model, own = system.model, equations(system)
         self._free = np.delete(np.arange(model.nv), system.assembly.driven_dofs)
         laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values()]
-        # Of the own laws, closed, (3 n_mounts,) each.
-        self.stiffness, self.damping, self.decay = np.array([rates_of(law) for law in laws]).reshape(-1, 3).T
+        self.own = np.array([rates_of(law) for law in laws]).reshape(-1, N_RATES).T  # of the system's laws, (5, 3 n_mounts)
         moving, turn_rates = np.zeros((2, 3, model.nv))
         with system.assembly.scratch.data(model) as data:
             mujoco.mj_fwdPosition(model, data)
@@ -160,29 +169,46 @@ class StepBound:
             total += turn_rates.T @ about @ turn_rates
         return total
 
-    def certainly_stable(self, timestep: float, numbers: Array, stiffness: Array, damping: Array, decay: Array) -> Booleans:
+    def certainly_stable(self, timestep: float, numbers: Array, rates: Array) -> Booleans:
         """Return for which variants a step [s] is certainly stable, (n,); of the others `stable_step` says it.
 
-        `numbers` are those of the variants' equations, (n, n_num); stiffness, damping and decay of their laws are (n, 3
-        n_mounts) as those of the system.
+        `numbers` are those of the variants' equations, (n, n_num); `rates` of their laws, as `rates_of` has them, (n, 5, 3
+        n_mounts).
         """
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)
-        inertia = self.inertia(numbers)
-        joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
-        pairs = zip((stiffness, damping), joints, strict=True)
-        k, c = (
-            _largest(inertia, np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1]))
-            for values, own in pairs
-        )
+        inertia, (stiffness, damping, decay) = self.inertia(numbers), rates.swapaxes(0, 1)[:3]
+        k, c = (_largest(inertia, matrix) for matrix in self._matrices(numbers, stiffness, damping))
         fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))
         passive = (stiffness >= 0.0).all(axis=1) & (damping >= 0.0).all(axis=1)
         return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))
 
+    def slowest_periods(self, numbers: Array, rates: Array) -> Array:
+        """Return `slowest_period` of variants [s], (n,), of what `certainly_stable` takes; NaN where mounts resist turning."""
+        if self._turns or not self._free.size:
+            return np.full(len(numbers), np.nan)
+        stiffness, damping = self._matrices(numbers, rates[:, 3], rates[:, 4])
+        return _slowest_of(_eigenvalues(self.inertia(numbers), stiffness, damping))
 
-def rates_of(law: Law | None) -> tuple[float, float, float]:
-    """Return closed stiffness [N/m], closed damping [N s/m] and rate of decay [1/s] of a law, 0 of none."""
-    return (0.0, 0.0, 0.0) if law is None else (law.closed_stiffness, law.closed_damping, law.relaxation_rate)
+    def _matrices(self, numbers: Array, stiffness: Array, damping: Array) -> tuple[Array, Array]:
+        """Return stiffness and damping of the free coordinates, (n, n_free, n_free) each, of those of the laws."""
+        joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
+        one, other = (
+            np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1])
+            for values, own in zip((stiffness, damping), joints, strict=True)
+        )
+        return one, other
+
+
+N_RATES = 5
+
+
+def rates_of(law: Law | None) -> tuple[float, ...]:
+    """Return closed stiffness [N/m] and damping [N s/m] of a law, its rate of decay [1/s], initial stiffness and damping."""
+    if law is None:
+        return (0.0,) * N_RATES
+    closed = law.closed_stiffness, law.closed_damping, law.relaxation_rate
+    return (*closed, law.initial_stiffness, law.damping_coefficient)
 
 
 def _largest(inertia: Array, matrices: Array) -> Array:
@@ -192,6 +218,6 @@ def _largest(inertia: Array, matrices: Array) -> Array:
 
 
 @once_per_system
-def step_bound(system: System) -> StepBound:
-    """Return the bounds for variants of a system; made once."""
-    return StepBound(system)
+def variant_rates(system: System) -> VariantRates:
+    """Return what computes rates of variants of a system; made once."""
+    return VariantRates(system)

@@ -199,6 +199,8 @@ def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Toge
     """Return the rows of a chunk: of some outcomes by their index, and of those that were computed side by side."""
     n, lengths = len(chunk.rows), Lengths(work)
     values, ends = _values(work, n, outcomes, done)
+    slowest = np.full(n, NAN)
+    slowest[done.indices] = done.slowest
     status = [DONE] * n
     messages = [""] * n
     begins: dict[float, list[int]] = {}
@@ -206,7 +208,7 @@ def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Toge
         if isinstance(failed := outcomes.get(index), str):
             messages[index], status[index] = failed, FAILED
             continue
-        messages[index] = lengths.early(row)
+        messages[index] = lengths.early(row, float(slowest[index]))
         if not messages[index] and ends[index] > (begin := lengths.quiet_from(row)):
             begins.setdefault(begin, []).append(index)
     for begin, which in begins.items():

@@ -17,7 +17,7 @@ from wirerope_mj.engine.simulation.grid import joined, time_grid
 from wirerope_mj.engine.simulation.in_lanes import Sink, go_in_lanes, moving
 from wirerope_mj.engine.simulation.recorder import column_plan
 from wirerope_mj.engine.simulation.simulate import MOST_STEPS, check_direction, checked_corners
-from wirerope_mj.engine.simulation.stability import rates_of, stable_step, step_bound
+from wirerope_mj.engine.simulation.stability import rates_of, stable_step, variant_rates
 from wirerope_mj.engine.simulation.stepper import HISTORIES, moving_with_base
 from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system import System, once_per_system
@@ -42,9 +42,10 @@ class Together:
     indices: Integers  # which of the rows they are of, (n,)
     columns: Mapping[str, Array]  # by the measure's name, (n,) each
     late: Array  # when something of them last reached an extreme that counts [s], (n,)
+    slowest: Array  # period of the slowest mode of each [s], (n,); NaN where it needs a system of its own
 
 
-NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0))
+NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0), slowest=np.zeros(0))
 
 
 def together(work: Work, rows: Sequence[Entries]) -> Together:
@@ -60,7 +61,7 @@ def together(work: Work, rows: Sequence[Entries]) -> Together:
     columns = measures_together(system, done.extremes, None if done.forces is None else done.forces[done.chosen])
     return Together(
         indices=done.indices[done.good], columns={name: one[done.good] for name, one in columns.items()},
-        late=done.extremes.late[done.good],
+        late=done.extremes.late[done.good], slowest=done.slowest[done.good],
     )  # fmt: skip
 
 
@@ -90,6 +91,7 @@ class _Done:
     chosen: Integers  # numbers of those among the variants whose equations could be written
     forces: Array | None  # of the mounts at rest of these, if they start there
     extremes: Extremes  # over every step
+    slowest: Array  # period of the slowest mode of each [s]; NaN where mounts stand elsewhere or resist turning
     good: Booleans  # which of them hold
     time: Array  # sample instants [s]
 
@@ -117,11 +119,13 @@ def _go(work: Work, rows: Sequence[Entries], sink: Sink | None = None, threads: 
         [Equations(lay=own.lay, fix=own.fix, num=variants.numbers[i], rest=own.rest, counts=own.counts) for i in chosen],
         system.assembly.tables.drive, motions, states[chosen], grid, threads=threads, sink=sink,
     )  # fmt: skip
+    slowest = variant_rates(system).slowest_periods(variants.numbers[chosen], variants.rates[chosen])
     extremes = Extremes.of(system, done)
     deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
     low, high = (one[:, deflections::2] for one in (extremes.lowest, extremes.highest))
     return _Done(
         indices=np.array(variants.indices)[chosen], chosen=chosen, forces=forces, extremes=extremes,
+        slowest=np.where(np.array(variants.moved)[chosen], np.nan, slowest),
         good=~extremes.failed & _lawful(system, low, high), time=grid.sample_times,
     )  # fmt: skip
 
@@ -133,7 +137,7 @@ class _Variants:
     indices: list[int]  # which of the rows they are
     motions: list[BaseMotion]  # of their bases
     numbers: Array  # of their equations, (n, n_num)
-    rates: Array  # stiffness, damping and decay of their laws, (n, 3, 3 n_mounts)
+    rates: Array  # of their laws, as `rates_of` has them, (n, 5, 3 n_mounts)
     moved: list[bool]  # whether mounts stand elsewhere, (n,)
 
 
@@ -148,8 +152,7 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
     system, make = work.system, Maker(work.system, work.motions, work.columns)
     table = pa.table({column.name: [row[column.name] for row in rows] for column in work.columns})
     valid = systems_valid(system, work.columns, table)
-    bound = step_bound(system)
-    own_rates = np.array([bound.stiffness, bound.damping, bound.decay])
+    own_rates = variant_rates(system).own
     laws: _Laws = {}
     checked: set[int] = set()  # of motions, by their identity: `make` keeps them
     indices, motions, numbers, rates, moved = [], [], [], [], []
@@ -193,7 +196,7 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
 
 
 # By law and parameters: its kernel's parameters, its rates, and its form if it is coupled.
-_Laws = dict[object, tuple[Array, tuple[float, float, float], tuple[float, float, float, float] | None]]
+_Laws = dict[object, tuple[Array, tuple[float, ...], tuple[float, float, float, float] | None]]
 
 
 def _plain(draft: Draft) -> bool:
@@ -283,8 +286,7 @@ def _unloaded(system: System) -> State:
 
 def _steps_hold(work: Work, variants: _Variants, rows: Sequence[Entries]) -> Booleans:
     """Return for which variants the step is stable."""
-    stiffness, damping, decay = variants.rates.swapaxes(0, 1)
-    holds = step_bound(work.system).certainly_stable(work.timestep, variants.numbers, stiffness, damping, decay)
+    holds = variant_rates(work.system).certainly_stable(work.timestep, variants.numbers, variants.rates)
     holds &= ~np.array(variants.moved)
     make = Maker(work.system, work.motions, work.columns)
     for number in np.flatnonzero(~holds):
