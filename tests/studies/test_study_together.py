@@ -56,6 +56,29 @@ def test_variants_have_the_bits_that_a_batch_of_their_systems_has(name):
     require_equal(table(study, rows), table(study, rows, side_by_side=False))
 
 
+@pytest.mark.parametrize(
+    "vary",
+    [
+        {
+            "mount/m*/axial/alpha": wr.Normal(1.0, 0.1, relative=True, each=True),
+            "body/floor/mass": wr.Normal(1.0, 0.05, relative=True),
+        },
+        {
+            "mount/m*/roll/laws[0].k1": wr.Normal(1.0, 0.1, relative=True),
+            "mount/m02/shear/laws[0].alpha": wr.Normal(1.0, 0.1, relative=True),
+        },
+        {"mount/m*/axial/stiffness": wr.Normal(1.0, 0.1, relative=True, each=True)},
+        {"mount/m*/axial/friction": wr.Normal(1.0, 0.1), "mount/m*/roll/yield": wr.Normal(1.0, 0.1)},
+    ],
+    ids=["all scales", "one scale", "stiffness", "friction and yield"],
+)
+def test_laws_of_several_scales_stand_side_by_side_too(vary):
+    study = study_of(vary, variants=3)
+    rows = study.table().to_pylist()
+    assert together(study.work, rows).indices.size == 3
+    require_equal(table(study, rows), table(study, rows, side_by_side=False))
+
+
 @pytest.mark.parametrize("initial", ["relaxed", "unloaded"])
 def test_variants_begin_where_the_batch_begins(initial):
     study = study_of(STUDIES["body"], initial=initial, variants=3)

@@ -22,6 +22,7 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI
 from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS
 from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.parallel import Parallel
 from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
 from wirerope_mj.mounts.laws.semi_empirical import TINKER_CUTCHINS
 from wirerope_mj.mounts.laws.vaiana_rosati import VAIANA_ROSATI
@@ -186,6 +187,8 @@ def same_structure(law: Law | None, other: Law | None) -> bool:
     """Return whether two laws are certainly computed alike but for the values of their parameters."""
     if law is None or other is None:
         return law is other
+    if isinstance(law, Parallel) and isinstance(other, Parallel):
+        return len(law.laws) == len(other.laws) and all(map(same_structure, law.laws, other.laws))
     return type(law) is type(other) and (law.kernel in _PLAIN or law == other)
 
 

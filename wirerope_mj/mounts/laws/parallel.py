@@ -123,7 +123,7 @@ class Parallel(Law):
 
     def certainly_valid(self, columns: Entries) -> bool:
         """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
-        for law, own in zip(self.laws, self._own(columns), strict=True):
+        for law, own in zip(self.laws, self.composed(columns), strict=True):
             whole = law.completed(own)
             for name, powers in law.powers_of_factors.items():
                 factor = np.asarray(columns.get(name, 1.0))
@@ -160,7 +160,7 @@ class Parallel(Law):
 
     def completed(self, values: Entries) -> Entries:
         """Return the laws with new values of parameters and factors, named as in `parameter`."""
-        own = self._own(values)
+        own = self.composed(values)
         pairs = zip(self.laws, own, strict=True)
         varied = replace(self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in pairs))
         varied = varied.scaled(values["stiffness"]) if "stiffness" in values else varied
@@ -168,7 +168,7 @@ class Parallel(Law):
         varied = varied.with_yield(values["yield"]) if "yield" in values else varied
         return {"laws": varied.laws}
 
-    def _own(self, values: Entries) -> list[Entries]:
+    def composed(self, values: Entries) -> list[Entries]:
         """Compose the new parameters of each law from values of single parameters and of factors on all laws."""
         own: list[Entries] = [{} for _ in self.laws]
         for name, value in values.items():

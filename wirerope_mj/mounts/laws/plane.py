@@ -51,8 +51,7 @@ class PlaneLaw(ABC):
 
     def rate_parameters(self) -> Array:
         """Return sigma, n, the bounds z_m and the yield deflections x_y of both laws, six for each scale, (6 n_scales,)."""
-        forms = [[*map(form_of, scale.laws)] for scale in self.scales]
-        return np.array([value for (s, n, z1, x1), (_, _, z2, x2) in forms for value in (s, n, z1, z2, x1, x2)])
+        return np.array([value for scale in self.scales for value in rates_in_plane(*map(form_of, scale.laws))])
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
         """Return the kernel's parameters for a straight line in the plane, and its length [m]; of a law of one scale."""
@@ -98,13 +97,21 @@ def require_alike(names: tuple[str, str], one: Law, other: Law) -> None:
             )
 
 
-def form_of(law: Law) -> tuple[float, float, float, float]:
+Form = tuple[float, float, float, float]  # sigma, n, z_m and x_y
+
+
+def form_of(law: Law) -> Form:
     """Return sigma, n, z_m and x_y of a Bouc-Wen kernel's parameters; an unbounded law has z_m infinite."""
     alpha, beta, gamma, n = (float(value) for value in law.kernel_parameters()[:4])
     if beta + gamma <= 0.0:
         return math.nan, n, math.inf, math.inf
     bound = (alpha / (beta + gamma)) ** (1.0 / n)
     return beta / (beta + gamma), n, bound, bound / alpha
+
+
+def rates_in_plane(one: Form, other: Form) -> tuple[float, ...]:
+    """Return sigma, n, the bounds and the yield deflections of two laws' forms in the order of the kernel."""
+    return one[0], one[1], one[2], other[2], one[3], other[3]
 
 
 def elastic_of(law: Law) -> Array:

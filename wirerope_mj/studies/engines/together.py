@@ -28,7 +28,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
-from wirerope_mj.mounts.laws.plane import form_of
+from wirerope_mj.mounts.laws.parallel import FACTORS
+from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
 from wirerope_mj.studies.inputs.check import systems_valid
 from wirerope_mj.studies.inputs.column import Draft
 from wirerope_mj.studies.inputs.variants import Maker, Work
@@ -195,16 +196,16 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
     return _Variants(indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved)
 
 
-# By law and parameters: its kernel's parameters, its rates, and its form if it is coupled.
-_Laws = dict[object, tuple[Array, tuple[float, ...], tuple[float, float, float, float] | None]]
+# By law and parameters: its kernel's parameters, its rates, and the forms of its scales if it is coupled.
+_Forms = list[Form]
+_Laws = dict[object, tuple[Array, tuple[float, ...], _Forms]]
 
 
 def _plain(draft: Draft) -> bool:
-    """Return whether only parameters of single laws vary, of isolators that act as written."""
+    """Return whether only parameters of laws vary, of isolators that act as written."""
     mounts = draft.system.mounts
     return not draft.isolators and all(
-        mounts[mount].written.conditioned is mounts[mount].written
-        and all(part in AXES and not isinstance(mounts[mount].isolator.axes[part], Parallel) for part, _ in parameters)
+        mounts[mount].written.conditioned is mounts[mount].written and all(part in AXES for part, _ in parameters)
         for mount, parameters in draft.parameters.items()
     )
 
@@ -225,31 +226,37 @@ def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None
             key = (id(law), tuple(sorted(values.items())))
             if key not in laws:
                 varied = _unchecked(law, values)
-                form = form_of(varied) if place in isolator.coupled_axes else None
-                laws[key] = varied.kernel_parameters(), rates_of(varied), form
+                laws[key] = _numbers_of(varied, coupled=place in isolator.coupled_axes)
             parameters, rates[:, 3 * number + place], forms[place] = laws[key]
             writer.write_law(numbers, mount, place, parameters)
         if isolator.coupled_axes and any(place in isolator.coupled_axes for place in forms):
-            one, other = (forms.get(place) or _form(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
-            writer.write_coupling(numbers, mount, np.array([one[0], one[1], one[2], other[2], one[3], other[3]]))
+            one, other = (forms.get(place) or _forms(isolator.axes[AXES[place]], laws) for place in isolator.coupled_axes)
+            scales = map(rates_in_plane, one, other)
+            writer.write_coupling(numbers, mount, np.array([value for scale in scales for value in scale]))
 
 
 def _unchecked(law: Law, values: Entries) -> Law:
     """Return a law with other parameters, whole columns of which are known to be valid."""
     varied: Law = object.__new__(type(law))
-    vars(varied).update(vars(law), **law.completed(values))
+    if isinstance(law, Parallel) and not set(values) & set(FACTORS):
+        parts = zip(law.laws, law.composed(values), strict=True)
+        vars(varied)["laws"] = tuple(_unchecked(one, own) for one, own in parts)
+    else:
+        vars(varied).update(vars(law), **law.completed(values))
     return varied
 
 
-def _form(law: Law | None, laws: _Laws) -> tuple[float, float, float, float]:
-    """Return the form of a law that does not vary."""
+def _numbers_of(law: Law, *, coupled: bool) -> tuple[Array, tuple[float, ...], _Forms]:
+    return law.kernel_parameters(), rates_of(law), [form_of(part) for part in law.components] if coupled else []
+
+
+def _forms(law: Law | None, laws: _Laws) -> _Forms:
+    """Return the forms of a law that does not vary."""
     assert law is not None  # it is coupled
     key = (id(law), ())
     if key not in laws:
-        laws[key] = law.kernel_parameters(), rates_of(law), form_of(law)
-    form = laws[key][2]
-    assert form is not None
-    return form
+        laws[key] = _numbers_of(law, coupled=True)
+    return laws[key][2]
 
 
 def _starts(work: Work, variants: _Variants) -> tuple[Array, Array | None, Booleans]:
