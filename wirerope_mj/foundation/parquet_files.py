@@ -45,7 +45,11 @@ class TableWriter:
         """Append rows, (n, n_columns)."""
         import pyarrow as pa
 
-        columns = [pa.array(np.ascontiguousarray(column)) for column in rows.T]
+        # Not by `pa.array`, which imports pandas where that is installed.
+        columns = [
+            pa.Array.from_buffers(pa.float64(), len(rows), [None, pa.py_buffer(np.ascontiguousarray(column, dtype=np.float64))])
+            for column in rows.T
+        ]
         self._writer.write_table(pa.Table.from_arrays(columns, schema=self._schema))
 
     def close(self, content: Mapping[str, object]) -> None:

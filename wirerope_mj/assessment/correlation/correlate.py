@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
-from scipy.interpolate import CubicSpline
+import scipy
 
 from wirerope_mj.assessment.correlation.iso18571 import INNER, Rating, iso_rating
 from wirerope_mj.assessment.correlation.magnitude_phase import MagnitudePhase, russell, sprague_geers
@@ -337,4 +337,4 @@ def _at_rate(values: Array, own: float, rate: float) -> Array:
     if rate <= own:
         return coarser(values, own, rate)
     count = int((values.size - 1) / own * rate) + 1
-    return np.asarray(CubicSpline(np.arange(values.size) / own, values)(np.arange(count) / rate))
+    return np.asarray(scipy.interpolate.CubicSpline(np.arange(values.size) / own, values)(np.arange(count) / rate))
