@@ -23,8 +23,13 @@ class Lengths:
     """Whether the runs of a study are long enough, by the rule of runs: `wirerope_mj.assessment.criteria.ended`."""
 
     def __init__(self, work: Work) -> None:
-        self._work = work
         self._make = Maker(work.system, work.motions, work.columns)
+        self._of_motion = [column for column in work.columns if not column.targets]
+        # What the rules of runs want to know of each motion: itself, begin and end of the run, and when it is over.
+        self._asked: list[tuple[Entries, tuple[float, float], float]] = [
+            (motion.to_dict(), (0.0, work.duration), motion.end if math.isfinite(motion.end) else math.nan)
+            for motion in work.motions
+        ]
         slowest = _SLOWER * slowest_period(work.system)
         far = [not self._early(number, slowest) for number in range(len(work.motions))]
         all_act = not any(column.name.endswith(_TAKEN_AWAY) for column in work.columns)
@@ -42,19 +47,13 @@ class Lengths:
 
     def quiet_from(self, row: Entries) -> float:
         """Return the instant [s] from which on nothing of a variant may grow; infinite where that may be until the end."""
-        return quiet_from(*self._asked(self._number(row)))
+        return quiet_from(*self._asked[self._number(row)])
 
     def _number(self, row: Entries) -> int:
-        return MotionSettings.of([column for column in self._work.columns if not column.targets], row).record
+        return MotionSettings.of(self._of_motion, row).record
 
     def _early(self, number: int, slowest: float) -> str:
-        return ends_early(*self._asked(number), slowest)
-
-    def _asked(self, number: int) -> tuple[Entries, tuple[float, float], float]:
-        """Return what the rules of runs want to know of a motion."""
-        motion = self._work.motions[number]
-        over = motion.end if math.isfinite(motion.end) else math.nan
-        return motion.to_dict(), (0.0, self._work.duration), over
+        return ends_early(*self._asked[number], slowest)
 
 
 _AT_REST = ("static_load", "mounts")  # Measures that no run has to go on for

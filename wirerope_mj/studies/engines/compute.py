@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Generator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import pyarrow as pa
@@ -12,7 +13,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.studies.ended import Lengths, growth_text
-from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together
+from wirerope_mj.studies.engines.together import NONE, Together, go_alone, together, together_again
 from wirerope_mj.studies.inputs.variants import Maker, Work
 from wirerope_mj.studies.measures import NAN, late, measure_names, measures, needs_samples
 from wirerope_mj.studies.responses import packed
@@ -75,8 +76,12 @@ def _together(work: Work, chunk: Chunk) -> Together:
     """Return what could be computed side by side; responses are those of single systems."""
     if chunk.responses or needs_samples(work.system):
         return NONE
+    return _side_by_side(partial(together, work, chunk.rows))
+
+
+def _side_by_side(go: Callable[[], Together]) -> Together:
     try:
-        return together(work, chunk.rows)
+        return go()
     except Exception:  # whatever one variant does must not cost the others their results: each says alone what it is
         return NONE
 
@@ -177,15 +182,15 @@ def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together)
 
 
 def _grown(
-    work: Work, begin: float, rows: Sequence[Entries], values: Mapping[str, Array], which: Sequence[int]
+    work: Work, begin: float, rows: Sequence[Entries], values: Mapping[str, Array], which: Sequence[int], done: Together
 ) -> list[list[str]]:
     """Return the kinds of measures of variants that reach more than until `begin` [s], for which they are computed again."""
     # What has a limit may grow by `GROWTH` of it, as in a run, and what has none by as much of itself.
-    shorter, chunk = replace(work, duration=begin), Chunk(number=0, rows=rows)
-    done = _together(shorter, chunk)
-    rest = np.setdiff1d(np.arange(len(rows)), done.indices).tolist()
+    shorter = replace(work, duration=begin)
+    again = _side_by_side(partial(together_again, shorter, done, which))
+    rest = np.setdiff1d(np.arange(len(rows)), again.indices).tolist()
     outcomes = dict(zip(rest, _outcomes(shorter, [rows[i] for i in rest], None), strict=True)) if rest else {}
-    before, _ = _values(shorter, len(rows), outcomes, done)
+    before, _ = _values(shorter, len(rows), outcomes, again)
     kinds: list[dict[str, None]] = [{} for _ in rows]
     for name, until in before.items():
         reached, kind = values[name][which], name.partition("/")[0]
@@ -212,7 +217,7 @@ def _table(work: Work, chunk: Chunk, outcomes: Mapping[int, Outcome], done: Toge
         if not messages[index] and ends[index] > (begin := lengths.quiet_from(row)):
             begins.setdefault(begin, []).append(index)
     for begin, which in begins.items():
-        for index, kinds in zip(which, _grown(work, begin, [chunk.rows[i] for i in which], values, which), strict=True):
+        for index, kinds in zip(which, _grown(work, begin, [chunk.rows[i] for i in which], values, which, done), strict=True):
             messages[index] = growth_text(growth_note(work.duration), kinds) if kinds else ""
     inputs = ["variant", *(column.name for column in work.columns)]
     columns = {name: [row[name] for row in chunk.rows] for name in inputs} | values

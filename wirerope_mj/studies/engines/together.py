@@ -3,7 +3,7 @@
 import os
 import warnings
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pyarrow as pa
@@ -44,9 +44,10 @@ class Together:
     columns: Mapping[str, Array]  # by the measure's name, (n,) each
     late: Array  # when something of them last reached an extreme that counts [s], (n,)
     slowest: Array  # period of the slowest mode of each [s], (n,); NaN where it needs a system of its own
+    ready: "_Ready | None"  # what they began from
 
 
-NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0), slowest=np.zeros(0))
+NONE = Together(indices=np.zeros(0, dtype=np.int64), columns={}, late=np.zeros(0), slowest=np.zeros(0), ready=None)
 
 
 def together(work: Work, rows: Sequence[Entries]) -> Together:
@@ -55,14 +56,29 @@ def together(work: Work, rows: Sequence[Entries]) -> Together:
     Which they are, and what comes of each, does not depend on the variants that share a call. Their systems are the same to the
     last bit as those that `wirerope_mj.studies.inputs.variants.Maker` makes, and are not made.
     """
-    system = work.system
-    done = _go(work, rows)
-    if done is None:
+    ready = _ready(work, rows)
+    return NONE if ready is None else _measured(work, ready)
+
+
+def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
+    """Return the measures of some rows once more, over another duration; indices are those among `rows`."""
+    if done.ready is None:
         return NONE
-    columns = measures_together(system, done.extremes, None if done.forces is None else done.forces[done.chosen])
+    place = {row: number for number, row in enumerate(rows)}
+    some = [k for k, row in enumerate(done.ready.indices.tolist()) if row in place]
+    if not some:
+        return NONE
+    ready = done.ready.taken(some)
+    return _measured(work, replace(ready, indices=np.array([place[row] for row in ready.indices.tolist()])))
+
+
+def _measured(work: Work, ready: "_Ready") -> Together:
+    """Step variants to the end, and return what is measured of those that hold."""
+    _, extremes, good = _stepped(work, ready)
+    columns = measures_together(work.system, extremes, ready.forces)
     return Together(
-        indices=done.indices[done.good], columns={name: one[done.good] for name, one in columns.items()},
-        late=done.extremes.late[done.good], slowest=done.slowest[done.good],
+        indices=ready.indices[good], columns={name: one[good] for name, one in columns.items()}, late=extremes.late[good],
+        slowest=ready.slowest[good], ready=ready,
     )  # fmt: skip
 
 
@@ -77,28 +93,36 @@ def histories_together(
     def sink(number: int, first: int, values: Array) -> None:
         found.setdefault(number, {})[first] = values[:, wanted].copy()
 
-    done = _go(work, rows, sink, threads)
-    if done is None:
+    ready = _ready(work, rows)
+    if ready is None:
         return np.zeros(0), {}
+    time, _, good = _stepped(work, ready, sink, threads)
     parts = {number: np.concatenate([own[first] for first in sorted(own)]) for number, own in found.items()}
-    return done.time, {int(done.indices[k]): parts[k] for k in np.flatnonzero(done.good).tolist()}
+    return time, {int(ready.indices[k]): parts[k] for k in np.flatnonzero(good).tolist()}
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Done:
-    """Variants at the end of their grid."""
+class _Ready:
+    """Variants that are about to begin."""
 
-    indices: Integers  # which of the rows they are
-    chosen: Integers  # numbers of those among the variants whose equations could be written
-    forces: Array | None  # of the mounts at rest of these, if they start there
-    extremes: Extremes  # over every step
-    slowest: Array  # period of the slowest mode of each [s]; NaN where mounts stand elsewhere or resist turning
-    good: Booleans  # which of them hold
-    time: Array  # sample instants [s]
+    indices: Integers  # which of the rows they are, (n,)
+    motions: list[BaseMotion]  # of their bases
+    numbers: Array  # of their equations, (n, n_num)
+    states: Array  # (n, n_state)
+    forces: Array | None  # of the mounts at rest [N], (n, n_mounts, 3), if they start there
+    slowest: Array  # period of the slowest mode of each [s], (n,); NaN where mounts stand elsewhere or resist turning
+
+    def taken(self, some: Sequence[int]) -> "_Ready":
+        """Return some of them."""
+        forces = None if self.forces is None else self.forces[some]
+        return _Ready(
+            indices=self.indices[some], motions=[self.motions[k] for k in some], numbers=self.numbers[some],
+            states=self.states[some], forces=forces, slowest=self.slowest[some],
+        )  # fmt: skip
 
 
-def _go(work: Work, rows: Sequence[Entries], sink: Sink | None = None, threads: int = 1) -> _Done | None:
-    """Step those variants that can be computed side by side; None if none can."""
+def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
+    """Return those variants that can be computed side by side where they begin; None if none can."""
     system = work.system
     if not rows or work.duration / work.timestep > MOST_STEPS or unsupported_system(system):
         return None
@@ -110,25 +134,30 @@ def _go(work: Work, rows: Sequence[Entries], sink: Sink | None = None, threads: 
     chosen = np.flatnonzero(good)
     if not chosen.size:
         return None
-    motions = [variants.motions[i] for i in chosen]
+    slowest = variant_rates(system).slowest_periods(variants.numbers, variants.rates)
+    ready = _Ready(
+        indices=np.array(variants.indices), motions=variants.motions, numbers=variants.numbers, states=states, forces=forces,
+        slowest=np.where(variants.moved, np.nan, slowest),
+    )  # fmt: skip
+    return ready.taken(chosen.tolist())
+
+
+def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int = 1) -> tuple[Array, Extremes, Booleans]:
+    """Step variants to the end: sample instants [s], extremes over every step, and which variants hold, (n,)."""
+    system, motions = work.system, ready.motions
     grid = time_grid(
         start=0.0, duration=work.duration, sample_rate=work.sample_rate, timestep=work.timestep, motion=motions[0],
         corners=joined(checked_corners(work.corners), *{id(one): one.corners for one in motions}.values()),
     )  # fmt: skip
     own = equations(system)
     done = go_in_lanes(
-        [Equations(lay=own.lay, fix=own.fix, num=variants.numbers[i], rest=own.rest, counts=own.counts) for i in chosen],
-        system.assembly.tables.drive, motions, states[chosen], grid, threads=threads, sink=sink,
+        [Equations(lay=own.lay, fix=own.fix, num=numbers, rest=own.rest, counts=own.counts) for numbers in ready.numbers],
+        system.assembly.tables.drive, motions, ready.states, grid, threads=threads, sink=sink,
     )  # fmt: skip
-    slowest = variant_rates(system).slowest_periods(variants.numbers[chosen], variants.rates[chosen])
     extremes = Extremes.of(system, done)
     deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
     low, high = (one[:, deflections::2] for one in (extremes.lowest, extremes.highest))
-    return _Done(
-        indices=np.array(variants.indices)[chosen], chosen=chosen, forces=forces, extremes=extremes,
-        slowest=np.where(np.array(variants.moved)[chosen], np.nan, slowest),
-        good=~extremes.failed & _lawful(system, low, high), time=grid.sample_times,
-    )  # fmt: skip
+    return grid.sample_times, extremes, ~extremes.failed & _lawful(system, low, high)
 
 
 @dataclass(frozen=True, kw_only=True)
