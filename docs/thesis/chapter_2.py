@@ -94,7 +94,8 @@ def numbers() -> dict[str, float]:
     for place, loop in enumerate(loops, 1):
         found |= {f"k{place}": loop.secant_stiffness / 1e3, f"w{place}": 1e3 * loop.dissipated_energy}
         found[f"c{place}"] = loop.dissipated_energy / (np.pi * 2.0 * np.pi * loop.amplitude**2)
-    found["stiffer"] = found["k4"] / found["small2"]
+    found["own"] = spring().initial_stiffness / 1e3
+    found["stiffer"], found["softer"] = found["own"] / found["small2"], found["k6"] / found["large2"]
     for place in range(1, len(loops)):
         growth = np.log(loops[place].dissipated_energy / loops[place - 1].dissipated_energy)
         found[f"p{place}"] = growth / np.log(AMPLITUDES[place] / AMPLITUDES[place - 1])
@@ -162,5 +163,5 @@ def _draw_ko() -> Picture:
         ellipses.plot(MM * loop.amplitude * np.cos(angle), height * np.sin(angle), color=colour, lw=1.6, label=label)
     inscribe(loops, "loops, and their mid-lines dashed", "deflection [mm]", "force [N]")
     inscribe(ellipses, "ellipses of the same area", "deflection [mm]", "force [N]")
-    explain(ellipses)
+    explain(ellipses, place="below", columns=4)
     return picture

@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import cache
 
 import numpy as np
-from figures.drawing import BLUES, COLOURS, GUIDE, INK, canvas, explain, inscribe
+from figures.drawing import COLOURS, GUIDE, INK, canvas, explain, inscribe
 from figures.oscillator import Array, branch, harmonics, peak, resonance
 from matplotlib.figure import Figure as Picture
 
@@ -94,13 +94,13 @@ def _draw_sweeps() -> Picture:
     for panel in (sweeps, orders):
         for line in panel.lines[:2]:
             line.remove()
-    for level, colour in zip(LEVELS, BLUES[1:], strict=True):
+    for level, colour in zip(LEVELS, COLOURS, strict=False):
         motions = branch(shaker(), *RANGE, level * G)
-        sweeps.plot(motions.frequency, motions.transmissibility, color=colour, lw=2.4, label=f"{level:g} g")
+        sweeps.plot(motions.frequency, motions.transmissibility, color=colour, lw=3.0, alpha=0.6, label=f"{level:g} g")
         for way, style in ((True, "-"), (False, "--")):
             envelope = sweep(level, way)
-            sweeps.plot(envelope.frequency, envelope.amplitude / (level * G), style, color=COLOURS[1], lw=0.9)
-    sweeps.plot([], [], color=COLOURS[1], lw=0.9, label="sweep up (dashed: down)")
+            sweeps.plot(envelope.frequency, envelope.amplitude / (level * G), style, color=INK, lw=0.7)
+    sweeps.plot([], [], color=INK, lw=0.7, label="sweep up (dashed: down)")
     sweeps.set_xlim(*RANGE)
     for number, colour in zip(NEAR, COLOURS[1:], strict=False):
         orders.plot(*order(number), color=colour, lw=1.6, label=f"harmonic {number}")
@@ -109,8 +109,8 @@ def _draw_sweeps() -> Picture:
     inscribe(sweeps, "shipped shaker", "frequency [Hz]", "transmissibility [-]")
     inscribe(orders, "0.5 g; dashed: the thesis' 12.2 and 18.2 Hz", "frequency [Hz]", "amplitude [m/s²]")
     orders.set_xlim(10.0, 22.0)
-    explain(sweeps, place="upper right")
-    explain(orders, place="upper right")
+    explain(sweeps, place="below", columns=2)
+    explain(orders, place="below", columns=2)
     return picture
 
 

@@ -160,7 +160,7 @@ def draw() -> Picture:
     panel.plot(ours(0.3).frequency, largest, color=COLOURS[0], lw=2.0, label="ours")
     panel.axhline(1.0, color=GUIDE, lw=1.0, ls="--")
     panel.set_yscale("log")
-    panel.set_xlim(*RANGE)
+    panel.set_xlim(RANGE[0] - 0.5, RANGE[1] + 0.5)
     inscribe(panel, "n = 0.3", "frequency [Hz]", "largest multiplier [-]")
-    explain(panel, columns=2)
+    explain(panel, place="below", columns=4)
     return picture

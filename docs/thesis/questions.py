@@ -186,7 +186,7 @@ def _draw_small() -> Picture:
             width = 3.0 if name == "the spring" else 1.4
             panel.plot(motions.frequency, motions.transmissibility, color=colour, lw=width, label=name)
         panel.set_xlim(*RANGE[level])
-        panel.set_ylim(0.0, 17.0 if level == LEVELS[0] else None)
+        panel.set_ylim(0.0, None)
         inscribe(panel, f"{level:g} g", "frequency [Hz]", "transmissibility [-]")
-    explain(panels[0])
+    explain(panels[1], place="below", columns=3)
     return picture

@@ -40,9 +40,11 @@ def inscribe(panel: Any, title: str, across: str, up: str) -> None:
 
 
 def explain(panel: Any, *, place: str = "upper left", title: str | None = None, columns: int = 1) -> None:
-    """Put the legend."""
+    """Put the legend; "below" the panel, where it covers nothing."""
     look = {"fontsize": 8.5, "title_fontsize": 8.5, "framealpha": 0.92, "handlelength": 1.4, "alignment": "left"}
-    panel.legend(loc=place, title=title, ncols=columns, **look)
+    if place == "below":
+        look |= {"bbox_to_anchor": (0.5, -0.17), "frameon": False}
+    panel.legend(loc="upper center" if place == "below" else place, title=title, ncols=columns, **look)
 
 
 def show_direction(

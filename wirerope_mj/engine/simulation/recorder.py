@@ -129,9 +129,10 @@ class Gaps:
             positions = values[:, first : first + 3] + turns[first] @ from_centre
             places[geom] = positions, (turns[first] @ self._turns[geom]).reshape(-1, 9)
         gaps, line = np.empty((len(values), len(self._pairs))), np.empty(6)
+        xpos, xmat = data.geom_xpos, data.geom_xmat  # each access makes an array
         for row in range(len(values)):
             for geom, (positions, axes) in places.items():
-                data.geom_xpos[geom], data.geom_xmat[geom] = positions[row], axes[row]
+                xpos[geom], xmat[geom] = positions[row], axes[row]
             for number, (one, other) in enumerate(self._pairs):
                 gaps[row, number] = mujoco.mj_geomDistance(model, data, one, other, FARTHEST, line)
         return gaps

@@ -50,11 +50,13 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
     return along, resisting
 
 
-def eigenvalues(system: System, *, closed: bool = False) -> ComplexArray:
-    """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,).
+@once_per_system
+def eigenvalues(system: System) -> ComplexArray:
+    """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,), stops open."""
+    return _eigenvalues_of(system, closed=False)
 
-    `closed`: as if all stops were closed.
-    """
+
+def _eigenvalues_of(system: System, *, closed: bool) -> ComplexArray:
     model = system.model
     mass = np.zeros((model.nv, model.nv))
     with system.assembly.scratch.data(model) as data:
@@ -83,7 +85,7 @@ def stable_step(system: System) -> float:
     """Return the largest step [s] with which RK4 is stable on the unloaded mounts and on all stops."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values() if law is not None]
     decay = max((law.relaxation_rate for law in laws), default=0.0)
-    fastest = max(float(np.abs(eigenvalues(system, closed=True)).max(initial=0.0)), decay)
+    fastest = max(float(np.abs(_eigenvalues_of(system, closed=True)).max(initial=0.0)), decay)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf
 
 
@@ -111,7 +113,10 @@ def decay_over_step(system: System, peaks: Peaks, step: float) -> float:
     travel = np.array([mount.deflection.maximum - mount.deflection.minimum for mount in peaks.mounts.values()])
     moving = [name for name in system.payloads if name in peaks.bodies]  # one may be fixed, to drive the base
     most = max((peaks.bodies[name].acceleration.value for name in moving), default=0.0)
-    return step * float((yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
+    return step * float((_own_yield_rates(system) * np.sqrt(most * travel.reshape(-1, 3))).max(initial=0.0))
+
+
+_own_yield_rates = once_per_system(yield_rates)
 
 
 def slowest_period(system: System) -> float:
