@@ -32,7 +32,7 @@ TABLE, SUMMARY, PARTS = "variants.parquet", "summary.json", "parts"
 MARKS = (STUDY,)  # By these files a folder is known as that of a study
 # Stands in the name of a part whose process died: its rows are in the table, and the chunk is computed again on resume.
 _DIED = ".died"
-ROW_GROUP = 64  # Parts that are joined in one row group of the table: some 2000 variants, a few MB
+ROW_GROUP = 2048  # Rows, at least, that are joined in one row group of the table: a few MB
 
 
 def prepare(
@@ -123,10 +123,13 @@ def write_part(folder: Path, part: Part) -> None:
 
 def parts(folder: Path, numbers: list[int]) -> Iterator[pa.Table]:
     """Yield the rows of some chunks, several together."""
-    for first in range(0, len(numbers), ROW_GROUP):
-        paths = [(part_path(folder, number), part_path(folder, number, _DIED)) for number in numbers[first : first + ROW_GROUP]]
-        tables = [read_part(path if path.is_file() else dead) for path, dead in paths]
-        yield pa.concat_tables(tables).combine_chunks()
+    tables: list[pa.Table] = []
+    for number in numbers:
+        path = part_path(folder, number)
+        tables.append(read_part(path if path.is_file() else part_path(folder, number, _DIED)))
+        if sum(table.num_rows for table in tables) >= ROW_GROUP or number == numbers[-1]:
+            yield pa.concat_tables(tables).combine_chunks()
+            tables = []
 
 
 def read_part(path: Path) -> pa.Table:

@@ -15,8 +15,8 @@ from wirerope_mj.studies.folder import done, write_part
 from wirerope_mj.studies.measures import needs_samples
 from wirerope_mj.studies.responses import PEAKS, RESPONSES, most_together
 
-# Variants of a chunk: enough that stepping them costs more than handing them over, few enough that a kill loses little.
-CHUNK = 32
+CHUNK, LARGEST_CHUNK = 32, 512  # variants, at the least and at the most: enough that stepping costs more than handing over
+STEPS = 1_000_000  # mounts times steps of a chunk, about: half a second of a processor, which a kill may cost each worker
 FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
 ENGINES = ("local", "dask")
 
@@ -39,7 +39,8 @@ def compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine
 
 def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
     """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
-    size = min(CHUNK, math.ceil(study.size / FEWEST_CHUNKS))
+    each = max(len(study.base.mounts), 1) * study.work.duration / study.work.timestep
+    size = min(max(CHUNK, min(int(STEPS / each), LARGEST_CHUNK)), math.ceil(study.size / FEWEST_CHUNKS))
     return min(size, most_together(study.work)) if keep == RESPONSES or needs_samples(study.base) else size
 
 
