@@ -95,7 +95,7 @@ def numbers() -> dict[str, float]:
         found |= {f"k{place}": loop.secant_stiffness / 1e3, f"w{place}": 1e3 * loop.dissipated_energy}
         found[f"c{place}"] = loop.dissipated_energy / (np.pi * 2.0 * np.pi * loop.amplitude**2)
     found["own"] = spring().initial_stiffness / 1e3
-    found["stiffer"], found["softer"] = found["own"] / found["small2"], found["k6"] / found["large2"]
+    found["stiffer"] = found["own"] / found["small2"]
     for place in range(1, len(loops)):
         growth = np.log(loops[place].dissipated_energy / loops[place - 1].dissipated_energy)
         found[f"p{place}"] = growth / np.log(AMPLITUDES[place] / AMPLITUDES[place - 1])
