@@ -75,7 +75,8 @@ def _draw_view(panel: Axes, block: SceneView, number: int) -> None:
     for one, opacity in ((scene, 1.0),) if block.moved is None else ((scene, 0.3), (block.moved, 1.0)):
         shapes = outlines(drawn_scene(one), view)
         corners, colours = [shape.corners for shape in shapes], [shape.colour for shape in shapes]
-        panel.add_collection(PolyCollection(corners, facecolors=colours, edgecolors="0.55", linewidths=0.35, alpha=opacity))
+        edges, widths = zip(*((_COLOURS[3], 1.2) if shape.flexible else ("0.55", 0.35) for shape in shapes), strict=True)
+        panel.add_collection(PolyCollection(corners, facecolors=colours, edgecolors=edges, linewidths=widths, alpha=opacity))
     if block.ring is not None:
         at = block.ring[1]
         panel.plot(at[view.right], at[view.up], "o", ms=12, mfc="none", color=_RATED if block.exceeded else "0.25")
