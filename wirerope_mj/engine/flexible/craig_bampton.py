@@ -35,6 +35,9 @@ def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
     where, pair = ", ".join(map(str, paths)), []
     for letter, what in (("k", "stiffness"), ("m", "mass")):
         names = [name for name in found if name.startswith(letter)]
+        # beside KXX and MXX an external superelement's file has recovery matrices, placeholders, and structural damping K4XX
+        whole = [one for one in names if 1 < len(found[one]) == found[one].size ** 0.5 and not one.startswith("k4")]
+        names = whole or names
         if len(names) != 1:
             raise RecordError(
                 f"{where}: expected one {what} matrix, with a name that begins with {letter.upper()}, got {len(names)}; the "
