@@ -119,11 +119,11 @@ def test_what_is_perhaps_not_meant_is_said(changed, options, said, tmp_path, cap
 
 
 def test_files_of_finite_element_programs_are_told_how_to_come(tmp_path, capsys):
-    (tmp_path / "deck.op2").write_bytes(b"")
+    (tmp_path / "deck.rst").write_bytes(b"")
     command = [
         "flexible",
-        str(tmp_path / "deck.op2"),
-        str(tmp_path / "deck.op2"),
+        str(tmp_path / "deck.rst"),
+        str(tmp_path / "deck.rst"),
         "--points",
         "p.csv",
         "--units",

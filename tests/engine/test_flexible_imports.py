@@ -1,11 +1,16 @@
-"""Parts from finite-element programs: one plate through OP4, universal and punch files, and what damaged ones say."""
+"""Parts from finite-element programs: one plate through OP4, OP2, universal, punch and f06 files, and what damaged ones say."""
+
+import shutil
+from pathlib import Path
 
 import numpy as np
 import pytest
 import pyuff
+import pyyeti
 import scipy.linalg
 from fe_plate import plate, whole_plate
-from pyyeti.nastran import op4
+from nastran_files import op2_of_matrices, op2_of_modes, printed, punched
+from pyyeti.nastran import bulk, op4
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
@@ -61,9 +66,12 @@ def craig_bampton():
 
 
 def with_files(folder, truth):
-    """Write the plate as OP4, universal file and punch text with the tables beside them, in mm, t, s."""
+    """Write the plate in every format with the tables and the bulk text beside them, in mm, t, s."""
     folder.mkdir(exist_ok=True)
-    op4.write(str(folder / "cb.op4"), dict(zip(("kaa", "maa"), craig_bampton(), strict=True)))
+    matrices = dict(zip(("kaa", "maa"), craig_bampton(), strict=True))
+    op4.write(str(folder / "cb.op4"), matrices)
+    k, m = matrices.values()
+    (folder / "cb.op2").write_bytes(op2_of_matrices(kxx=k, k4xx=0.02 * k, mxx=m, mug1=m[:7]))  # as of an external superelement
     rows = "".join(f"{name},{x * MM:.9g},{y * MM:.9g},{z * MM:.9g}," + "\n" for name, (x, y, z) in truth.points.items())
     (folder / "boundary.csv").write_text("point,x,y,z,held\nedge,0,0,0,yes\n" + rows)
     nodes = {name: 100 + n for n, name in enumerate(FEET)}
@@ -78,6 +86,10 @@ def with_files(folder, truth):
     shapes = np.array([truth.shapes[name] for name in FEET]) / np.sqrt(TONNE)  # (n, m, 3)
     write_uff(folder / "plate.unv", nodes, truth, shapes)
     (folder / "plate.pch").write_text(punched(nodes, truth.frequencies, shapes))
+    (folder / "plate.f06").write_text(printed(nodes, truth.frequencies, shapes))
+    (folder / "plate.op2").write_bytes(op2_of_modes(nodes, truth.frequencies, shapes))
+    numbers, places = [99, *nodes.values()], np.array([[0.0, 0.0, 0.0], *truth.points.values()]) * MM
+    bulk.wtgrids(str(folder / "plate.bdf"), numbers, xyz=places)  # with one more grid point than the modes have
     return folder
 
 
@@ -98,24 +110,6 @@ def write_uff(path, nodes, truth, shapes, *, modal_mass=1.0, **changes):
             "modal_m": modal_mass, "modal_damp_vis": ZETA, "modal_damp_his": 0.0,
         }  # fmt: skip
         file.write_sets(pyuff.prepare_55(**given | changes), "add")
-
-
-def punched(nodes, frequencies, shapes):
-    """Return eigenvectors as Nastran punches them: cards of 80 columns, the last eight their numbers."""
-    cards = [
-        "$TITLE   = PLATE",
-        "$SUBTITLE=",
-        "$LABEL   =",
-        "$EIGENVECTOR",
-        "$REAL OUTPUT",
-        "$SUBCASE ID =           1",
-    ]
-    for mode, frequency in enumerate(frequencies):
-        cards.append(f"$EIGENVALUE = {(2 * np.pi * frequency) ** 2:14.7E}  MODE = {mode + 1:5d}")
-        for n, node in enumerate(nodes.values()):
-            cards.append(f"{node:10d}       G" + "".join(f"{value:18.6E}" for value in shapes[n, mode]))
-            cards.append("-CONT-            " + f"{0.0:18.6E}" * 3)
-    return "".join(f"{card:<72}{number:8d}\n" for number, card in enumerate(cards, 1))
 
 
 @pytest.fixture(scope="module")
@@ -144,8 +138,11 @@ def same(part, truth, digits):
     ("files", "points", "digits"),
     [
         (["cb.op4"], "boundary.csv", 1e-6),
+        (["cb.op2"], "boundary.csv", 1e-6),
+        (["plate.op2", "modes.csv"], "points.csv", 1e-6),  # single precision
         (["plate.pch", "modes.csv"], "points.csv", 1e-6),  # seven digits
-        (["plate.unv", "modes.csv"], "points.csv", 6e-6),  # pyuff writes six
+        (["plate.f06", "modes.csv"], "points.csv", 1e-6),
+        (["plate.unv", "modes.csv"], "points.csv", 1e-6),  # six digits, of a largest shape that begins with 6
     ],
 )
 def test_one_plate_is_the_same_part_from_every_file(files, points, digits, folder, truth):
@@ -155,6 +152,39 @@ def test_one_plate_is_the_same_part_from_every_file(files, points, digits, folde
         np.testing.assert_allclose(mass, [0.0, 0.0, fe.force @ np.linalg.solve(fe.mass, fe.force)], rtol=1e-7, atol=1e-9)
         part = part.below(1.0001 * truth.frequencies[-1])
     same(part, truth, digits)
+
+
+def test_a_universal_file_is_read_to_the_last_of_the_six_digits_that_it_has(folder, truth):
+    part, _ = import_part([folder / "plate.unv"], folder / "points.csv", UNITS, damping=ZETA)
+    np.testing.assert_allclose(part.frequencies, [float(f"{f:13.5e}") for f in truth.frequencies], rtol=1e-15)
+    for name in FEET:
+        written = np.vectorize(lambda value: float(f"{value:13.5e}"))(truth.shapes[name] / np.sqrt(TONNE))
+        np.testing.assert_allclose(part.shapes[name] / np.sqrt(TONNE), written, rtol=1e-14)
+
+
+def test_grid_points_of_bulk_text_are_points(folder, truth):
+    given, _ = import_part([folder / "plate.op2", folder / "modes.csv"], folder / "points.csv", UNITS, damping=ZETA)
+    part, _ = import_part([folder / "plate.op2", folder / "modes.csv"], folder / "plate.bdf", UNITS, damping=ZETA)
+    assert list(part.points) == ["100", "101", "102", "103"]
+    for number, name in enumerate(FEET, 100):
+        np.testing.assert_allclose(part.points[str(number)], truth.points[name], atol=1e-9)
+        np.testing.assert_array_equal(part.shapes[str(number)], given.shapes[name])
+
+
+def test_files_that_nastran_itself_has_written_are_read(tmp_path):
+    """Hold pyyeti's own example, a truss from SOL 103 with three elastic modes at two grid points, against its listing."""
+    where = Path(pyyeti.__file__).parent / "tests" / "nas2cam_extseout"
+    if not (where / "inboard.op2").exists():
+        pytest.skip("this pyyeti was installed without its examples")
+    (tmp_path / "points.csv").write_text("point,node,x,y,z\na,4,0,0,0\nb,16,1,0,0\n")
+    part, _ = import_part([where / "inboard.op2"], tmp_path / "points.csv", UNITS, damping=ZETA)
+    np.testing.assert_allclose(part.frequencies, [6.129345, 6.130134, 23.63188], rtol=1e-6)
+    with pytest.raises(RecordError, match="grid point 11 are in coordinate system 10"):
+        import_part([where / "inboard.op2"], copied(where / "inboard.pch", tmp_path / "inboard.bdf"), UNITS, damping=ZETA)
+
+
+def copied(file, to):
+    return Path(shutil.copy(file, to))
 
 
 def matrices(change):
@@ -201,11 +231,28 @@ def largest_is_one(folder, truth):
     (folder / "plate.pch").write_text(punched(dict(zip(FEET, range(100, 104), strict=True)), truth.frequencies, shapes))
 
 
+def modes(**changes):
+    """Return what writes an OP2 file of modes with a change."""
+
+    def write(folder, truth):
+        shapes = np.array([truth.shapes[name] for name in FEET]) / np.sqrt(TONNE)
+        nodes = dict(zip(FEET, range(100, 104), strict=True))
+        (folder / "plate.op2").write_bytes(op2_of_modes(nodes, truth.frequencies, shapes, **changes))
+
+    return write
+
+
+def twice(folder, truth):
+    written = (folder / "plate.op2").read_bytes()
+    (folder / "plate.op2").write_bytes(written[:-12] + written)  # without the mark of the end
+
+
 OP4, UNV, PCH = (
     (["cb.op4"], "boundary.csv"),
     (["plate.unv", "modes.csv"], "points.csv"),
     (["plate.pch", "modes.csv"], "points.csv"),
 )
+OP2, F06, BULK = (["plate.op2"], "points.csv"), (["plate.f06"], "points.csv"), (["plate.op2"], "plate.bdf")
 DAMAGED = {
     "op4 missing": (OP4, lambda folder, truth: (folder / "cb.op4").unlink(), "cannot be read"),
     "op4 of noise": (OP4, lambda folder, truth: (folder / "cb.op4").write_bytes(bytes(range(256)) * 9), "no OP4 file"),
@@ -233,12 +280,26 @@ DAMAGED = {
     "nodes elsewhere": (UNV, text("points.csv", lambda t: t.replace("m1,100", "m1,101")), "is elsewhere than its node"),
     "a node that is not there": (UNV, text("points.csv", lambda t: t.replace(",103,", ",999,")), "no shapes of node '999'"),
     "another analysis": (UNV, text("modes.csv", lambda t: t.replace("\n1,", "\n1,9")), "expected the 8 modes of plate.unv"),
-    "punch without modes": (PCH, text("plate.pch", lambda t: t.replace("$EIGENVALUE", "$TIME")), "holds no \\$EIGENVALUE"),
+    "punch without modes": (PCH, text("plate.pch", lambda t: t.replace("$EIGENVALUE", "$TIME")), "no real eigenvectors"),
     "punch of complex modes": (PCH, text("plate.pch", lambda t: t.replace("$REAL ", "$REAL-IMAGINARY ")), "modes are complex"),
     "punch by points": (PCH, text("plate.pch", lambda t: "$POINT ID =  1\n" + t), "SORT2"),
     "punch cut": (PCH, text("plate.pch", lambda t: "\n".join(t.splitlines()[:-4])), "mode 8 is at other grid points"),
-    "punch of stars": (PCH, text("plate.pch", lambda t: t.replace("E-0", "*-0", 1)), "expected are a grid point and three"),
+    "punch of stars": (PCH, text("plate.pch", lambda t: t.replace("E-0", "*-0", 1)), "a grid point and its three"),
     "scaled to one": (PCH, largest_is_one, "not mass-normalised"),
+    "op2 missing": (OP2, lambda folder, truth: (folder / "plate.op2").unlink(), "cannot be read"),
+    "op2 of noise": (OP2, lambda folder, truth: (folder / "plate.op2").write_bytes(bytes(range(256)) * 9), "no OP2 file"),
+    "op2 cut": (OP2, lambda folder, truth: cut(folder / "plate.op2"), "no OP2 file, or it is damaged"),
+    "op2 of two subcases": (OP2, twice, "it has 2 tables of shapes"),
+    "op2 of complex modes": (OP2, modes(kind=1007, approach=92), "no real modes sorted by modes"),
+    "op2 of forces": (OP2, modes(table="OEF1X"), "expected one stiffness matrix, .* the matrices are none. Write both by DMAP"),
+    "f06 without vectors": (F06, text("plate.f06", lambda t: t.replace("V E C T O R", "V A L U E")), "no real eigenvectors"),
+    "f06 of complex modes": (F06, text("plate.f06", lambda t: t.replace("R E A L ", "C O M P L E X ")), "modes are complex"),
+    "f06 by points": (F06, text("plate.f06", lambda t: "      POINT-ID =  100\n" + t), "SORT2"),
+    "f06 cut": (F06, text("plate.f06", lambda t: t[: len(t) // 2].rsplit("R E A L", 1)[0]), "other grid points than the first"),
+    "f06 of a row too short": (F06, text("plate.f06", lambda t: t.replace("0.0            0.0  ", "0.0", 1)), "six numbers"),
+    "bulk text of another model": (BULK, text("plate.bdf", lambda t: t.replace(" 10", " 20")), "none of its 5 grid points"),
+    "bulk text of nothing": (BULK, text("plate.bdf", lambda t: "CQUAD4,1,1,1,2,3,4\n"), "none of its 0 grid points"),
+    "bulk text of a damaged number": (BULK, text("plate.bdf", lambda t: t.replace("300.", "30o.", 1)), "GRID 100 holds '-30o"),
 }  # fmt: skip
 
 

@@ -1,4 +1,4 @@
-"""A deck that bends in the recording: its net follows its modes, and a rigid one has none."""
+"""What bends, in recordings and plans: its net follows its modes, and a rigid one has none."""
 
 import math
 
@@ -8,8 +8,12 @@ from house import deck, hysteresis, mjcf
 from recordings import entities
 
 import wirerope_mj as wr
+from wirerope_mj.content.blocks import SceneView
+from wirerope_mj.content.scene_outline import flexible_bodies
 from wirerope_mj.engine.flexible import Panel
-from wirerope_mj.views.recording.bending import bending_below
+from wirerope_mj.views.plots.scene_plan import save_scenes
+from wirerope_mj.views.plots.scene_svg import scene_svgs
+from wirerope_mj.views.recording.bending import bending_at
 
 FEET = [(x, y) for x in (-0.3, 0.3) for y in (-0.2, 0.2)]
 PULSE = wr.HalfSine(peak=5.0, duration=0.011, direction="z", start=0.02)
@@ -39,7 +43,7 @@ def test_the_net_goes_where_a_panel_of_the_same_mass_goes_and_is_drawn(rigid, tm
         points={f"b{n}": (x, y, 0.2) for n, (x, y) in enumerate(FEET)},
     )  # fmt: skip
     bent, panel = run(wr.on_deck(rigid, part)), run(wr.on_deck(rigid, PANEL))
-    below = bending_below(bent, bent.scene.mounts[2], np.arange(bent.time.size))
+    below = bending_at(bent, bent.scene.mounts[2], "deck", np.arange(bent.time.size))
     moved = panel.bodies["deck_panel"].position - panel.bodies["deck"].position
     # the panel's own weight is carried as drawn, and both are of one step
     np.testing.assert_allclose(below[:, 2], (moved - moved[0])[:, 2] + below[0, 2], atol=1e-9)
@@ -47,5 +51,29 @@ def test_the_net_goes_where_a_panel_of_the_same_mass_goes_and_is_drawn(rigid, tm
     nets = [name for name in entities(wr.record_rerun(bent, tmp_path / "bent.rrd")) if name.endswith("/bending")]
     assert {name.split("/")[1] for name in nets} == {"world", "ghosts"}
     still = run(rigid)
-    assert not bending_below(still, still.scene.mounts[0], np.arange(still.time.size)).any()
+    assert not bending_at(still, still.scene.mounts[0], "deck", np.arange(still.time.size)).any()
     assert not [name for name in entities(wr.record_rerun(still, tmp_path / "still.rrd")) if "bending" in name]
+
+
+def test_equipment_that_bends_has_a_net_through_the_tops_of_its_mounts_and_is_outlined_in_plans(rigid, tmp_path):
+    heights = (0.1, 0.3, 0.1, 0.3)
+    part = wr.FlexiblePart(
+        frequencies=[14.0], damping=0.02, shapes={f"p{n}": [[0.0, 0.0, height]] for n, height in enumerate(heights)},
+        points={f"p{n}": (x, y, -0.1) for n, (x, y) in enumerate(FEET)},
+    )  # fmt: skip
+    bent = run(wr.with_flexible(rigid, part, body="plate"))
+    rows = np.arange(bent.time.size)
+    tops = np.array([bending_at(bent, mount, "plate", rows)[:, 2] for mount in bent.scene.mounts])
+    assert float(np.ptp(tops[0])) > 1e-5
+    # every top by the one coordinate of the mode times its own shape
+    np.testing.assert_allclose(tops / np.array(heights)[:, np.newaxis], np.tile(tops[1] / heights[1], (4, 1)), atol=1e-12)
+    assert not bending_at(bent, bent.scene.mounts[0], "deck", rows).any()
+    nets = [name for name in entities(wr.record_rerun(bent, tmp_path / "bent.rrd")) if name.endswith("/bending")]
+    assert {name.split("/")[1] for name in nets} == {"world", "ghosts"}
+    assert all("plate" in name for name in nets)
+    for scene, named in ((bent.scene, ["plate"]), (run(rigid).scene, [])):
+        assert flexible_bodies(scene) == named
+        plan = scene_svgs(SceneView(scene=scene, caption=""))[0]
+        assert plan.count('stroke-width="1.6"') == len(named)
+        save_scenes([SceneView(scene=scene, caption="")], tmp_path / "plan.png")
+    assert flexible_bodies(run(wr.on_deck(rigid, PANEL)).scene) == ["deck_panel"]

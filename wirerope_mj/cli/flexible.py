@@ -11,22 +11,25 @@ def flexible(
 ) -> int:  # fmt: skip
     """Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.
 
-    OP4 files (.op4) hold K and M of a Craig-Bampton reduction: 6 or 3 coordinates of each row of the table of points, then
-    modes of unit modal mass; points that a column "held" says yes of are fixed to the base. Universal files (.unv, dataset 55)
-    and Nastran's punch text (.pch) hold eigenvectors of unit modal mass at nodes, which a column "node" names where points
-    are called otherwise. CSV tables are modes with mode, frequency_Hz, damping, participation_x, participation_y,
-    participation_z, and shapes with point, mode, x, y, z; the former beside eigenvectors says the participations of a deck.
+    OP4 files (.op4), or OP2 files of matrices (.op2), hold K and M of a Craig-Bampton reduction: 6 or 3 coordinates of each
+    row of the table of points, then modes of unit modal mass; points that a column "held" says yes of are fixed to the base.
+    Universal files (.unv, dataset 55) and Nastran's punch text (.pch), listing (.f06) and OP2 files of modes hold eigenvectors
+    of unit modal mass at nodes, which a column "node" names where points are called otherwise. CSV tables are modes with mode,
+    frequency_Hz, damping, participation_x, participation_y, participation_z, and shapes with point, mode, x, y, z; the former
+    beside eigenvectors says the participations of a deck.
 
     A deck's modes are those with its edge held, and its participations Phi^T M r; equipment has free-free modes without the
     six rigid ones, and no participation. Residual vectors of the mounts' points and of a motion of the base are modes like
     others. wirerope shock MODEL --deck PART puts a model on the part.
 
     Args:
-        files: OP4 files; eigenvectors and perhaps a table of modes; table of modes, then of shapes; or a folder of the tables.
+        files: OP4 or OP2 files of matrices; eigenvectors and perhaps a table of modes; table of modes, then of shapes; or a
+            folder of the tables.
         units: of length, mass and time in the finite-element model: mm,t,s or m,kg,s.
         out: folder of the part.
-        points: table of points, in the axes of the body that bends; columns x_m, y_m, z_m are metres in any units.
-        mass_kg: of the whole part, of which the modes should bring along 90 %; OP4 files say it.
+        points: table of points, in the axes of the body that bends; columns x_m, y_m, z_m are metres in any units. Or bulk
+            text (.bdf, .dat, .nas) whose grid points are the points of the eigenvectors.
+        mass_kg: of the whole part, of which the modes should bring along 90 %; matrices say it.
         damping: damping ratio of modes without one [%].
         highest_hz: leave out modes above this frequency, which ask for small steps.
         force: replace a part that is there.

@@ -6,7 +6,7 @@ from wirerope_mj.content.blocks import Block, SceneView, Statement
 from wirerope_mj.content.isolator import provenance_statement, ratings_table
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, several
-from wirerope_mj.content.scene_outline import axial_direction, crowded_label, mount_labels, mount_position
+from wirerope_mj.content.scene_outline import axial_direction, crowded_label, flexible_bodies, mount_labels, mount_position
 from wirerope_mj.dynamics.modes import Modes
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.tables import Column, Row, Table
@@ -26,6 +26,8 @@ def model_blocks(run: JudgedRun) -> Iterator[Block | None]:
             caption += ", its mounts with their " + ("numbers (see the table)." if named else "names.")
             behind = crowded_label(scene)
             caption += f' "{behind[0]}": {behind[1]} mounts behind each other.' if behind else ""
+        if flexible := flexible_bodies(scene):
+            caption = f"{caption.rstrip('.')}. Outlined in green: {' and '.join(flexible)}, flexible."
         yield SceneView(id="geometry", scene=scene, caption=caption)
     yield _masses(run)
     yield _mounts(run)

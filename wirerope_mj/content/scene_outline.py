@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy
 
+from wirerope_mj.engine.flexible.panel import NAME
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
@@ -65,6 +66,12 @@ class Outline:
 
     corners: Array
     colour: tuple[float, ...]
+    flexible: bool = False
+
+
+def flexible_bodies(scene: Scene) -> list[str]:
+    """Return the names of the bodies that bend by their modes, and of a panel on its spring."""
+    return [body.name for body in scene.bodies if body.bends or body.name == NAME]
 
 
 def crowded_label(scene: Scene) -> tuple[str, int] | None:
@@ -108,11 +115,11 @@ def drawn_scene(scene: Scene) -> DrawnScene:
 def outlines(drawn: DrawnScene, view: View) -> list[Outline]:
     """Return the outlines of all shapes as they are seen, what is behind first."""
     nearer = sorted(drawn.shapes, key=lambda entry: float((view.sign * entry[2][:, view.towards]).max()))
-    seen = []
+    seen, flexible = [], flexible_bodies(drawn.scene)
     for body, geom, points in nearer:
         paint = np.array([0.86, 0.88, 0.90]) if body.on_base or not body.moves else geom.rgba[:3]
         colour = (*(_PALE + (1.0 - _PALE) * paint).tolist(), max(float(geom.rgba[3]), 0.15))
-        seen.append(Outline(_outline(view.seen(points)), colour))
+        seen.append(Outline(_outline(view.seen(points)), colour, body.name in flexible))
     return seen
 
 

@@ -9,12 +9,11 @@ import scipy
 
 from wirerope_mj.engine.flexible.eigenvectors import RIGID
 from wirerope_mj.engine.flexible.files import Units, read_points
+from wirerope_mj.engine.flexible.nastran import read_named_matrices
 from wirerope_mj.engine.flexible.part import FlexiblePart
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.errors import RecordError, why_unread
-from wirerope_mj.foundation.regular_files import regular
+from wirerope_mj.foundation.errors import RecordError
 
-MATRICES = (".op4",)
 _NULL = 1e-12  # of a matrix' largest entry, below which a row holds nothing
 _ROUND = 1e-5  # of the largest entry, by which single precision and reduction leave what should be zero
 
@@ -29,17 +28,20 @@ class Reduced:
 
 
 def read_matrices(paths: Sequence[Path], n_points: int) -> Reduced:
-    """Read K and M of Craig and Bampton's form from OP4 files; RecordError unless they are there, whole and in that form."""
+    """Read K and M of Craig and Bampton's form from files; RecordError unless they are there, whole and in that form."""
     found: dict[str, Array] = {}
     for path in paths:
-        found |= _op4(path)
+        found |= read_named_matrices(path)
     where, pair = ", ".join(map(str, paths)), []
     for letter, what in (("k", "stiffness"), ("m", "mass")):
         names = [name for name in found if name.startswith(letter)]
+        # beside KXX and MXX an external superelement's file has recovery matrices, placeholders, and structural damping K4XX
+        whole = [one for one in names if 1 < len(found[one]) == found[one].size ** 0.5 and not one.startswith("k4")]
+        names = whole or names
         if len(names) != 1:
             raise RecordError(
                 f"{where}: expected one {what} matrix, with a name that begins with {letter.upper()}, got {len(names)}; the "
-                f"matrices are {', '.join(found) or 'none'}."
+                f"matrices are {', '.join(found) or 'none'}. Write both by DMAP (OUTPUT4 or OUTPUT2), or eigenvectors."
             )
         matrix = np.asarray(found[names[0]])
         if np.iscomplexobj(matrix) or matrix.ndim != 2 or matrix.shape[0] != matrix.shape[1]:
@@ -140,17 +142,3 @@ def part_of_matrices(paths: Sequence[Path], points: Path, units: Units, *, dampi
     except ValueError as error:
         raise RecordError(f"{where}: {error}") from None
     return part, moving
-
-
-def _op4(path: Path) -> dict[str, Array]:
-    """Read the matrices of an OP4 file by their names in small letters."""
-    try:
-        from pyyeti.nastran import op4
-    except ImportError:
-        raise RecordError(f'{path}: OP4 files are read by pyyeti: pip install "wirerope-mj[fe]".') from None
-    try:
-        return dict(op4.read(str(regular(path))))
-    except OSError as error:
-        raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None
-    except Exception:  # of a damaged file the reader raises what it stumbles over
-        raise RecordError(f"{path}: this is no OP4 file, or it is damaged. Write it again (OUTPUT4).") from None

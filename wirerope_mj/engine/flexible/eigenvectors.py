@@ -1,4 +1,4 @@
-"""Eigenvectors of a finite-element program at its nodes, from universal files (dataset 55) and Nastran's punch text."""
+"""Eigenvectors of a finite-element program at its nodes, from universal files (dataset 55), Nastran's text and OP2 files."""
 
 import math
 from collections.abc import Mapping
@@ -8,15 +8,17 @@ from pathlib import Path
 import numpy as np
 
 from wirerope_mj.engine.flexible.files import MODE_COLUMNS, Units, numbers_of, read_points, read_rows
+from wirerope_mj.engine.flexible.nastran import BINARY, read_binary_shapes
 from wirerope_mj.engine.flexible.part import NEAR, FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.foundation.regular_files import regular
 
-UNIVERSAL, PUNCH = (".unv", ".uff", ".uf"), (".pch", ".pun", ".punch")
+UNIVERSAL, PUNCH, PRINTED = (".unv", ".uff", ".uf"), (".pch", ".pun", ".punch"), (".f06",)
 RIGID = 0.05  # frequency below which a mode of a deck or a machine is a rigid-body motion and its rounding [Hz]
 _NORMAL, _COMPLEX, _DISPLACEMENT = 2, (3, 7), 8  # analyses and kind of data of dataset 55
+_BANNER = "R E A L   E I G E N V E C T O R   N O ."  # of a page of printed eigenvectors
 _COORDINATES = (15, 2411)  # datasets of nodes
 _SAME = 1e-3  # of a frequency, by which two files of one analysis may differ
 _UNIT = 1e-5  # of 1, by which the largest component of a mode that is scaled to it may differ
@@ -33,9 +35,14 @@ class Eigenvectors:
     places: Mapping[int, Array]  # of nodes, where the file has them
 
 
-def read_eigenvectors(path: Path) -> Eigenvectors:
-    """Read the modes of a universal or a punch file; RecordError unless it holds real ones, as displacements."""
-    found = _universal(path) if path.suffix.lower() in UNIVERSAL else _punched(path)
+def read_eigenvectors(path: Path) -> Eigenvectors | None:
+    """Read the modes of a universal, punch, f06 or OP2 file; None of an OP2 file without, else RecordError unless real."""
+    if path.suffix.lower() == BINARY:
+        if (tables := read_binary_shapes(path)) is None:
+            return None
+        found = _unscaled(*tables)
+    else:
+        found = _universal(path) if path.suffix.lower() in UNIVERSAL else _written(path)
     low = np.flatnonzero(found.frequencies < RIGID) + 1
     if low.size:
         raise RecordError(
@@ -56,15 +63,16 @@ def part_of_eigenvectors(
 ) -> FlexiblePart:
     """Build a part from eigenvectors, read from `path`, at the nodes that a table of points names.
 
-    The table has point, x, y, z, and the node of each where it is not called as its point; `modes` is a table with damping and
-    participation of a deck, None of equipment, `damping` the ratio where neither file states one, `units` those of all files.
+    The table has point, x, y, z, and the node of each where it is not called as its point, or is bulk text; `modes` is a table
+    with damping and participation of a deck, None of equipment, `damping` the ratio where neither file states one, `units`
+    those of all files.
 
     Raises:
         RecordError: a node is missing or elsewhere, or the table of modes is another analysis'.
     """
     scale = np.sqrt(np.where(found.modal_mass > 0.0, found.modal_mass, 1.0) * units.mass)
     places, shapes = {}, {}
-    for name, (where, row, place) in read_points(points, units).items():
+    for name, (where, row, place) in read_points(points, units, found.shapes).items():
         text = row.get("node") or name
         if not text.isdigit() or int(text) not in found.shapes:
             nodes = sorted(found.shapes)
@@ -145,44 +153,64 @@ def _universal(path: Path) -> Eigenvectors:
     )  # fmt: skip
 
 
-def _punched(path: Path) -> Eigenvectors:
-    """Read eigenvectors as Nastran punches them: $EIGENVALUE = .. MODE = .., then each grid point with T1, T2, T3."""
+def _unscaled(frequencies: Array, shapes: Mapping[int, Array]) -> Eigenvectors:
+    """Return modes at nodes whose modal mass, damping and places are not stated."""
+    zero = np.zeros(len(frequencies))
+    return Eigenvectors(frequencies=frequencies, modal_mass=zero, damping=zero, places={}, shapes=shapes)
+
+
+def _written(path: Path) -> Eigenvectors:
+    """Read eigenvectors as Nastran punches or prints them: an eigenvalue, then each grid point with T1, T2, T3."""
     try:
         lines = regular(path).read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
         raise RecordError(f"{path}: the file cannot be read: {why_unread(error)}") from None
+    printed, inside, square, last = path.suffix.lower() in PRINTED, False, math.nan, 0
     eigenvalues: list[float] = []
     shapes: list[dict[int, list[float]]] = []
     for number, line in enumerate(lines, 1):
-        where, text = f"{path}, line {number}", line[:72]
-        if text.startswith(("$REAL-IMAGINARY", "$MAGNITUDE")):
-            raise RecordError(f"{where}: these modes are complex; punch the real ones of SOL 103.")
-        if text.startswith("$POINT ID"):
-            raise RecordError(f"{where}: this output is sorted by points (SORT2); punch it by modes, SORT1.")
+        where, text = f"{path}, line {number}", line if printed else line[:72]
+        if text.startswith(("$REAL-IMAGINARY", "$MAGNITUDE")) or (printed and "C O M P L E X   E I G E N V E C T O R" in text):
+            raise RecordError(f"{where}: these modes are complex; write the real ones of SOL 103.")
+        if text.startswith("$POINT ID") or (printed and "POINT-ID =" in text):
+            raise RecordError(f"{where}: this output is sorted by points (SORT2); write it by modes, SORT1.")
         try:
-            if text.startswith("$EIGENVALUE"):
-                eigenvalues.append(float(text.partition("=")[2].split()[0]))
-                shapes.append({})
-            elif shapes and text[17:18] == "G":
-                node, row = int(text[:10]), [float(text[column : column + 18]) for column in (18, 36, 54)]
+            if text.lstrip(" $").startswith("EIGENVALUE ="):
+                square = float(text.partition("=")[2].split()[0])
+            if text.startswith("$EIGENVALUE") or (printed and _BANNER in text):
+                mode, inside = int(text.split()[-1]) if printed else last + 1, True
+                if mode != last:  # else its table goes on on this page
+                    eigenvalues.append(square)
+                    shapes.append({})
+                last = mode
+            elif printed and text.startswith("1"):
+                inside = False  # on a new page, perhaps of another table
+            elif inside and (cells := text.split())[1:2] == ["G"]:
+                columns = cells[2:] if printed else [text[column : column + 18] for column in (18, 36, 54)]
+                node, row = int(cells[0]), [float(cell) for cell in columns]
                 if node in shapes[-1]:
                     raise RecordError(f"{where}: grid point {node} stands twice in one mode.")
-                shapes[-1][node] = row
+                if len(row) != (6 if printed else 3):
+                    raise ValueError
+                shapes[-1][node] = row[:3]
         except (ValueError, IndexError):
             raise RecordError(
-                f"{where}: expected are a grid point and three numbers of 18 characters, got {short(text.strip())!r}."
+                f"{where}: expected are a grid point and its {'six numbers' if printed else 'three numbers of 18 characters'}, "
+                f"got {short(text.strip())!r}."
             ) from None
     if not shapes:
-        raise RecordError(f"{path}: it holds no $EIGENVALUE; punch the modes of SOL 103, DISPLACEMENT(PUNCH) = ALL.")
+        raise RecordError(
+            f"{path}: it holds no real eigenvectors; write the modes of SOL 103, DISPLACEMENT(SORT1, REAL, PUNCH) = ALL, or "
+            "PRINT instead of PUNCH in an f06 file."
+        )
     nodes = set(shapes[0])
     other = next((n for n, shape in enumerate(shapes, 1) if set(shape) != nodes or not shape), 0)
     if other:
         raise RecordError(f"{path}: mode {other} is at other grid points than the first, or at none: is the file whole?")
     squares = np.array(eigenvalues)
     if not np.isfinite(squares).all() or not np.isfinite([*map(list, map(dict.values, shapes))]).all():
-        raise RecordError(f"{path}: its modes hold numbers that are not finite. Punch them again.")
-    return Eigenvectors(
-        frequencies=np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi), modal_mass=np.zeros(len(squares)),
-        damping=np.zeros(len(squares)), places={},
-        shapes={node: np.array([shape[node] for shape in shapes]) for node in sorted(nodes)},
-    )  # fmt: skip
+        raise RecordError(f"{path}: its modes hold numbers that are not finite. Write them again.")
+    return _unscaled(
+        np.sqrt(np.maximum(squares, 0.0)) / (2.0 * math.pi),
+        {node: np.array([shape[node] for shape in shapes]) for node in sorted(nodes)},
+    )

@@ -2,12 +2,13 @@
 
 import csv
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
+from wirerope_mj.engine.flexible.nastran import BULK, read_grids
 from wirerope_mj.engine.flexible.part import FlexiblePart
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.atomic_files import atomic_folder
@@ -110,8 +111,16 @@ def read_flexible(modes: Path, shapes: Path, points: Path, units: Units = SI) ->
         raise RecordError(f"{modes}: {error}") from None
 
 
-def read_points(path: Path, units: Units) -> dict[str, tuple[str, dict[str, str], Array]]:
-    """Read a table of points: location, cells and place [m] of each, by name; perhaps with a column node or held."""
+def read_points(path: Path, units: Units, nodes: Collection[int] | None = None) -> dict[str, tuple[str, dict[str, str], Array]]:
+    """Read a table of points: location, cells and place [m] of each, by name; perhaps with a column node or held.
+
+    Of bulk text the points are its grid points, of `nodes` those among them, called by their numbers.
+    """
+    if path.suffix.lower() in BULK:
+        grids = read_grids(path)
+        if not (kept := [grid for grid in grids if nodes is None or grid in nodes]):
+            raise RecordError(f"{path}: none of its {len(grids)} grid points is a node of the eigenvectors. Is it their model?")
+        return {str(grid): (str(path), {}, grids[grid] * units.length) for grid in kept}
     plain = (_POINTS, ("point", "x", "y", "z"))
     found: dict[str, tuple[str, dict[str, str], Array]] = {}
     rows = read_rows(path, (*plain, *((*one, "held") for one in plain), *((one[0], "node", *one[1:]) for one in plain)))
@@ -129,7 +138,7 @@ def read_rows(path: Path, headers: Sequence[tuple[str, ...]]) -> list[tuple[str,
         raise RecordError(
             f"{path}: tables of a flexible part are CSV files. Have the finite-element program write its eigenvectors of unit "
             f"modal mass as {', '.join(_SHAPES)}, and the modes as {', '.join(MODE_COLUMNS)}, participation being Phi^T M r of "
-            "a unit motion of the base. Universal files (.unv), OP4 and punch text (.pch) are read, too."
+            "a unit motion of the base. Universal files (.unv), OP4, OP2, punch text (.pch) and .f06 are read, too."
         )
     try:
         text = regular(path).read_text(encoding="utf-8-sig")

@@ -62,9 +62,9 @@ def equations_of(system: System) -> Equations:
     """Return the equations of a system of which `not_held` finds nothing."""
     model, tables, bodies = system.model, system.assembly.tables, Bodies(system.model)
     fix, num, lay = Writer([]), Writer([]), np.zeros(at.HEADER, dtype=np.int64)
-    links, kinds = _links(bodies, fix, num)
+    links, kinds = _links(bodies, {mode.body for mode in system.assembly.subjects.modes}, fix, num)
     dofs = _dofs(system, bodies, kinds, fix, num)
-    shapes, places = _shapes(system, bodies, kinds, num)
+    shapes, places = _shapes(system, bodies, kinds, fix)
     mounts, runs = _mounts(system, bodies, kinds, places, fix, num)
     frames = _frames(system, bodies, places, fix, num)
     weightless = model.opt.disableflags & mujoco.mjtDisableBit.mjDSBL_GRAVITY
@@ -78,7 +78,7 @@ def equations_of(system: System) -> Equations:
     parts: list[object] = [links, trees, dofs, runs, mounts, axes, frames, tracked, stops]
     pairs = pair_rows(model, bodies, fix)
     forces = [_force(bodies, kinds, places, site, fix, num) for site in system.assembly.subjects.forces]
-    modes = [[mode.dof, num.put(mode.participation)] for mode in system.assembly.subjects.modes]
+    modes = [[mode.dof, fix.put(mode.participation)] for mode in system.assembly.subjects.modes]
     flat = [np.asarray(part, dtype=np.int64).ravel() for part in (shapes, *parts)]
     lay[at.LINKS : at.LINKS + len(parts)] = at.HEADER + np.cumsum([part.size for part in flat[:-1]])
     n_links, n_states = len(bodies.links), tables.user.n_states
@@ -124,7 +124,7 @@ def _sections(lay: Integers, *, largest: int) -> None:
     lay[at.N_WORK] = total
 
 
-def _links(bodies: Bodies, fix: Writer, num: Writer) -> tuple[list[list[int]], list[int]]:
+def _links(bodies: Bodies, modal: set[int], fix: Writer, num: Writer) -> tuple[list[list[int]], list[int]]:
     """Return the rows of the links, the world's behind them, and their kinds."""
     model = bodies.model
     rows: list[list[int]] = []
@@ -133,7 +133,9 @@ def _links(bodies: Bodies, fix: Writer, num: Writer) -> tuple[list[list[int]], l
         joints = range(int(model.body_jntadr[body]), int(model.body_jntadr[body] + model.body_jntnum[body]))
         parent, pose = bodies.on_parent(body)
         parent = parent if parent < len(bodies.links) else -1
-        if any(model.jnt_type[j] == _FREE for j in joints):
+        if body in modal:
+            kind = at.MODAL
+        elif any(model.jnt_type[j] == _FREE for j in joints):
             kind = at.FREE
         elif all(model.jnt_type[j] == _SLIDE for j in joints) and (parent < 0 or kinds[parent] == at.STRAIGHT):
             kind = at.STRAIGHT
@@ -202,6 +204,8 @@ def _trees(bodies: Bodies, kinds: list[int], dofs: list[list[int]], num: Writer)
         plain = not (model.dof_armature[own].any() or model.dof_damping[own].any())
         if all(dofs[dof][4] >= 0 for dof in own):
             kind = at.DRIVEN_TREE
+        elif kinds[links[0]] == at.MODAL:
+            kind = at.MODAL_TREE
         elif len(links) == 1 and kinds[links[0]] == at.FREE and plain:
             kind = at.FREE_TREE
         elif len(links) == 1 and kinds[links[0]] == at.STRAIGHT and not any(dofs[dof][4] >= 0 for dof in own):
@@ -255,7 +259,7 @@ def _force(
     return [link, num.put(to @ pose.origin), fix.put((to @ pose.axes).T), places.get(site, 0)]
 
 
-def _shapes(system: System, bodies: Bodies, kinds: list[int], num: Writer) -> tuple[list[int], dict[int, int]]:
+def _shapes(system: System, bodies: Bodies, kinds: list[int], fix: Writer) -> tuple[list[int], dict[int, int]]:
     """Return the shapes at the sites of flexible parts as integers behind the header, and where each site's stand."""
     model, table, places = system.model, list[int](), {}
     for site, modes in system.assembly.subjects.shapes.items():
@@ -265,7 +269,7 @@ def _shapes(system: System, bodies: Bodies, kinds: list[int], num: Writer) -> tu
         places[site] = at.HEADER + len(table)
         table.append(len(modes))
         for dof, shape in modes:
-            table += [dof, int(model.jnt_qposadr[model.dof_jntid[dof]]), num.put(to_link @ shape)]
+            table += [dof, int(model.jnt_qposadr[model.dof_jntid[dof]]), fix.put(to_link @ shape)]
     return table, places
 
 

@@ -63,34 +63,41 @@ def add_torque(lay, m, payload, base, fix, num, work):
 
 
 @njit
-def bent(lay, k, num, values, first, column):
+def bent(lay, k, fix, values, first, column):
     """Return Phi times modal coordinates (column 1), rates or accelerations (0), from `values[first]`, in its point's axes."""
     x = times(0.0, (values[first], values[first], values[first]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        x = plus(x, times(values[first + lay[row + column]], vector(num, lay[row + 2])))
+        x = plus(x, times(values[first + lay[row + column]], vector(fix, lay[row + 2])))
     return x
 
 
 @njit
-def bent_with_rate(lay, k, num, y):
+def bent_with_rate(lay, k, fix, y):
     """Return Phi q and Phi q' of a point, in its axes; both at once, because the shapes are many numbers."""
     x = v = times(0.0, (y[0], y[0], y[0]))
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        shape = vector(num, lay[row + 2])
+        shape = vector(fix, lay[row + 2])
         x, v = plus(x, times(y[lay[row + 1]], shape)), plus(v, times(y[lay[at.NQ] + lay[row]], shape))
     return x, v
 
 
 @njit
-def push_modes(lay, k, fix, num, work, force):
-    """Add Phi^T f of a force on a flexible part, in the axes of the site's point, to the links of its modes."""
+def push_modes(lay, k, fix, work, force):
+    """Add Phi^T f of a force on a flexible part, in the axes of the site's point, to the right sides of its modes."""
     for mode in range(lay[k]):
         row = k + 1 + at.SHAPE_COLUMNS * mode
-        d = lay[at.DOFS] + at.DOF_COLUMNS * lay[row]
-        axis = vector(fix, lay[d + at.DOF_FIX] + at.AXIS)
-        grow(work, lay[at.WRENCH] + 6 * lay[d + at.DOF_LINK], times(dot(vector(num, lay[row + 2]), force), axis))
+        work[lay[at.RHS] + lay[row]] += dot(vector(fix, lay[row + 2]), force)
+
+
+@inlined
+def push_base(lay, fix, work, base):
+    """Begin the right sides of the modes with -Gamma a of the base."""
+    row = lay[at.MODES]
+    for _ in range(lay[at.N_MODES]):
+        work[lay[at.RHS] + lay[row]] = -1.0 * dot(vector(fix, lay[row + 1]), base)
+        row += at.MODE_COLUMNS
 
 
 @njit
@@ -104,7 +111,7 @@ def push_loads(lay, fix, num, work):
         for c in range(3):
             force, torque = plus(force, times(work[load + c], axes[c])), plus(torque, times(work[load + 3 + c], axes[c]))
         if lay[row + 3]:
-            push_modes(lay, lay[row + 3], fix, num, work, force)
+            push_modes(lay, lay[row + 3], fix, work, force)
         if lay[lay[at.LINKS] + at.LINK_COLUMNS * link + at.KIND] != at.STRAIGHT:
             r = lay[at.KIN] + at.KIN_SIZE * link + at.KIN_R
             arm, force, torque = turned(work, r, arm), turned(work, r, force), turned(work, r, torque)
@@ -131,10 +138,10 @@ def deflect(lay, fix, num, y, work):
             above, below = lay[m + at.BENT], lay[m + at.BENT_BASE]
             own = given = times(0.0, arm)
             if above:
-                x, own = bent_with_rate(lay, above, num, y)
+                x, own = bent_with_rate(lay, above, fix, y)
                 arm = plus(arm, x)
             if below:
-                x, given = bent_with_rate(lay, below, num, y)
+                x, given = bent_with_rate(lay, below, fix, y)
                 there = plus(there, x)
             if turns:
                 arm = turned(work, k + at.KIN_R, arm)
@@ -205,14 +212,14 @@ def apply_mounts(lay, fix, num, y, work):
                     times(force[2], vector(fix, f + 6)),
                 )
             if lay[m + at.BENT_BASE]:
-                push_modes(lay, lay[m + at.BENT_BASE], fix, num, work, force)
+                push_modes(lay, lay[m + at.BENT_BASE], fix, work, force)
             if not straight:
                 force = turned(work, b + at.KIN_R, force)
             if lay[m + at.BENT]:
                 own = force
                 if lay[lay[at.LINKS] + at.LINK_COLUMNS * payload + at.KIND] != at.STRAIGHT:
                     own = turned_back(work, k + at.KIN_R, force)
-                push_modes(lay, lay[m + at.BENT], fix, num, work, times(-1.0, own))
+                push_modes(lay, lay[m + at.BENT], fix, work, times(-1.0, own))
             total, torque = plus(total, force), plus(torque, cross(arm, force))
             if lay[m + at.MOVED]:
                 reach = plus(arm, minus(vector(work, k + at.KIN_O), vector(work, b + at.KIN_O)))

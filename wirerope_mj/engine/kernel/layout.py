@@ -24,14 +24,14 @@ HEADER = 50
 # inertia in `num`
 LINK_COLUMNS = 7
 PARENT, FIRST_DOF, DOFS_OF, KIND, TREE, FRAME, INERTIA = range(7)
-STRAIGHT, FREE, TURNING = 0, 1, 2  # never turns; floats; all others
+STRAIGHT, FREE, TURNING, MODAL = range(4)  # never turns; floats; all others; is nowhere, the coordinate of a mode
 
 # of `num`: mass, centre of mass (3), inertia about it xx, yy, zz, xy, xz, yz, its inverse alike
 MASS_OF, CENTRE, ABOUT, INVERSE, INERTIA_SIZE = 0, 1, 4, 10, 16
 
 # kind, first dof, number of dofs, first link, number of links, a sliding link's inverse mass matrix in `num`
 TREE_COLUMNS = 6
-DRIVEN_TREE, FREE_TREE, SLIDING_TREE, ANY_TREE = 0, 1, 2, 3  # the first three have one link
+DRIVEN_TREE, FREE_TREE, SLIDING_TREE, ANY_TREE, MODAL_TREE = range(5)  # all but ANY_TREE have one link
 
 # link, kind, qpos, parent dof (-1), place among the driven (-1), constants in `fix`, spring and damper in `num`
 DOF_COLUMNS = 7
@@ -40,9 +40,9 @@ SLIDE, HINGE, FLOATING, ALONG = 0, 1, 2, 3  # of a floating link's six dofs the 
 # of `fix`: axis (3), anchor (3), armature, origin, limits (2)
 AXIS, ANCHOR, ARMATURE, ORIGIN, LOWEST, HIGHEST = 0, 3, 6, 7, 8, 9
 DAMPING, STIFFNESS, REFERENCE = 0, 1, 2  # of `num`; the last is where the spring is at rest
-# dof and participation in `num` (3) of a mode of a flexible part, whose link is a unit mass on a slide
+# dof and participation in `fix` (3) of a mode of a flexible part, whose link is a unit mass on a slide
 MODE_COLUMNS = 2
-# of a site on a flexible part: number of modes, then of each dof, qpos, and shape in `num` (3), in the axes that its point has
+# of a site on a flexible part: number of modes, then of each dof, qpos, and shape in `fix` (3), in the axes that its point has
 SHAPE_COLUMNS = 3
 
 # links that carry geoms which may touch, and in `fix` how they stand to each other as modelled: place and axes of the second in

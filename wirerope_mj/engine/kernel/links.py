@@ -251,6 +251,6 @@ def place_links(lay, fix, y, work):
             place_free(lay, row, k, y, work)
         elif kind == at.STRAIGHT:
             place_straight(lay, row, k, over, fix, y, work)
-        else:
+        elif kind != at.MODAL:
             place_turning(lay, row, k, over, fix, y, work)
         row, k = row + at.LINK_COLUMNS, k + at.KIN_SIZE

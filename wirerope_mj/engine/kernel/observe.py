@@ -28,20 +28,20 @@ def measure(lay, fix, num, y, work, whole):
             )  # fmt: skip
             shapes = lay[row + 8]
             if shapes:
-                r = plus(r, turned(work, k + at.KIN_R, bent(lay, shapes, num, y, 0, 1)))
+                r = plus(r, turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, 0, 1)))
             position = plus(vector(work, k + at.KIN_O), r)
             keep(work, o + control.ACCELERATION, swung(r, w, alpha, vector(work, k + at.KIN_L)))
             if shapes:
-                rate = turned(work, k + at.KIN_R, bent(lay, shapes, num, y, lay[at.NQ], 0))
+                rate = turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, lay[at.NQ], 0))
                 grow(work, o + control.ACCELERATION, times(2.0, cross(w, rate)))
-                grow(work, o + control.ACCELERATION, turned(work, k + at.KIN_R, bent(lay, shapes, num, work, lay[at.RHS], 0)))
+                grow(work, o + control.ACCELERATION, turned(work, k + at.KIN_R, bent(lay, shapes, fix, work, lay[at.RHS], 0)))
             if whole:
                 keep(work, o, position)
                 q = orientation(lay, lay[row], lay[row + 2], fix, work)
                 work[o + 3], work[o + 4], work[o + 5], work[o + 6] = q[0], q[1], q[2], q[3]
                 keep(work, o + 7, carried(r, w, vector(work, k + at.KIN_V)))
                 if shapes:
-                    grow(work, o + 7, turned(work, k + at.KIN_R, bent(lay, shapes, num, y, lay[at.NQ], 0)))
+                    grow(work, o + 7, turned(work, k + at.KIN_R, bent(lay, shapes, fix, y, lay[at.NQ], 0)))
                 keep(work, o + 10, w)
                 keep(work, o + 16, alpha)
             if is_point:

@@ -1,16 +1,15 @@
 """Accelerations of the coordinates from the forces on the links, tree by tree.
 
-A driven tree follows the base; a floating link alone obeys Newton and Euler in its own axes, and one that only slides has a
-mass matrix that never changes. Any other tree has that of its composite bodies, M_jk = S_k . I_j S_j over the dofs k from j to
-the root, factored from the leaves on (Featherstone 2008, 6.2 and 6.5). A driven dof there has the drive's inertia and force, as
-MuJoCo's has, so that both push back on it alike.
+A driven tree follows the base, a mode has unit mass, a floating link alone obeys Newton and Euler in its own axes, and one that
+only slides has a mass matrix that never changes. Any other tree has that of its composite bodies, M_jk = S_k . I_j S_j over the
+dofs k from j to the root, factored from the leaves on (Featherstone 2008, 6.2 and 6.5). A driven dof there has the drive's
+inertia and force, as MuJoCo's has, so that both push back on it alike.
 """
 
 from wirerope_mj.engine.kernel import layout as at
 from wirerope_mj.engine.kernel.links import (
     cross,
     dot,
-    grow,
     keep,
     minus,
     plus,
@@ -242,19 +241,15 @@ def solve_tree(lay, t, fix, num, y, work, base):
 @inlined
 def accelerate(lay, fix, num, y, work, base):
     """Write the accelerations of all coordinates to RHS, those of the links to KIN; `base` is that of the base (3)."""
-    row = lay[at.MODES]
-    for _ in range(lay[at.N_MODES]):  # -Gamma a of the base
-        push = -1.0 * dot(vector(num, lay[row + 1]), base)
-        d = lay[at.DOFS] + at.DOF_COLUMNS * lay[row]
-        axis = vector(fix, lay[d + at.DOF_FIX] + at.AXIS)
-        grow(work, lay[at.WRENCH] + 6 * lay[d + at.DOF_LINK], times(push, axis))
-        row += at.MODE_COLUMNS
     t = lay[at.TREES]
     for _ in range(lay[at.N_TREES]):
         if lay[t] == at.DRIVEN_TREE:
             follow_base(lay, t, fix, work, base)
         elif lay[t] == at.FREE_TREE:
             float_freely(lay, t, fix, num, y, work)
+        elif lay[t] == at.MODAL_TREE:  # of unit mass, with all else of its right side there
+            dof = lay[t + 1]
+            work[lay[at.RHS] + dof] += joint_passive_force(lay, lay[at.DOFS] + at.DOF_COLUMNS * dof, dof, num, y)
         elif lay[t] == at.SLIDING_TREE:
             slide(lay, t, fix, num, y, work)
         else:

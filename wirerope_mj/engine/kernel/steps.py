@@ -10,7 +10,7 @@ import numpy as np
 from wirerope_mj.engine.control import layout as control
 from wirerope_mj.engine.control.observer import track_component
 from wirerope_mj.engine.kernel import layout as at
-from wirerope_mj.engine.kernel.forces import apply_mounts, push_loads
+from wirerope_mj.engine.kernel.forces import apply_mounts, push_base, push_loads
 from wirerope_mj.engine.kernel.links import (
     dot,
     half_turn,
@@ -39,6 +39,7 @@ NO_SAMPLES = np.zeros((0, 0, 0))  # room for the samples that are not wanted
 def forward(lay, fix, num, y, work, base):
     """Compute motion of the links, forces, rates of the states and accelerations in a state `y`."""
     place_links(lay, fix, y, work)
+    push_base(lay, fix, work, base)
     apply_mounts(lay, fix, num, y, work)
     push_loads(lay, fix, num, work)
     accelerate(lay, fix, num, y, work, base)

@@ -131,7 +131,8 @@ def _shapes(drawn: Sequence[Outline], place: Place, *, pale: bool = False) -> It
         points = " ".join(f"{x:g},{y:g}" for x, y in corners.tolist())
         colour = "".join(f"{round(255 * part):02x}" for part in one.colour[:3])
         fill = "" if pale else f' fill="#{colour}" fill-opacity="{one.colour[3]:.3g}"'
-        yield f'<polygon points="{points}"{fill}/>'
+        edge = f' stroke="{_COLOURS[3]}" stroke-width="1.6"' if one.flexible and not pale else ""
+        yield f'<polygon points="{points}"{fill}{edge}/>'
     yield "</g>"
 
 

@@ -1,6 +1,6 @@
-"""A deck that bends: how far its points below the mounts have gone, and a net through them."""
+"""A deck or equipment that bends: how far its points at the mounts have gone, and a net through them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -11,24 +11,28 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child
-from wirerope_mj.views.recording.poses import relative_pose, rotate
+from wirerope_mj.views.recording.poses import Frame, relative_pose, rotate
 
 _NET = (120, 220, 200)
 _FAINT = 0.2  # of a body that bends, drawn unbent: its net is seen through it
 
 
-def bending_below(response: Response, mount: SceneMount, rows: Rows) -> Array:
-    """Return how far the base's point of a mount is from where its rigid body has it [m], in the base body's axes, (n, 3).
+def bending_at(response: Response, mount: SceneMount, body: str, rows: Rows) -> Array:
+    """Return how far a mount's point on a body is from where the rigid body has it [m], in the body's axes, (n, 3).
 
-    The payload's point, less the mount's deflection, is where the base has bent to: what bends is taken for the base.
+    The mount's other point and its deflection say where the point has bent to. 0 where the body does not bend, and where both
+    do, whose parts they cannot tell.
     """
-    bends = any(body.bends for body in response.scene.bodies if body.name == mount.base_body)
-    if not bends or not {mount.base_body, mount.payload_body} <= response.bodies.keys():
+    names = {mount.base_body, mount.payload_body}
+    if {one.name for one in response.scene.bodies if one.bends and one.name in names} != {
+        body
+    } or names - response.bodies.keys():
         return np.zeros((rows.size, 3))
-    position, orientation = relative_pose(response, mount.payload_body, mount.base_body)
-    top = position[rows] + rotate(orientation[rows], mount.payload_point)
-    bent: Array = top - response.mounts[mount.name].deflection[rows] @ mount.axes.T - mount.base_point
-    return bent
+    position, orientation = relative_pose(response, (names - {body}).pop(), body)
+    stretched = response.mounts[mount.name].deflection[rows] @ mount.axes.T
+    if body == mount.base_body:
+        return np.asarray(position[rows] + rotate(orientation[rows], mount.payload_point) - stretched - mount.base_point)
+    return np.asarray(position[rows] + rotate(orientation[rows], mount.base_point + stretched) - mount.payload_point)
 
 
 def see_through(body: SceneBody) -> Sequence[Geom]:
@@ -36,20 +40,22 @@ def see_through(body: SceneBody) -> Sequence[Geom]:
     return [replace(geom, rgba=geom.rgba * [1.0, 1.0, 1.0, _FAINT]) for geom in body.geoms] if body.bends else body.geoms
 
 
-def log_bending(rec: Stream, path: str, response: Response, rows: Rows, factor: float) -> None:
-    """Log a net through the points below the mounts on a base that bends, with bending enlarged from where it begins."""
-    scene = response.scene
-    mounts = [mount for mount in scene.mounts if mount.base_body == scene.base]
-    if not any(body.bends for body in scene.bodies if body.name == scene.base) or len(mounts) < 2:
-        return
-    feet = np.array([mount.base_point for mount in mounts])
-    bent = np.stack([bending_below(response, mount, rows) for mount in mounts], axis=1)
-    ends = (feet + factor * (bent - bent[0]))[:, _edges(feet)]  # (n_t, n_edges, 2, 3)
-    net = child(path, "bending")
-    look = rr.LineStrips3D.from_fields(colors=[_NET], radii=[rr.Radius.ui_points(3.0)])
-    rec.log(net, look, static=True)
-    strips = rr.LineStrips3D.columns(strips=ends.reshape(-1, 2, 3)).partition(np.full(rows.size, ends.shape[1]))
-    rec.send_columns(net, at(response.time[rows]), strips)
+def log_bending(rec: Stream, frames: Mapping[str, Frame], response: Response, rows: Rows, factor: float) -> None:
+    """Log a net through the mounts' points on each body that bends, with bending enlarged from where it begins."""
+    for body in (one.name for one in response.scene.bodies if one.bends):
+        points = [
+            (mount, mount.base_point if mount.base_body == body else mount.payload_point)
+            for mount in response.scene.mounts if body in (mount.base_body, mount.payload_body)
+        ]  # fmt: skip
+        if len(points) < 2:
+            continue
+        feet = np.array([point for _, point in points])
+        bent = np.stack([bending_at(response, mount, body, rows) for mount, _ in points], axis=1)
+        ends = (feet + factor * (bent - bent[0]))[:, _edges(feet)]  # (n_t, n_edges, 2, 3)
+        net = child(frames[body].path, "bending")
+        rec.log(net, rr.LineStrips3D.from_fields(colors=[_NET], radii=[rr.Radius.ui_points(3.0)]), static=True)
+        strips = rr.LineStrips3D.columns(strips=ends.reshape(-1, 2, 3)).partition(np.full(rows.size, ends.shape[1]))
+        rec.send_columns(net, at(response.time[rows]), strips)
 
 
 def _edges(feet: Array) -> Array:

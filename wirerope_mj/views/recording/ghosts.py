@@ -43,10 +43,7 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
         extent, rows = scene_extent(run.response.scene)[1], scene_rows(run.response, run.frames)
         base = next((body for body in run.response.scene.bodies if body.name == run.response.scene.base), None)
         if base is not None and base.name != "world" and repr(base.geoms) not in bases:
-            path = run.frames[base.name].path
-            draw_geoms(below, path, see_through(base), extent)
-            if drawn.alone:
-                log_bending(below, path, run.response, rows, factor)
+            draw_geoms(below, run.frames[base.name].path, see_through(base), extent)
             bases.append(repr(base.geoms))  # the same base would flicker through itself
         for body, frame in _riding(run):
             start, pose = _start(run, body, frame), (frame.position, frame.orientation)
@@ -57,7 +54,9 @@ def log_ghosts(rec: Stream, drawn: Drawn, factor: float) -> None:
                 began = frame.path + "_at_rest"
                 log_pose(below, began, time, start[0][None], start[1][None], rows)
                 draw_geoms(below, began, [replace(g, rgba=g.rgba * [1.0, 1.0, 1.0, _AT_REST]) for g in body.geoms], extent)
-        if not drawn.alone:
+        if drawn.alone:
+            log_bending(below, run.frames, run.response, rows, factor)
+        else:
             _log_name(below, run, number, extent)
 
 

@@ -12,7 +12,7 @@ from wirerope_mj.engine.response.scene import Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, colour_of
-from wirerope_mj.views.recording.bending import bending_below
+from wirerope_mj.views.recording.bending import bending_at
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.views.recording.now import heat, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child
@@ -95,7 +95,7 @@ def _log_ropes(rec: Stream, path: str, response: Response, devices: list[Device]
     for number, device in enumerate(devices):
         mount, axes = device.mount, device.mount.axes
         foot = mount.base_point - 0.5 * device.height * axes[:, AXIAL]
-        feet[:, number] = foot + bending_below(response, mount, rows)
+        feet[:, number] = foot + bending_at(response, mount, mount.base_body, rows)
         reach = response.mounts[mount.name].deflection[rows] + np.array([0.0, 0.0, device.height])
         reach[:, AXIAL] = np.maximum(reach[:, AXIAL], _FLAT * device.height)
         maps[:, number, 0], maps[:, number, 1] = axes[:, 0], axes[:, 1]

@@ -40,8 +40,7 @@ def log_scene(
     if response.scene.mounts:
         log_mounts(rec, response, selection, frames, rows, extent=extent)
         log_stops(rec, response, frames, extent=extent)
-        if response.scene.base in frames:
-            log_bending(rec, frames[response.scene.base].path, response, rows, 1.0)
+        log_bending(rec, frames, response, rows, 1.0)
     if response.scene.base in frames:
         corner, length = _corners(response, extent)[1] * [1.0, 1.0, 0.0], 0.07 * extent
         axes = rr.Arrows3D(
