@@ -11,7 +11,6 @@ import wirerope_mj as wr
 from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.scene_outline import flexible_bodies
 from wirerope_mj.engine.flexible import Panel
-from wirerope_mj.views.plots.scene_plan import save_scenes
 from wirerope_mj.views.plots.scene_svg import scene_svgs
 from wirerope_mj.views.recording.bending import bending_at
 
@@ -75,5 +74,4 @@ def test_equipment_that_bends_has_a_net_through_the_tops_of_its_mounts_and_is_ou
         assert flexible_bodies(scene) == named
         plan = scene_svgs(SceneView(scene=scene, caption=""))[0]
         assert plan.count('stroke-width="1.6"') == len(named)
-        save_scenes([SceneView(scene=scene, caption="")], tmp_path / "plan.png")
     assert flexible_bodies(run(wr.on_deck(rigid, PANEL)).scene) == ["deck_panel"]
