@@ -235,3 +235,17 @@ def test_rates_of_deflections_that_durability_uses_include_what_bends(bending_ca
         rates = deflection_rates(r, mount)[1:-1]
         # central differences of 0.1 ms at 60 Hz: (2 pi 60 1e-4)^2 / 6 = 2e-4
         np.testing.assert_allclose(rates, differences, atol=2e-3 * np.abs(rates).max())
+
+
+@pytest.mark.parametrize("engine", ["kernel", "mujoco"])
+def test_what_bends_about_mean_axes_changes_its_momentum_by_the_mounts_and_its_weight(engine):
+    rigid = wr.load_system("cabinet")
+    system = wr.with_flexible(rigid, random_part(rigid, "rack", modes=3, seed=2, participates=False), body="rack")
+    r = wr.simulate(system, PULSE, duration=0.15, timestep=1e-4, engine=engine)
+    masses = {name: float(system.model.body(name).mass[0]) for name in system.payloads}
+    rate = sum(mass * r.bodies[name].acceleration for name, mass in masses.items())
+    forces = sum(-mount.force @ system.mounts[name].axes.T for name, mount in r.mounts.items())
+    left = rate - forces - sum(masses.values()) * system.model.opt.gravity
+    assert np.abs(forces).max() > 2.0 * sum(masses.values()) * G  # the mounts work
+    # Both are of one instant: they agree to rounding.
+    assert np.abs(left).max() < 1e-9 * np.abs(rate).max()
