@@ -54,8 +54,12 @@ def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -
         asker: beginning of messages.
 
     Raises:
-        ModelError: there is no such file; names the paths that were tried.
+        ModelError: there is no such file; names the paths that were tried. Or it is neither path nor text.
     """
+    if not isinstance(model, str | Path):
+        raise ModelError(
+            f"{asker}: `model` must be a path, the name of a shipped model or MJCF text, got a {type(model).__name__}."
+        )
     if isinstance(model, str) and model.lstrip().startswith("<"):
         return model
     file = model_file(model, folder=folder)
