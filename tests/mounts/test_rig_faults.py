@@ -1,12 +1,14 @@
 """Faults of a rig, put into made-up records one at a time: each is named with its size, and none in a clean record."""
 
+import re
+
 import foreign_devices
 import numpy as np
 import pytest
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.test_rig.faults import hum_in, record_faults, without_hum
+from wirerope_mj.mounts.test_rig.faults import checked_record, hum_in, without_hum
 from wirerope_mj.mounts.test_rig.lag import lag_in
 
 LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
@@ -15,7 +17,7 @@ SIZES = [1e-3, 3e-3, 8e-3]
 
 
 def said(time, deflection, force):
-    return list(record_faults(time, deflection, force))
+    return checked_record(time, deflection, force).faults
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -116,6 +118,12 @@ def test_a_lag_of_a_thousandth_is_named_in_most_records_whose_noise_lets_it():
     assert sum(named) >= 15
 
 
+def test_the_least_lag_that_a_record_would_show_grows_with_its_noise():
+    least = [checked_record(*rig_record(LAW, SIZES, points=400.0, noise=noise)).least_lag for noise in (0.0, 0.01, 0.02)]
+    assert least[0] == pytest.approx(9e-4)  # a thousandth, told to a tenth
+    assert least[0] < least[1] < least[2] < 0.02
+
+
 def test_noise_is_named():
     (text,) = said(*rig_record(LAW, SIZES, points=400.0, noise=0.12))
     assert text.startswith("noise of the force")
@@ -135,3 +143,5 @@ def test_the_command_takes_hum_out_and_says_it(tmp_path, capsys):
     assert code == 0
     assert "at 50 Hz" in printed
     assert "taken out by a notch" in printed
+    page = (tmp_path / "a-report" / "report.html").read_text(encoding="utf-8")
+    assert re.search(r"a lag between its channels is named from 0\.\d+ % of a cycle on", page)
