@@ -2,18 +2,14 @@
 
 import re
 
-import foreign_devices
 import numpy as np
 import pytest
+from rig_faults import DEVICES, LAW, NI, SIZES, foreign_record
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.test_rig.faults import checked_record, hum_in, without_hum
 from wirerope_mj.mounts.test_rig.lag import lag_in
-
-LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
-NI = wr.AsymmetricBoucWen(alpha=4e5, beta=200.0, gamma=60.0, n=1.0, k1=4e4, k2=1e6, k3=2e8, b=1.0, c=1.0)
-SIZES = [1e-3, 3e-3, 8e-3]
 
 
 def said(time, deflection, force):
@@ -63,26 +59,6 @@ def test_a_lag_between_the_channels_is_named_with_its_size(samples):
     error = 10.0 * float(text.split("+- ")[1].split(" %")[0])
     assert float(text.split("by about ")[1].split(" ms")[0]) == pytest.approx(15.0, abs=3.0 * error)
     assert error < 3.0
-
-
-DEVICES = {
-    "iwan": lambda x, time: foreign_devices.iwan(x),
-    "five sliders": lambda x, time: foreign_devices.few_sliders(x),
-    "dead zones": lambda x, time: foreign_devices.dead_zone(x),
-    "lugre": lambda x, time: foreign_devices.lugre(x, time=time),
-    "bouc-wen": lambda x, time: LAW.trace(x).force,
-    "asymmetric": lambda x, time: NI.trace(x).force,
-}
-
-
-def foreign_record(name, *, lag, noise, seed=0):
-    """Return a record of a foreign device at 1 Hz, 400 samples a cycle, its force channel late by a fraction of a cycle."""
-    fine = np.arange(0.0, 15.0, 1.0 / 4000.0)
-    path = np.repeat(SIZES, 5)[fine.astype(int)] * np.sin(2.0 * np.pi * fine)
-    force = DEVICES[name](path, fine)
-    time = fine[::10]
-    late = np.interp(time - lag, fine, force)
-    return time, path[::10], late + noise * 0.5 * np.ptp(force) * np.random.default_rng(seed).standard_normal(time.size)
 
 
 @pytest.mark.parametrize("lag", [0.0, 0.001, -0.004])
