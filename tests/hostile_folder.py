@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-from wirerope_mj.foundation.kernel_files import SHIPPED, cache_folder
+from wirerope_mj.foundation.kernel_files import LOADED, SHIPPED, cache_folder
 
 _MODULES = """
 sitecustomize usercustomize conftest numba numba_config numpy yaml ctypes struct runpy os multiprocessing
@@ -97,6 +97,9 @@ SETTINGS = {
 }
 
 
+_KERNELS = 200  # of those that were compiled last: all that a machine has ever compiled take longer than the command
+
+
 class Hostile:
     """A folder, and what shows that something of it was executed."""
 
@@ -147,14 +150,15 @@ class Hostile:
             self._put(path, text.format(mark=self.mark) if "{mark}" in text else text)
 
     def _kernels(self, folder: Path) -> None:
-        """Write kernels under the names of those that this machine uses, with the digests that they should have."""
+        """Write kernels under the names of those that are used here, and of the newest, with the digests they should have."""
         import hashlib
 
         content = hashlib.sha256(self.pickled).digest() + self.pickled
-        for source in (SHIPPED, cache_folder()):
-            for path in source.glob("*.kernel") if source.is_dir() else ():
-                self._put(folder / path.name, content)
-                self._put(self.folder / path.name, content)
+        kept = [path for source in (SHIPPED, cache_folder()) if source.is_dir() for path in source.glob("*.kernel")]
+        newest = sorted(kept, key=lambda path: path.stat().st_mtime)[-_KERNELS:]
+        for name in {path.name for path in (*LOADED, *newest)}:
+            self._put(folder / name, content)
+            self._put(self.folder / name, content)
 
     def _binaries(self) -> None:
         for name in PROGRAMS:

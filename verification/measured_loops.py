@@ -137,7 +137,7 @@ def backlash(folder: Path) -> Comparison:
         result = wr.identify([loop for each in tests.values() for loop in each], law=wr.BoucWen, profiles=False)
         lines.append(f"bouc-wen, fitted to {len(paths)} records: error {100.0 * result.residual:.1f} % of half the force range")
         for name, path in paths.items():
-            named = [text for text in loop_warnings({path: tests[path]}, result) if "play (backlash)" in text]
+            named = [text for text in loop_warnings({path: tests[path]}, result)[0] if "play (backlash)" in text]
             lines += [text.replace(str(path), name) for text in named]
             rows.append((f"{name}, play named", 1.0, float(bool(named)), float(not named)))
     missed = float(np.mean([row[3] for row in rows]))

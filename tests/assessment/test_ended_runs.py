@@ -58,6 +58,14 @@ def test_what_is_exceeded_already_is_said(cabinet):
     assert "the run ends at 30 ms" in headline(verdicts)
 
 
+def test_what_creeps_on_under_a_sine_is_not_judged(cabinet):
+    """Sag grows by 0.5 % of the travel in the last third of 0.415 s, by 1.5 % until 1.2 s and by 3 % until 4 s."""
+    response, verdicts = judged(cabinet, wr.Sine(frequency=35.67, acceleration=0.4541 * G, direction="x"), 0.415, accuracy=1e-3)
+    travel = next(row for row in verdicts if row.criterion.kind == "travel" and row.subject == "m01")
+    assert travel.time > 0.3
+    assert "the motion still grows when the run ends" in travel.note
+
+
 @pytest.mark.quick
 def test_a_sine_without_end_is_judged_when_it_grows_no_more():
     system = sdof(wr.KelvinVoigt(k=3.5 * (2 * math.pi * 10.0) ** 2, c=2 * 0.02 * 3.5 * 2 * math.pi * 10.0))

@@ -47,11 +47,11 @@ def _allowed(name):
     return path.startswith(_CODE) and not path.startswith(_HOSTILE)
 
 
-def _is_digested():
-    """Return whether a file is read for its checksum, as every file of a run is."""
+def _is_only_handled():
+    """Return whether a file is read for its checksum, as every file of a run is, or opened to be removed with its folder."""
     frame, depth = sys._getframe(2), 0
     while frame is not None and depth < 5:
-        if frame.f_code.co_name == "digest_of":
+        if frame.f_code.co_name in ("digest_of", "_rmtree_safe_fd"):
             return True
         frame, depth = frame.f_back, depth + 1
     return False
@@ -88,7 +88,7 @@ def _hook(event, arguments):
     elif event == "open" and isinstance(arguments[0], str | bytes):
         path = os.fsdecode(arguments[0])
         inside = os.path.realpath(path).startswith(_HOSTILE) or os.path.abspath(path).startswith(_HOSTILE)
-        if inside and (os.path.basename(path) in _SETTINGS or path.endswith(_READ_AS_CODE)) and not _is_digested():
+        if inside and (os.path.basename(path) in _SETTINGS or path.endswith(_READ_AS_CODE)) and not _is_only_handled():
             _note(event, path)
 
 

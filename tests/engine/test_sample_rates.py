@@ -204,7 +204,8 @@ def test_hours_are_of_the_stationary_part(cabinet, tmp_path):
 def test_what_random_triples_of_motion_rate_and_duration_state_is_right():
     """A few of those that `python tests/rate_triples.py 200` compares: shocks, a sine and random vibration."""
     found = rate_triples.Found()
-    for seed in (1, 2, 4, 6):
+    # Of 3010 the even samples of 16 agree with all by luck; in 3119 rocking has only begun to take the shock up.
+    for seed in (1, 2, 4, 6, 3010, 3119):
         rate_triples.compare(seed, found)
     assert found.wrong == []
     assert min(found.rows, found.damages, found.lines) > 20

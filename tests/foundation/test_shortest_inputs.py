@@ -246,6 +246,11 @@ def test_distributions_that_the_campaign_found(text, message):
         read_vary([text])
 
 
+def test_a_grid_of_more_values_than_memory_holds():
+    with pytest.raises(BudgetError, match="a grid of 9007199254740993 values would take 360 PB of memory"):
+        wr.Uniform(0.3, 1.5, points=9007199254740993).listed  # noqa: B018
+
+
 def test_more_variants_than_a_float_can_count():
     pulse = wr.HalfSine(peak=1.0, duration=0.01, direction="z")
     with pytest.raises(BudgetError, match=r"the inputs of 1e\+300 variants"):

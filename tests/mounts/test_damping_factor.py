@@ -68,6 +68,13 @@ def test_friction_of_a_smoothed_law_builds_up_over_more_deflection():
     np.testing.assert_allclose(stretched, narrower, rtol=0, atol=1e-8 * np.ptp(narrower))  # as exact as a trace
 
 
+@pytest.mark.parametrize("around", [{"law": example("bouc-wen"), "width": 0.1}, {"law": example("bouc-wen"), "stiffness": 1e6}])
+def test_factors_on_laws_made_of_laws_are_tried_one_by_one(around):
+    both = Parallel(laws=((Smoothed if "width" in around else OnBracket)(**around), KelvinVoigt(k=1e3, c=0.0)))
+    for name in ("stiffness", "friction", "yield"):
+        assert not both.certainly_valid({name: np.array([0.5, 2.0])})
+
+
 def test_an_isolator_keeps_its_elastic_forces_and_its_limits():
     rope = one_scale("wr16_400")["wr16_400"]
     more = rope.with_damping(1.5)

@@ -40,8 +40,12 @@ def test_every_law_is_tested():
 
 
 def size(law, force):
-    """Return what errors of a force are measured by: its own largest value, at least one thousandth of a unit."""
-    return max(float(np.abs(force).max()), 1e-3)
+    """Return what errors of a force are measured by: its own largest value, at least one thousandth of a unit.
+
+    Near zero a table's force is what cancels of cubics from the knot before it, of the size of the table and of z_max.
+    """
+    table = [*law.upper, *law.lower, *law.force, law.z_max] if law.name == "tabulated" else []
+    return float(np.abs([*force, *table, 1e-3]).max())
 
 
 @every_law

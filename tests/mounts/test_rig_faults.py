@@ -1,21 +1,19 @@
 """Faults of a rig, put into made-up records one at a time: each is named with its size, and none in a clean record."""
 
-import foreign_devices
+import re
+
 import numpy as np
 import pytest
+from rig_faults import DEVICES, LAW, NI, SIZES, foreign_record
 from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
-from wirerope_mj.mounts.test_rig.faults import hum_in, record_faults, without_hum
+from wirerope_mj.mounts.test_rig.faults import checked_record, hum_in, without_hum
 from wirerope_mj.mounts.test_rig.lag import lag_in
-
-LAW = wr.BoucWen.from_normalised(z_max=800.0, x_y=2e-3, sigma=0.7, n=1.4, k=5e4)
-NI = wr.AsymmetricBoucWen(alpha=4e5, beta=200.0, gamma=60.0, n=1.0, k1=4e4, k2=1e6, k3=2e8, b=1.0, c=1.0)
-SIZES = [1e-3, 3e-3, 8e-3]
 
 
 def said(time, deflection, force):
-    return list(record_faults(time, deflection, force))
+    return checked_record(time, deflection, force).faults
 
 
 @pytest.mark.parametrize("seed", range(4))
@@ -63,26 +61,6 @@ def test_a_lag_between_the_channels_is_named_with_its_size(samples):
     assert error < 3.0
 
 
-DEVICES = {
-    "iwan": lambda x, time: foreign_devices.iwan(x),
-    "five sliders": lambda x, time: foreign_devices.few_sliders(x),
-    "dead zones": lambda x, time: foreign_devices.dead_zone(x),
-    "lugre": lambda x, time: foreign_devices.lugre(x, time=time),
-    "bouc-wen": lambda x, time: LAW.trace(x).force,
-    "asymmetric": lambda x, time: NI.trace(x).force,
-}
-
-
-def foreign_record(name, *, lag, noise, seed=0):
-    """Return a record of a foreign device at 1 Hz, 400 samples a cycle, its force channel late by a fraction of a cycle."""
-    fine = np.arange(0.0, 15.0, 1.0 / 4000.0)
-    path = np.repeat(SIZES, 5)[fine.astype(int)] * np.sin(2.0 * np.pi * fine)
-    force = DEVICES[name](path, fine)
-    time = fine[::10]
-    late = np.interp(time - lag, fine, force)
-    return time, path[::10], late + noise * 0.5 * np.ptp(force) * np.random.default_rng(seed).standard_normal(time.size)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("lag", [0.0, 0.001, -0.004])
 @pytest.mark.parametrize("name", DEVICES)
@@ -117,6 +95,12 @@ def test_a_lag_of_a_thousandth_is_named_in_most_records_whose_noise_lets_it():
     assert sum(named) >= 15
 
 
+def test_the_least_lag_that_a_record_would_show_grows_with_its_noise():
+    least = [checked_record(*rig_record(LAW, SIZES, points=400.0, noise=noise)).least_lag for noise in (0.0, 0.01, 0.02)]
+    assert least[0] == pytest.approx(9e-4)  # a thousandth, told to a tenth
+    assert least[0] < least[1] < least[2] < 0.02
+
+
 @pytest.mark.slow
 def test_noise_is_named():
     (text,) = said(*rig_record(LAW, SIZES, points=400.0, noise=0.12))
@@ -138,3 +122,5 @@ def test_the_command_takes_hum_out_and_says_it(tmp_path, capsys):
     assert code == 0
     assert "at 50 Hz" in printed
     assert "taken out by a notch" in printed
+    page = (tmp_path / "a-report" / "report.html").read_text(encoding="utf-8")
+    assert re.search(r"a lag between its channels is named from 0\.\d+ % of a cycle on", page)

@@ -257,7 +257,16 @@ def test_two_jobs_are_compared_case_by_case(done, tmp_path, capsys):
     said = " ".join(capsys.readouterr().out.split())
     assert "after uses more of the limits in Up and hard." in said or "after exceeds limits in Up and hard" in said
     assert "Up and hard: half-sine: 20 g 11 ms z and 30 g 11 ms z" in said
+    assert "motion:" not in said  # that the phrase has said
     assert "not in it" in said
+
+
+def test_a_job_compared_with_itself_shows_no_table_without_rows(done, capsys):
+    out = str(done[0] / "out")
+    assert main(["compare", out, out, "--names", "one", "other"]) == 0
+    said = capsys.readouterr().out
+    assert "They use the same fraction of every limit." in said
+    assert "use different fractions" not in said
 
 
 def test_a_job_is_replayed_and_reported_from_its_folder_alone(done, tmp_path, capsys):

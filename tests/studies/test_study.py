@@ -249,6 +249,13 @@ def test_what_is_out_of_range_is_refused(make, message):
         make()
 
 
+def test_a_system_is_no_model_of_a_study():
+    with pytest.raises(wr.ModelError, match="`model` must be a path, the name of a shipped model or MJCF text, got a System"):
+        wr.Study(
+            model=wr.load_system("shock_table"), motion=wr.VelocityStep(velocity=1.0, direction="z"), duration=0.1, vary={}
+        )
+
+
 def test_a_value_outside_a_laws_range_names_the_variant_before_anything_is_written(tmp_path):
     study = table_study({"mount/m1/axial/alpha": wr.Normal(1.0, 0.7, relative=True)}, variants=64)
     negative = int(np.argmax(np.asarray(study._inputs["mount/m1/axial/alpha"]) <= 0.0))

@@ -112,12 +112,12 @@ def identify_records(
     kinds = " and ".join(one.name for one in result.law.components)
     if result.scales:
         kinds = f"{result.law.components[0].name} on {len(result.scales)} scales"
-    warnings = list(loop_warnings(tests, result))
+    warnings, unseen = loop_warnings(tests, result)
     if falling := falling_in_rating(result, axis, whole or known):
         warnings.append(f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that")
     content = identification_content(
         result, fitted_loops(result), title=f"{name}, {axis}: {kinds}",
-        sources=[f"{path}: {contents(loops)}" for path, loops in tests.items()], warnings=warnings,
+        sources=[f"{path}: {contents(loops)}{unseen.get(path, '')}" for path, loops in tests.items()], warnings=warnings,
         given=assumptions(result, given),
     )  # fmt: skip
     wanted = result.converged or accept_unconverged

@@ -9,6 +9,7 @@ from wirerope_mj.content.job import JudgedJob, job_headline
 from wirerope_mj.content.numbers import listed, several, with_unit
 from wirerope_mj.content.verdicts import headline, used_mark
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table
+from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 
 # Names and values of what was given to each load case of each job
 Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]
@@ -16,6 +17,7 @@ Inputs = Mapping[str, Mapping[str, Mapping[str, str]]]
 _SAME = 0.005  # of a limit, below which two utilisations are shown as the same percentage
 _SHOWN = 12
 _DERIVED = ("inputs", "timestep", "engine")  # digests, and what was chosen for a run
+_SAID = {*SPOKEN_MOTIONS, "levels", "record"}  # options that say the motion
 
 
 def job_comparison_content(jobs: Mapping[str, JudgedJob], inputs: Inputs) -> Content:
@@ -88,7 +90,7 @@ def _cases(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
     return Table(id="cases", title="The most critical limit of each load case", columns=columns, rows=rows)
 
 
-def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
+def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table | Statement:
     """Tabulate the limits of which the jobs use different fractions, each by its governing case."""
     largest: list[dict[tuple[str, str], tuple[float, str]]] = []
     for job in (first, second):
@@ -106,6 +108,8 @@ def _limits(names: Sequence[str], first: JudgedJob, second: JudgedJob) -> Table:
             change = None if before is None or after is None else after - before
             cells = [*key, used_mark(before), case, used_mark(after), other, change]
             rows.append((-max(before or 0.0, after or 0.0), cells))
+    if not rows:
+        return Statement(id="limits", text="They use the same fraction of every limit.")
     rows.sort(key=lambda pair: pair[0])
     columns = [Column("limit of", align="left"), Column("where", align="left")]
     for name in names:
@@ -122,8 +126,9 @@ def _inputs(names: Sequence[str], first: JudgedJob, second: JudgedJob, inputs: I
     common = [case for case in first.verdicts if case in second.verdicts]
     for case in common:
         before, after = inputs[names[0]].get(case, {}), inputs[names[1]].get(case, {})
-        for key in dict.fromkeys((*before, *after)):
-            if key not in _DERIVED and before.get(key) != after.get(key):
+        differ = [key for key in dict.fromkeys((*before, *after)) if before.get(key) != after.get(key)]
+        for key in differ:
+            if key not in _DERIVED and not (key == "motion" and _SAID & set(differ)):
                 text = f"{key}: {before.get(key, 'not given')} and {after.get(key, 'not given')}"
                 found.setdefault(text, []).append(case)
         limits = [

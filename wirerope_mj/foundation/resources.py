@@ -45,17 +45,15 @@ def model_file(model: str | Path, *, folder: Path | None = None) -> Path | None:
 
 
 def model_source(model: str | Path, *, folder: Path | None = None, asker: str) -> str | Path:
-    """Return an MJCF text as it is, or the path of a model file.
+    """Return an MJCF text as it is, or the path of a model file from `folder`, or among those that ship.
 
-    Args:
-        model: MJCF text, or a path; a relative one starts at `folder`, then at the models that ship with the package, and
-            `.xml` may be left out.
-        folder: None for the current one.
-        asker: beginning of messages.
-
-    Raises:
-        ModelError: there is no such file; names the paths that were tried.
+    `.xml` may be left out; messages begin with `asker`. ModelError: it is no path or text, or there is no such file; names
+    what was tried.
     """
+    if not isinstance(model, str | Path):
+        raise ModelError(
+            f"{asker}: `model` must be a path, the name of a shipped model or MJCF text, got a {type(model).__name__}."
+        )
     if isinstance(model, str) and model.lstrip().startswith("<"):
         return model
     file = model_file(model, folder=folder)

@@ -1,9 +1,9 @@
 """Verdicts over time, and those on runs that ended early.
 
 A shock, or a record, is over when its motion is, the slowest mode has had the time for its largest swings to both sides
-after it, and the later half of that time brings nothing new. A sweep, and random vibration, are whole when they have been run
-through: they go on after it or fade by themselves. A sine without end is steady when the last third of the run reaches
-nothing new.
+after it, and the later half of that time brings nothing new and begins nothing that goes on. A sweep, and random vibration,
+are whole when they have been run through: they go on after it or fade by themselves. A sine without end is steady when that
+holds for the last third of the run: mounts that carry a weight sag farther under vibration, for hundreds of cycles.
 """
 
 import math
@@ -116,6 +116,7 @@ GROWS = "the motion still grows when the run ends"  # Beginning of the notes on 
 PERIODS = 2.0
 SWINGS = 3.0  # Swings, of twice the slowest period or of the motion, that a run under an endless sine has at the least
 GROWTH = 0.01  # Utilisation by which something may grow at the end of a run and still be over
+_CREEPS = 10.0  # times what the last part brought, that much may follow where it was no less than what the part before did
 _NEAR = 1e-9  # [s]
 
 
@@ -164,7 +165,7 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
     early, rows, begin = too_short(response), tuple(verdicts), _quiet_from(response)
     growing = set() if early else {row for row in rows if _grows(response, row, begin)}
     if growing and math.isfinite(over := response.numerics.motion_end):
-        growing = {row for row in rows if _grows(response, row, 0.5 * (over + begin))}
+        growing |= {row for row in rows if _grows(response, row, 0.5 * (over + begin), goes_on=False)}
     growth = growth_note(response.final_state.time)
     return tuple(
         replace(row, contact=NOT_JUDGED, note=early)
@@ -176,13 +177,20 @@ def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdi
     )
 
 
-def _grows(response: Response, row: Verdict, begin: float) -> bool:
-    """Return whether something within its limit reaches more than until `begin` [s]."""
+def _grows(response: Response, row: Verdict, begin: float, *, goes_on: bool = True) -> bool:
+    """Return whether something within its limit reaches more than until `begin` [s], or is about to if it `goes_on`."""
     if row.verdict != WITHIN or row.time is None or row.time <= begin:
         return False
     course = utilisation_over_time(response, row)
-    before = 0.0 if course is None else float(np.max(course[response.time <= begin], initial=0.0))
-    return (row.utilisation or 0.0) - before > GROWTH
+    if course is None:
+        return (row.utilisation or 0.0) > GROWTH
+    end = response.final_state.time
+    first, before, last = (float(np.max(course[response.time <= at], initial=0.0)) for at in (2.0 * begin - end, begin, end))
+    if (row.utilisation or 0.0) - before > GROWTH:
+        return True
+    # Parts of equal length end at `begin` and at the end: what each brings is taken for a geometric series, its sum to come.
+    late, fall = last - before, 1.0 - (last - before) / max(before - first, last - before, 1e-300)
+    return goes_on and late / max(fall, 1.0 / _CREEPS) > GROWTH
 
 
 def _quiet_from(response: Response) -> float:

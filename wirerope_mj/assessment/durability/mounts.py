@@ -32,7 +32,7 @@ class MountCycles:
     axis: str  # "roll", "shear" or "axial"
     cycles: Cycles  # from the turning points, also between the samples
     # of what is counted, and of the deflection that it hangs on, the cycles of all samples and of every other one
-    # alone, to tell how much hangs on the rate; empty where there are too few, in all or of a period
+    # alone, the even and the odd ones, to tell how much hangs on the rate; empty where there are too few, in all or of a period
     coarser: tuple[tuple[Cycles, Cycles], ...] = field(default=(), compare=False, repr=False)
     frequency: float = 0.0  # mean frequency of the deflection, rms of its rate over 2 pi that of itself [Hz]
 
@@ -76,17 +76,17 @@ def _of_mount(response: Response, mount: SceneMount, quantity: Quantity, rows: s
     for number, axis in enumerate(AXES):
         deflection = response.column(f"mounts/{mount.name}/deflection/{axis}")[rows]
         rate, spread = rates[:, number], float(deflection.std())
-        several = (1, 2) if deflection.size >= _LEAST else (1,)
-        turns = [[path(deflection[::every], rate[::every], every * spacing)[0] for every in several]]
+        several = ((0, 1), (0, 2), (1, 2)) if deflection.size >= _LEAST else ((0, 1),)
+        turns = [[path(deflection[at::every], rate[at::every], every * spacing)[0] for at, every in several]]
         if quantity == "force":
             force = response.column(f"mounts/{mount.name}/force/{axis}")[rows]
-            turns.append([parabolas(force[::every]) for every in several])
-        counted = [tuple(map(rainflow_cycles, both)) for both in turns]
+            turns.append([parabolas(force[at::every]) for at, every in several])
+        counted = [tuple(map(rainflow_cycles, each)) for each in turns]
         frequency = float(rate.std()) / (2.0 * math.pi * spread) if spread else 0.0
         told = frequency * spacing * _OF_PERIOD <= 1.0
         yield MountCycles(
             mount=mount.name, axis=axis, cycles=counted[-1][0],
-            coarser=tuple((both[0], both[1]) for both in counted if len(both) > 1 and told), frequency=frequency,
+            coarser=tuple((each[0], half) for each in counted for half in each[1:] if told), frequency=frequency,
         )  # fmt: skip
 
 

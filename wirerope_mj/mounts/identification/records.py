@@ -15,7 +15,7 @@ from wirerope_mj.mounts.isolator import Isolator, Provenance, Validity
 from wirerope_mj.mounts.isolator.travel import falling_text
 from wirerope_mj.mounts.laws import AsymmetricBoucWen, Loop, Stop
 from wirerope_mj.mounts.test_rig import load_cycles
-from wirerope_mj.mounts.test_rig.faults import file_faults
+from wirerope_mj.mounts.test_rig.faults import checked_file
 from wirerope_mj.mounts.test_rig.passive import is_level
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
 
@@ -55,16 +55,25 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
     return tests
 
 
-def loop_warnings(tests: Tests, result: Identification) -> list[str]:
-    """Return faults of the rig, warnings about loops that make a fit doubtful, and those of a bare stop that stay open."""
+def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
+    """Return faults of the rig, warnings about loops that make a fit doubtful, and those of a bare stop that stay open.
+
+    And by file, from which lag between its channels on one would have been named, to follow its contents.
+    """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     if not isinstance(result.law, Stop):
-        faults = [text for path in tests for text in file_faults(path)]
-        return [*faults, *_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
+        checked = {path: checked_file(path) for path in tests}
+        faults = [text for one in checked.values() for text in one.faults]
+        warnings = [*faults, *_unsteady(loops), *_unexplained(loops, result), *_level(loops), *_soft(tests)]
+        return warnings, {
+            path: f"; a lag between its channels is named from {100.0 * one.least_lag:.2g} % of a cycle on"
+            for path, one in checked.items()
+            if one.least_lag == one.least_lag
+        }
     inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
     closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]
     warnings = [f"{path}: {_size(loop)} stays within the gap and is not fitted" for path, loop in inside]
-    return [*warnings, *_unsteady(closed), *_unexplained(closed, result)]
+    return [*warnings, *_unsteady(closed), *_unexplained(closed, result)], {}
 
 
 def _unsteady(loops: _Loops) -> list[str]:

@@ -165,12 +165,6 @@ class Law(ABC):
         """
         return self._in_another_unit(factor, self.yield_powers, self.yield_powers)
 
-    @property
-    def powers_of_factors(self) -> dict[str, Mapping[str, float]]:
-        """By the factors of `scaled`, `with_damping` and `with_yield`, the parameters that they act on, with their powers."""
-        friction = {name: self.force_powers[name] for name in self.damping_parameters}
-        return {"stiffness": self.force_powers, "friction": friction, "yield": self.yield_powers}
-
     def _in_another_unit(self, factor: float, names: Iterable[str], powers: Mapping[str, float] | None = None) -> Self:
         """Return the law with some parameters multiplied by the factor to a power, that of force if none is given."""
         positive("factor", factor)

@@ -123,9 +123,13 @@ class Parallel(Law):
 
     def certainly_valid(self, columns: Entries) -> bool:
         """Return whether each law is certainly valid with what the columns make of its parameters; False says nothing."""
+        if not all(law.force_powers for law in self.laws):  # a law around another one is tried entry by entry
+            return False
         for law, own in zip(self.laws, self.composed(columns), strict=True):
             whole = law.completed(own)
-            for name, powers in law.powers_of_factors.items():
+            friction = {name: law.force_powers[name] for name in law.damping_parameters}
+            acting = {"stiffness": law.force_powers, "friction": friction, "yield": law.yield_powers}
+            for name, powers in acting.items():
                 factor = np.asarray(columns.get(name, 1.0))
                 if not (np.isfinite(factor) & (factor > 0.0)).all():
                     return False

@@ -1,6 +1,6 @@
 """Faults of a rig that a record shows: hum of the mains, drift of the zero, play, a channel that lags, noise; with sizes."""
 
-from collections.abc import Iterator
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -81,45 +81,56 @@ def without_hum(time: Array, force: Array, hum: Hum) -> Array:
     return force - _line(time, force, hum.frequency)[0]
 
 
-def record_faults(time: Array, deflection: Array, force: Array) -> Iterator[str]:
-    """Yield a sentence for each fault of a record: instants [s], deflection [m], force [N], (n,) each; none for a clean one."""
+@dataclass(frozen=True, kw_only=True)
+class Checked:
+    """Sentences on the faults of a rig that a record shows, and the least lag that it would have shown, over the period."""
+
+    faults: list[str]
+    least_lag: float  # NaN where no lag can be told
+
+
+def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
+    """Look for faults in a record: instants [s], deflection [m], force [N], (n,) each; a clean one has none."""
+    faults: list[str] = []
     half = 0.5 * float(np.ptp(force))
     hum = hum_in(time, force)
     if hum is not None:
         force = without_hum(time, force, hum)
         share = 100.0 * hum.amplitude / half
-        yield (
+        faults.append(
             f"hum of {hum.amplitude:.3g} N at {hum.frequency:.4g} Hz, {share:.2g} % of half of the force range, was taken out "
             "by a notch at that frequency: look for a loop in the ground of the load cell"
         )
     drift, error = _drift(time, deflection, force)
     if abs(drift) > max(_SURE * error, _DRIFTS * half):
-        yield (
+        faults.append(
             f"the zero of the force drifts by {drift:.3g} N over the record, {100.0 * abs(drift) / half:.2g} % of half of the "
             "force range; what is linear of it was taken out: let the load cell warm up"
         )
     play = play_in(time, deflection, force)
     if play is not None:
-        yield (
+        faults.append(
             f"behind each reversal the force stands at one value over about {1e3 * play.width:.2g} mm and is stiff before and "
             f"behind it, in {play.strokes} strokes: play (backlash) in the device or its fixture. No law that is fitted here "
             "has a dead zone that goes with the reversal, so that none follows these loops: take up the play and test again"
         )
     lag = None if play else lag_in(time, deflection, force)  # with play they do not turn round together
     noise = rms_noise(force)
-    if lag is not None and abs(lag.delay) > max(
-        _SURE * lag.error, max(_LAGS, _HIDDEN * noise / max(half, 1e-300)) * lag.period
-    ):
+    least = max(_SURE * lag.error / lag.period, _LAGS, _HIDDEN * noise / max(half, 1e-300)) if lag else math.nan
+    if lag is not None and abs(lag.delay) > least * lag.period:
         which = "force turns round after" if lag.delay > 0.0 else "force turns round before"
         share, doubt = 100.0 * abs(lag.delay) / lag.period, 100.0 * lag.error / lag.period
         size = f"about {1e3 * abs(lag.delay):.2g} ms, {share:.2g} +- {max(doubt, 0.01):.1g} % of a cycle"
         cause = "the force channel lags" if lag.delay > 0.0 else "the deflection channel lags, or the device is viscous"
-        yield (
+        faults.append(
             f"the {which} the deflection by {size}: {cause}; the loss factor of the loops is wrong by about "
             f"{2.0 * np.pi * abs(lag.delay) / lag.period:.1g}, and so are the parameters that follow from their tips"
         )
     if noise > _NOISY * half:
-        yield f"noise of the force is {noise:.3g} N rms, {100.0 * noise / half:.2g} % of half of its range: average more cycles"
+        faults.append(
+            f"noise of the force is {noise:.3g} N rms, {100.0 * noise / half:.2g} % of half of its range: average more cycles"
+        )
+    return Checked(faults=faults, least_lag=least)
 
 
 def _drift(time: Array, deflection: Array, force: Array) -> tuple[float, float]:
@@ -179,11 +190,9 @@ def _line_through(time: Array, values: Array) -> tuple[float, float]:
     return slope, float(np.sqrt(left @ left / max(values.size - 2, 1)))
 
 
-def file_faults(path: Path) -> list[str]:
-    """Return the faults of every record in a file, each beginning with its name; none where it says no time."""
-    return [
-        f"{path}: {text}"
-        for samples in read_rows(path)
-        if samples.time
-        for text in record_faults(np.array(samples.time), np.array(samples.deflection), np.array(samples.force))
-    ]
+def checked_file(path: Path) -> Checked:
+    """Look for faults in every record of a file, each named with it; none are told where it says no time."""
+    records = [one for one in read_rows(path) if one.time]
+    each = [checked_record(np.array(one.time), np.array(one.deflection), np.array(one.force)) for one in records]
+    faults = [f"{path}: {text}" for one in each for text in one.faults]
+    return Checked(faults=faults, least_lag=max((one.least_lag for one in each), default=math.nan))

@@ -10,6 +10,7 @@ import scipy
 
 from wirerope_mj.foundation.arguments import finite, integer, positive
 from wirerope_mj.foundation.arrays import AnyArray, Array, Entries
+from wirerope_mj.foundation.budget import require_memory
 
 # In place of 0 and 1, at which a normal distribution is infinite: Sobol points may be 0, and sums be rounded to 1.
 SMALLEST, LARGEST = 2.0**-54, 1.0 - 2.0**-53
@@ -89,7 +90,10 @@ class Uniform:
     @property
     def listed(self) -> list[float]:
         """The values in a grid; empty if `points` is not given."""
-        return [] if self.points is None else np.linspace(self.low, self.high, self.points).tolist()
+        if self.points is None:
+            return []
+        require_memory(f"a grid of {self.points} values", 40.0 * self.points, "Give fewer `points`.")  # [B] of an entry
+        return np.linspace(self.low, self.high, self.points).tolist()
 
 
 @dataclass(frozen=True, init=False)
