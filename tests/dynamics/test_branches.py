@@ -260,8 +260,8 @@ def test_a_guess_of_another_system_is_refused():
 
 
 @pytest.mark.slow
-def test_a_needle_of_a_superharmonic_resonance_is_leapt_over_and_said():
-    """The cabinet's fifth harmonic meets an undamped mode near 26.1 Hz; the branch is taken up again beyond it.
+def test_a_needle_of_a_superharmonic_resonance_is_followed():
+    """The cabinet's fifth harmonic meets an undamped mode near 26.1 Hz, and the branch passes through its half percent.
 
     The mounts' friction yields over 8 mm here, so that small cycles lose nothing: with the catalogue's, which yields
     below a millimetre, there is no such needle.
@@ -276,9 +276,10 @@ def test_a_needle_of_a_superharmonic_resonance_is_leapt_over_and_said():
         direction="z", payload="rack", largest_step=0.05,
     )  # fmt: skip
     assert branch.complete
-    assert all(a < b for a, b in branch.gaps)
-    assert "not followed from" in branch.message
+    assert branch.gaps == ()
     assert branch.stable.all()
+    # Where the harmonic meets the mode it is higher than farther on, where the branch has long been rising again.
+    assert branch.frequency[branch.amplitude[branch.frequency < 5.25].argmax()] == pytest.approx(26.1 / 5.0, rel=2e-3)
 
 
 BASE = {"start": 0.1, "stop": 0.2, "acceleration": 0.3, "direction": "z", "payload": "mass"}
@@ -361,6 +362,14 @@ def test_a_branch_goes_on_where_slow_directions_hold_what_the_tolerance_leaves()
     assert branch.complete
     assert branch.gaps == ()
     assert branch.stable.all()
+
+
+def test_friction_that_is_hardly_moved_does_not_end_a_branch():
+    """In its own range of 1e-4 N, beside 40 N in shear, the axial friction closed to no more than 2e-6: it ended at 2.72 Hz."""
+    system = wr.load_system("shock_table_frame")
+    branch = wr.follow_branch(system, start=2.2, stop=2.8, acceleration=1.0, direction="y", payload="block")
+    assert branch.complete
+    assert branch.gaps == ()
 
 
 def test_a_correction_that_leads_beyond_all_parameters_is_given_up():
