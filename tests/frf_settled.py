@@ -76,10 +76,10 @@ def compared(system, axis, level, keep):
     top = peaks_of(branch)[0]
     shake = {"acceleration": level, "direction": axis, "payload": branch.payload}
     low, high = branch.frequency.min(), branch.frequency.max()
-    about = np.clip(top.frequency * ABOUT, low, high) if not top.at_edge else np.array([top.frequency])
+    about = np.unique(np.clip(top.frequency * ABOUT, low, high))
     ways = [wr.stepped_sine(system, frequencies=f, **shake) for f in (about, about[::-1])]
     settled, settled_at = max(vertex(way.frequency, way.amplitude) for way in ways)
-    there = np.array([way.amplitude[way.frequency.size // 2] for way in ways])
+    there = np.array([way.amplitude[np.argmin(np.abs(way.frequency - top.frequency))] for way in ways])
     wide = wr.stepped_sine(system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, largest_cycles=SETTLED, **shake)
     curve = curve_of(branch)
     nearest = np.nanmin(

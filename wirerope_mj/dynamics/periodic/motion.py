@@ -16,9 +16,6 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
 from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisation
 
-# Fraction of the largest range among the internal states below which a state's own range is no scale for it.
-SMALLEST_STATE = 1e-2
-
 
 class Coordinates:
     """Unknowns x = (configuration, velocity, internal states) of a system at phase 0 of its base's sine.
@@ -89,23 +86,22 @@ class Coordinates:
 
 @dataclass(frozen=True, kw_only=True)
 class Ranges:
-    """Half ranges over a period: the largest of mount deflection [m], its rate [m/s], and every internal state, (n_a,)."""
+    """Half ranges over a period, each the largest: of mount deflection [m], of its rate [m/s], and of internal states."""
 
     deflection: float
     rate: float
-    internal: Array
+    internal: float
 
 
 def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
     """Return the unit of every unknown, (n_x,).
 
     Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
-    the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration.
+    the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration. All internal
+    states have one, too: in its own range a state of friction that hardly slips would count for more than what it does.
     """
-    ratio = coordinates.ratios
-    internal = np.maximum(ranges.internal, SMALLEST_STATE * ranges.internal.max(initial=0.0))
-    internal = np.where(internal > 0.0, internal, 1.0)
-    return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, internal])
+    ratio, force = coordinates.ratios, np.full(coordinates.model.na, ranges.internal or 1.0)
+    return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, force])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -177,10 +173,7 @@ def _mount_channels(system: System) -> Integers:
 def ranges(system: System, track: Track) -> Ranges:
     """Return the half ranges of deflections, rates and internal states over a track."""
     deflection = mount_deflections(system, track)
-    states = internal_states(system, track)
-    internal = np.zeros(system.model.na)
-    activation = system.assembly.activation
-    internal[activation : activation + states.shape[1]] = np.ptp(states, axis=0) / 2.0
+    internal = float(np.ptp(internal_states(system, track), axis=0).max(initial=0.0)) / 2.0
     step = track.drive.duration / track.drive.steps
     rate = np.diff(deflection, axis=0, append=deflection[:1]) / step
     half_range, speed = (float(np.ptp(values, axis=0).max()) / 2.0 for values in (deflection, rate[:-1]))

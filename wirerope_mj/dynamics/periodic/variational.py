@@ -15,7 +15,7 @@ steps, so that its three instants are sampled ones. States that follow Bouc-Wen'
 
 import os
 from abc import ABC, abstractmethod
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import cast
 
 import mujoco
@@ -86,6 +86,8 @@ class Variational(ABC):
         change = (np.roll(gradient, -1, axis=0) - np.roll(gradient, 1, axis=0)) / (2.0 * step)
         a[:, rows, q], a[:, rows, v] = change + gradient @ a[:, q, q], gradient * (scale[v] / scale[q])
         slopes = self.scaled.along(track, self._flow.width, 2 * nf)
+        fast = np.maximum(slopes.decay * (-2.0 * step / FASTEST), 1.0)  # near their bounds scaled states do so, too
+        slopes = replace(slopes, gain=slopes.gain / fast, decay=slopes.decay / fast)
         return _integrate(a, step, slopes)
 
     @abstractmethod
