@@ -21,7 +21,7 @@ _COLOURS = {"within": "176B2F", "near": "7A5600", "unjudged": "7A5600", "exceede
 _SHADES = {"within": "E9F6EC", "exceeded": "FCEBEA", "unjudged": "FDF5E1"}
 _BOLD = ("exceeded", "strong")
 _WIDTH = 17.4  # of the text [cm]
-_PICTURE, _DRAWING = 16.2, 11.0  # widths of charts and scenes [cm]
+_PICTURE = 16.2  # width of charts and scenes [cm]
 _FONT, _SMALL = "Arial", 15  # of the text; size of the letters of tables in half points
 _LETTER, _CELL = 5.3, 130.0  # mean width of a letter, of half a point of its size; room about it [1/20 pt]
 _LEAST, _LINE = 6, 90  # letters of a column of text at the least, and at the most where there is room
@@ -140,22 +140,22 @@ class _Writer:
     @set_block.register
     def _(self, block: Chart) -> None:
         save_pictures([block], self._picture())
-        self._place(_PICTURE, block.caption, block.alt)
+        self._place(block.caption, block.alt)
 
     @set_block.register
     def _(self, block: SceneView) -> None:
         save_pictures([replace(block, caption="")], self._picture())
-        self._place(_DRAWING, block.caption, block.caption)
+        self._place(block.caption, block.caption)
 
     def _picture(self) -> Path:
         self._pictures += 1
         return self._folder / f"{self._pictures}.png"
 
-    def _place(self, width: float, caption: str, alt: str) -> None:
+    def _place(self, caption: str, alt: str) -> None:
         """Set the picture that was drawn last, with its caption below it."""
         from docx.shared import Cm
 
-        shape = self.document.add_picture(str(self._folder / f"{self._pictures}.png"), width=Cm(width))
+        shape = self.document.add_picture(str(self._folder / f"{self._pictures}.png"), width=Cm(_PICTURE))
         shape._inline.docPr.set("descr", plain_lines(alt))
         self.document.paragraphs[-1].paragraph_format.keep_with_next = True
         self._paragraph(caption, tone="quiet", small=True)
