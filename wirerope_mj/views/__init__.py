@@ -1,4 +1,4 @@
-"""Results as pictures, recordings and pages: the only importers of matplotlib, rerun, jinja2 and weasyprint.
+"""Results as pictures, recordings and pages: the only importers of matplotlib, rerun, jinja2, resvg and weasyprint.
 
 Uses every wing below; computes nothing that a user would quote.
 """

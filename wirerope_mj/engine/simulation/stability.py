@@ -18,6 +18,7 @@ RK4_LIMIT = 2.7
 # angular frequency [rad/s] below which a mode is no oscillation on mounts, but a body that hangs or slides freely
 SLOWEST_RATE = 1.0
 ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be one whatever is rounded
+N_RATES = 5  # of a law, see `rates_of`
 
 
 def joint_matrices(model: mujoco.MjModel) -> tuple[Array, Array]:
@@ -53,10 +54,11 @@ def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[
 @once_per_system
 def eigenvalues(system: System) -> ComplexArray:
     """Return the eigenvalues [1/s] of the linear system of unloaded mounts without the driven base, (2 n,), stops open."""
-    return _eigenvalues_of(system, closed=False)
+    return _eigenvalues_of_system(system, closed=False)
 
 
-def _eigenvalues_of(system: System, *, closed: bool) -> ComplexArray:
+def _eigenvalues_of_system(system: System, *, closed: bool) -> ComplexArray:
+    """Return the eigenvalues [1/s] of a system with its stops open or closed, (2 n,)."""
     model = system.model
     mass = np.zeros((model.nv, model.nv))
     with system.assembly.scratch.data(model) as data:
@@ -68,10 +70,10 @@ def _eigenvalues_of(system: System, *, closed: bool) -> ComplexArray:
     free = np.flatnonzero(moves)
     pairs = zip(matrices, joint_matrices(model), strict=True)
     stiffness, damping = ((mounts + joints)[np.ix_(free, free)] for mounts, joints in pairs)
-    return _eigenvalues(mass[np.ix_(free, free)], stiffness, damping)
+    return _eigenvalues_of_matrices(mass[np.ix_(free, free)], stiffness, damping)
 
 
-def _eigenvalues(inertia: Array, stiffness: Array, damping: Array) -> ComplexArray:
+def _eigenvalues_of_matrices(inertia: Array, stiffness: Array, damping: Array) -> ComplexArray:
     """Return the eigenvalues [1/s] of linear systems, (..., 2 n), of matrices (..., n, n)."""
     inverse, n = np.linalg.inv(inertia), inertia.shape[-1]
     rates = np.zeros((*inertia.shape[:-2], 2 * n, 2 * n))  # of displacements and velocities
@@ -85,7 +87,7 @@ def stable_step(system: System) -> float:
     """Return the largest step [s] with which RK4 is stable on the unloaded mounts and on all stops."""
     laws = [law for mount in system.mounts.values() for law in mount.isolator.axes.values() if law is not None]
     decay = max((law.relaxation_rate for law in laws), default=0.0)
-    fastest = max(float(np.abs(_eigenvalues_of(system, closed=True)).max(initial=0.0)), decay)
+    fastest = max(float(np.abs(_eigenvalues_of_system(system, closed=True)).max(initial=0.0)), decay)
     return RK4_LIMIT / fastest if fastest > 0.0 else np.inf
 
 
@@ -193,7 +195,7 @@ class VariantRates:
         if self._turns or not self._free.size:
             return np.full(len(numbers), np.nan)
         stiffness, damping = self._matrices(numbers, rates[:, 3], rates[:, 4])
-        return _slowest_of(_eigenvalues(self.inertia(numbers), stiffness, damping))
+        return _slowest_of(_eigenvalues_of_matrices(self.inertia(numbers), stiffness, damping))
 
     def _matrices(self, numbers: Array, stiffness: Array, damping: Array) -> tuple[Array, Array]:
         """Return stiffness and damping of the free coordinates, (n, n_free, n_free) each, of those of the laws."""
@@ -203,9 +205,6 @@ class VariantRates:
             for values, own in zip((stiffness, damping), joints, strict=True)
         )
         return one, other
-
-
-N_RATES = 5
 
 
 def rates_of(law: Law | None) -> tuple[float, ...]:
@@ -224,5 +223,5 @@ def _largest(inertia: Array, matrices: Array) -> Array:
 
 @once_per_system
 def variant_rates(system: System) -> VariantRates:
-    """Return what computes rates of variants of a system; made once."""
+    """Look up once what the rates of a system's variants follow from."""
     return VariantRates(system)

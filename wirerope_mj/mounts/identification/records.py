@@ -1,5 +1,6 @@
 """Files of an identification: records read and doubted, and the isolator that comes of them."""
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -58,7 +59,7 @@ def read_tests(files: Sequence[Path], *, stop: bool = False) -> dict[Path, list[
 def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict[Path, str]]:
     """Return faults of the rig, warnings about loops that make a fit doubtful, and those of a bare stop that stay open.
 
-    And by file, from which lag between its channels on one would have been named, to follow its contents.
+    The second is, by file, the least lag between its channels that would have been named, as text behind its contents.
     """
     loops = [(path, loop) for path, loops in tests.items() for loop in loops]
     if not isinstance(result.law, Stop):
@@ -68,7 +69,7 @@ def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict
         return warnings, {
             path: f"; a lag between its channels is named from {100.0 * one.least_lag:.2g} % of a cycle on"
             for path, one in checked.items()
-            if one.least_lag == one.least_lag
+            if not math.isnan(one.least_lag)
         }
     inside = [pair for pair in loops if not closes(prepare([pair[1]], stop=True)[0])]
     closed = [pair for pair in loops if not any(pair[1] is loop for _, loop in inside)]

@@ -18,15 +18,14 @@ _FAINT = 0.2  # of a body that bends, drawn unbent: its net is seen through it
 
 
 def bending_at(response: Response, mount: SceneMount, body: str, rows: Rows) -> Array:
-    """Return how far a mount's point on a body is from where the rigid body has it [m], in the body's axes, (n, 3).
+    """Find the displacement by bending of a mount's point on a body [m], in the body's axes, (n, 3).
 
-    The mount's other point and its deflection say where the point has bent to. 0 where the body does not bend, and where both
-    do, whose parts they cannot tell.
+    It follows from the mount's other point and its deflection. 0 where the body does not bend, and where the bodies at both
+    ends do, whose shares they cannot tell apart.
     """
     names = {mount.base_body, mount.payload_body}
-    if {one.name for one in response.scene.bodies if one.bends and one.name in names} != {
-        body
-    } or names - response.bodies.keys():
+    bending = {one.name for one in response.scene.bodies if one.bends and one.name in names}
+    if bending != {body} or names - response.bodies.keys():
         return np.zeros((rows.size, 3))
     position, orientation = relative_pose(response, (names - {body}).pop(), body)
     stretched = response.mounts[mount.name].deflection[rows] @ mount.axes.T
