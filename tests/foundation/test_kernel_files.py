@@ -1,5 +1,6 @@
 """Compiled kernels on disk: right code or a compilation, whatever was changed, cut off, forbidden, or done at the same time."""
 
+import math
 import os
 import subprocess
 import sys
@@ -7,6 +8,7 @@ import sys
 import pytest
 
 from wirerope_mj.foundation import kernel_files
+from wirerope_mj.foundation.jit import njit
 
 KERNELS = """
 from wirerope_mj.foundation.jit import inlined, njit
@@ -248,3 +250,25 @@ def test_what_belongs_to_another_user_is_not_used(use, tmp_path, what):
     for path in [tmp_path / "cache"] if what == "cache" else files(tmp_path):
         os.chown(path, 12345, -1)
     assert use() == (7.0, 2.5, ALL)
+
+
+@njit
+def root_of(x):
+    if x < 0.0:
+        raise ValueError("no root of a negative number")
+    return math.sqrt(x)
+
+
+@njit
+def doubled_root(x):
+    return 2.0 * root_of(x)
+
+
+def test_only_what_python_calls_becomes_machine_code_and_what_it_calls_raises_as_its_own():
+    assert doubled_root(4.0) == 4.0
+    assert not root_of.overloads
+    with pytest.raises(ValueError, match="no root of a negative number"):
+        doubled_root(-1.0)
+    assert root_of(4.0) == 2.0
+    with pytest.raises(ValueError, match="no root of a negative number"):
+        root_of(-1.0)

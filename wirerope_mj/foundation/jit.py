@@ -6,7 +6,7 @@ import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
-from typing import Any
+from typing import Any, cast
 
 import numba
 import numpy as np
@@ -15,12 +15,15 @@ from numba.core import event
 from numba.core.ccallback import CFunc
 
 from wirerope_mj.foundation.kernel_files import KernelFiles, cache_folder, where_kept, why_not_kept
+from wirerope_mj.foundation.linked_code import LinkedCode as LinkedCode
 from wirerope_mj.foundation.processes import compile_beside
 
 # Time [s] that compiling takes before anything is said, and between two lines.
 PATIENCE, PACE = 2.0, 10.0
 # A table's entry as an index: unsigned, so that no code is compiled for indices from an array's end.
 index = np.uint32
+# Options of a function that kernels call: Python and C have no way into it.
+_UNWRAPPED = {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
 # Compiled callbacks: their code goes with them.
 _KEPT: list[Any] = []
 
@@ -91,11 +94,17 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..
     if numba.config.DISABLE_JIT:
         return function
     options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
-    compiled: Any = numba.njit(**options)(function)
-    compiled._cache = KernelFiles(function, **options)
-    template = compiled.get_call_template
+    compiled, linked = _dispatcher(function, options), _dispatcher(function, {**options, **_UNWRAPPED})
+    template = linked.get_call_template
     # Numba would make a function of its own for each number that is written out in a call: 589 of them instead of 427.
     compiled.get_call_template = lambda args, kws: template(
         [types.unliteral(a) for a in args], {name: types.unliteral(a) for name, a in kws.items()}
     )
-    return compiled
+    compiled.get_overload = linked.get_overload
+    return cast("Callable[..., Any]", compiled)
+
+
+def _dispatcher(function: Callable[..., Any], options: dict[str, Any]) -> Any:
+    dispatcher: Any = numba.njit(**options)(function)
+    dispatcher._cache = KernelFiles(function, **options)
+    return dispatcher

@@ -172,6 +172,7 @@ class KernelFiles(_Cache):
     def save_overload(self, sig: Any, data: CompileResult) -> None:
         """Keep compiled code if that is possible; a later process compiles again otherwise."""
         path = cache_folder() / self._name(sig, data.codegen.magic_tuple())
+        data.library.get_pointer_to_function(data.fndesc.llvm_cfunc_wrapper_name)  # machine code of what C calls
         content = dumps(data._reduce())
         with suppress(OSError, RecordError):
             path.parent.mkdir(parents=True, exist_ok=True, mode=0o700)

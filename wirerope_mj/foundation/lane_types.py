@@ -6,12 +6,13 @@ See `wirerope_mj.foundation.lanes`.
 import math
 import operator
 from collections.abc import Callable
-from typing import Any
+from typing import Any, ClassVar
 
 from llvmlite import ir
 from numba import types
 from numba.core.imputils import lower_builtin, lower_cast
 from numba.core.typeconv import Conversion
+from numba.core.typing.arraydecl import GetItemBuffer, SetItemBuffer
 from numba.core.typing.templates import AbstractTemplate, infer_global, signature
 from numba.extending import models, register_model
 
@@ -109,6 +110,12 @@ def spread_out(context: Any, builder: Any, source: Any, target: Any, value: Any)
     return builder.shuffle_vector(one, ir.Constant(VECTOR, ir.Undefined), zeros)
 
 
+class _First(AbstractTemplate):
+    """An operator that Numba tries before its own, which take most of the time of compiling before they decline."""
+
+    metadata: ClassVar = {"target": "cpu"}  # its own are generic
+
+
 def _number(kind: Any) -> bool:
     return isinstance(kind, types.Float | types.Integer | LanesType)
 
@@ -116,7 +123,7 @@ def _number(kind: Any) -> bool:
 def _operator(function: Any, result: Any, build: Callable[[Any, Any, Any], Any]) -> None:
     """Let an operator take lanes on one of its sides at least."""
 
-    class Template(AbstractTemplate):
+    class Template(_First):
         def generic(self, args: Any, kws: Any) -> Any:
             if len(args) == 2 and LANES in args and all(_number(kind) for kind in args):
                 return signature(result, LANES, LANES)
@@ -153,7 +160,7 @@ _operator(max, LANES, lambda b, x, y: b.select(b.fcmp_ordered(">", y, x), y, x))
 
 
 def _mask_operator(function: Any, instruction: str) -> None:
-    class Template(AbstractTemplate):
+    class Template(_First):
         def generic(self, args: Any, kws: Any) -> Any:
             return signature(MASK, MASK, MASK) if tuple(args) == (MASK, MASK) else None
 
@@ -169,7 +176,7 @@ _mask_operator(operator.or_, "or_")
 
 
 def _unary(function: Any, build: Callable[[Any, Any], Any]) -> None:
-    class Template(AbstractTemplate):
+    class Template(_First):
         def generic(self, args: Any, kws: Any) -> Any:
             return signature(LANES, LANES) if tuple(args) == (LANES,) else None
 
@@ -195,19 +202,19 @@ _unary(math.sqrt, _call("sqrt"))
 _unary(math.floor, _call("floor"))
 
 
-class _GetItem(AbstractTemplate):
+class _GetItem(_First):
     def generic(self, args: Any, kws: Any) -> Any:
         if len(args) != 2 or not isinstance(args[1], types.Integer):
-            return None
+            return GetItemBuffer(self.context).generic(args, kws)
         if isinstance(args[0], TableType):
             return signature(args[0].element, args[0], types.intp)
-        return signature(LANES, ROWS, types.intp) if args[0] == ROWS else None
+        return signature(LANES, ROWS, types.intp) if args[0] == ROWS else GetItemBuffer(self.context).generic(args, kws)
 
 
-class _SetItem(AbstractTemplate):
+class _SetItem(_First):
     def generic(self, args: Any, kws: Any) -> Any:
         ok = len(args) == 3 and args[0] == ROWS and isinstance(args[1], types.Integer) and _number(args[2])
-        return signature(types.none, ROWS, types.intp, LANES) if ok else None
+        return signature(types.none, ROWS, types.intp, LANES) if ok else SetItemBuffer(self.context).generic(args, kws)
 
 
 infer_global(operator.getitem)(_GetItem)

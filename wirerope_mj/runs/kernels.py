@@ -11,7 +11,7 @@ from wirerope_mj.dynamics.modes import modes
 from wirerope_mj.dynamics.periodic import follow_branch
 from wirerope_mj.dynamics.single_mass import equivalent_linear, harmonic_balance
 from wirerope_mj.dynamics.sweep import frequency_sweep
-from wirerope_mj.engine.control.native import native_sensor
+from wirerope_mj.engine.control.native import native_callbacks
 from wirerope_mj.engine.kernel.equations import equations
 from wirerope_mj.engine.kernel.variants import NOTHING, group_of
 from wirerope_mj.engine.simulation import simulate
@@ -38,8 +38,8 @@ def compile_beside_a_command() -> None:
     """Call every kernel, first those that a command calls last: `wirerope_mj.foundation.processes` says what for."""
     signal(SIGTERM, default_int_handler)  # no half-written file is left behind
     with suppress(KeyboardInterrupt):
+        native_callbacks()
         _step_through_nothing()
-        native_sensor()
         use_all_kernels()
 
 

@@ -234,9 +234,14 @@ _MODEL_AND_DATA = (types.intp, types.intp)  # addresses of mjModel and mjData
 @cache
 def native_callbacks() -> Callbacks:
     """Return the compiled callbacks; the offsets in the structs of this MuJoCo are constants of their code."""
-    system, data = _system_offsets(), offsets("mjData")
-    fields = tuple(data[name] for name in CONTROL_FIELDS)
+    system, data, contact = _system_offsets(), offsets("mjData"), offsets("mjContact")
     time, userdata, act_dot = data["time"], data["userdata"], data["act_dot"]
+    fields, sensed = tuple(data[name] for name in CONTROL_FIELDS), tuple(data[name] for name in SENSOR_FIELDS)
+    in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
+    in_contact = (
+        *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
+        _layout_of_fields(structs.STRUCTS["mjContact"].fields)[0],
+    )
 
     def control(m, d):  # type: ignore[no-untyped-def]
         _control(m, d, system, fields, time)
@@ -244,31 +249,18 @@ def native_callbacks() -> Callbacks:
     def act_dyn(m, d, actuator):  # type: ignore[no-untyped-def]
         return _act_dyn(m, d, actuator, system, userdata, act_dot)
 
+    def sensor(m, d, stage):  # type: ignore[no-untyped-def]
+        if stage == ACCELERATION_STAGE:
+            _sensor(m, d, system, sensed, time, in_data, in_contact)
+
+    at_stage = types.void(*_MODEL_AND_DATA, types.int32)
     return Callbacks(
         control=ctypes.CFUNCTYPE(None, _POINTER, _POINTER)(address(control, types.void(*_MODEL_AND_DATA))),
         act_dyn=ctypes.CFUNCTYPE(ctypes.c_double, _POINTER, _POINTER, _INTEGER)(
             address(act_dyn, types.float64(*_MODEL_AND_DATA, types.int32))
         ),
-        sensor=native_sensor(),
+        sensor=ctypes.CFUNCTYPE(None, _POINTER, _POINTER, _INTEGER)(address(sensor, at_stage)),
     )
-
-
-@cache
-def native_sensor() -> object:
-    """Return the compiled sensor callback, which may be compiled before the others."""
-    system, data, contact = _system_offsets(), offsets("mjData"), offsets("mjContact")
-    fields, time = tuple(data[name] for name in SENSOR_FIELDS), data["time"]
-    in_data = tuple(data[name] for name in ("ncon", "contact", "efc_force", "efc_type", "efc_vel"))
-    in_contact = (
-        *(contact[name] for name in ("dist", "geom", "dim", "efc_address")),
-        _layout_of_fields(structs.STRUCTS["mjContact"].fields)[0],
-    )
-
-    def sensor(m, d, stage):  # type: ignore[no-untyped-def]
-        if stage == ACCELERATION_STAGE:
-            _sensor(m, d, system, fields, time, in_data, in_contact)
-
-    return ctypes.CFUNCTYPE(None, _POINTER, _POINTER, _INTEGER)(address(sensor, types.void(*_MODEL_AND_DATA, types.int32)))
 
 
 def _system_offsets() -> tuple[int, int, int]:
