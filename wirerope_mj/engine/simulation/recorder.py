@@ -1,4 +1,4 @@
-"""The samples of a run on their way into a response, with gaps of pairs of geoms and the drawable scene."""
+"""The samples of a run on their way into a response, with the drawable scene."""
 
 import math
 from pathlib import Path
@@ -6,16 +6,14 @@ from pathlib import Path
 import mujoco
 import numpy as np
 
-from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response.histories import ColumnPlan, MemorySamples, Numerics
 from wirerope_mj.engine.response.peaks import Peaks
 from wirerope_mj.engine.response.response import FILE, Response, load_response, response_metadata, response_of
 from wirerope_mj.engine.response.scene import Geom, Scene, SceneBody, SceneMount
+from wirerope_mj.engine.simulation.gaps import gaps_of
 from wirerope_mj.engine.simulation.grid import TimeGrid
 from wirerope_mj.engine.system import Mount, System, once_per_system
-from wirerope_mj.engine.system.tables import declared_pairs
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.foundation.directions import rotation_matrices
 from wirerope_mj.foundation.parquet_files import TableWriter
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
@@ -26,7 +24,6 @@ _SHAPES = {
     mujoco.mjtGeom.mjGEOM_CYLINDER: "cylinder", mujoco.mjtGeom.mjGEOM_BOX: "box", mujoco.mjtGeom.mjGEOM_MESH: "mesh",
 }  # fmt: skip
 
-FARTHEST = 1e3  # gap that is as good as any larger one [m]
 STREAM_ROWS = 4096  # samples that are kept in memory before a block is written to disk
 
 
@@ -105,39 +102,6 @@ def _number(value: float | None) -> float:
     return math.nan if value is None else value
 
 
-class Gaps:
-    """Geoms of the declared pairs of a system, to be placed as samples say."""
-
-    def __init__(self, system: System) -> None:
-        self._model, subjects = system.model, system.assembly.subjects
-        self._data = mujoco.MjData(self._model)
-        mujoco.mj_kinematics(self._model, self._data)  # what is fixed to the world stays there
-        self._pairs = declared_pairs(self._model)
-        column = {body: at.KINEMATICS * number for number, body in enumerate(subjects.bodies)}
-        body_of = self._model.geom_bodyid
-        moving = sorted({geom for pair in self._pairs for geom in pair if int(body_of[geom]) in column})
-        self._moving = {geom: column[int(body_of[geom])] for geom in moving}
-        self._turns = dict(zip(moving, rotation_matrices(self._model.geom_quat[moving]), strict=True))
-
-    def of(self, values: Array) -> Array:
-        """Return the gaps [m], < 0 where pressed, (n_t, n_pairs), at samples with these sensor values, (n_t, n_values)."""
-        model, data = self._model, self._data
-        turns = {first: rotation_matrices(values[:, first + 3 : first + 7]) for first in set(self._moving.values())}
-        places = {}  # positions (n_t, 3) and axes (n_t, 9) of every geom
-        for geom, first in self._moving.items():
-            from_centre = model.geom_pos[geom] - model.body_ipos[model.geom_bodyid[geom]]
-            positions = values[:, first : first + 3] + turns[first] @ from_centre
-            places[geom] = positions, (turns[first] @ self._turns[geom]).reshape(-1, 9)
-        gaps, line = np.empty((len(values), len(self._pairs))), np.empty(6)
-        xpos, xmat = data.geom_xpos, data.geom_xmat  # each access makes an array
-        for row in range(len(values)):
-            for geom, (positions, axes) in places.items():
-                xpos[geom], xmat[geom] = positions[row], axes[row]
-            for number, (one, other) in enumerate(self._pairs):
-                gaps[row, number] = mujoco.mj_geomDistance(model, data, one, other, FARTHEST, line)
-        return gaps
-
-
 class Recorder:
     """Takes the samples of a run, in memory or to a file, and makes the response of them."""
 
@@ -147,7 +111,7 @@ class Recorder:
         self.plan = column_plan(system)
         self._names = self.plan.names.copy()
         self._first_gap = len(self._names) - len(self.plan.contacts)
-        self._gaps = Gaps(system) if self.plan.contacts else None
+        self._gaps = gaps_of(system) if self.plan.contacts else None
         self._writer = TableWriter(out / FILE, self._names) if out is not None else None
         rows = min(STREAM_ROWS, self._times.size) if out is not None else self._times.size
         self._block = np.empty((rows, len(self._names)))
