@@ -3,7 +3,7 @@
 A `Lanes` value is a vector of `WIDTH` floats that Numba lowers to LLVM's vectors; `Rows` is an array of them in memory, made
 by `rows` from an array of the shape (n, WIDTH). Jitted functions use both as they would use a float and an array of
 floats, so that one source serves scalars and lanes. Branches are what differs: a comparison of lanes gives a mask, and
-`where` chooses with it. With JIT disabled lanes are NumPy's rows, and the same sources are the plain reference.
+`where` chooses with it. With JIT disabled the same sources are plain Python, on floats and on NumPy's rows.
 
 Every lane is computed by the same instructions whatever stands in the others, so that a system has the same bits alone, padded
 by copies of itself, and in any company.
