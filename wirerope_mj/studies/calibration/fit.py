@@ -11,48 +11,27 @@ from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise, first_noise
 from wirerope_mj.studies.calibration.prior import Prior
 
+# Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any
 Forward = Callable[[Array], Array]
-"""Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any."""
-
-DESIGN, STARTS = 64, 2
-"""Points of the coarse design, and how many of the best begin a search."""
-
-STEP = 0.02
-"""Step of the differences that make the Jacobian, in standard deviations of the prior."""
-
-ROUNDS = 4
-"""Times that the noise is estimated and the search goes on."""
-
-ROUGH, FINE = 1e-3, 1e-6
-"""Tolerances of searches with the noise guessed, and estimated."""
-
-REFUSED = 1e3
-"""Whitened residual where the model cannot be computed."""
+DESIGN, STARTS = 64, 2  # Points of the coarse design, and how many of the best begin a search
+STEP = 0.02  # Step of the differences that make the Jacobian, in standard deviations of the prior
+ROUNDS = 4  # Times that the noise is estimated and the search goes on
+ROUGH, FINE = 1e-3, 1e-6  # Tolerances of searches with the noise guessed, and estimated
+REFUSED = 1e3  # Whitened residual where the model cannot be computed
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """The most likely point and what surrounds it.
+    """The most likely point and what surrounds it."""
 
-    Attributes:
-        normals: u there, (d,).
-        covariance: of u about it, prior included, (d, d).
-        noises: of each series.
-        model: the model's series there, (n_samples,).
-        jacobian: their derivative by u, (n_samples, d).
-        residual: whitened, (n_samples,).
-        converged: whether the last search ended by itself.
-        runs: of the model so far.
-    """
-
-    normals: Array
-    covariance: Array
-    noises: tuple[Noise, ...]
-    model: Array
-    jacobian: Array
-    residual: Array
-    converged: bool
-    runs: int
+    normals: Array  # u there, (d,)
+    covariance: Array  # of u about it, prior included, (d, d)
+    noises: tuple[Noise, ...]  # of each series
+    model: Array  # the model's series there, (n_samples,)
+    jacobian: Array  # their derivative by u, (n_samples, d)
+    residual: Array  # whitened, (n_samples,)
+    converged: bool  # whether the last search ended by itself
+    runs: int  # of the model so far
 
 
 class Problem:

@@ -32,24 +32,15 @@ class FrequencyTest:
     """A transmissibility measured with a steady or slowly swept sine.
 
     It is the amplitude of the absolute acceleration at the base's frequency, as a tracking filter shows it, over the base's.
-
-    Attributes:
-        name: in tables and in names of quantities.
-        payload: body whose acceleration was measured.
-        acceleration: amplitude of the base [m/s^2].
-        frequency: [Hz], rising, (n,).
-        transmissibility: [-], (n,).
-        direction: "x", "y" or "z", of the base and of what was measured.
-        initial: state in which the sine begins.
     """
 
-    name: str
-    payload: str
-    acceleration: float
-    frequency: Array = field(repr=False)
-    transmissibility: Array = field(repr=False)
-    direction: str = "z"
-    initial: str = "settled"
+    name: str  #: in tables and in names of quantities
+    payload: str  #: body whose acceleration was measured
+    acceleration: float  #: amplitude of the base [m/s^2]
+    frequency: Array = field(repr=False)  #: [Hz], rising, (n,)
+    transmissibility: Array = field(repr=False)  #: [-], (n,)
+    direction: str = "z"  #: "x", "y" or "z", of the base and of what was measured
+    initial: str = "settled"  #: state in which the sine begins
 
     def __post_init__(self) -> None:
         positive("acceleration", self.acceleration, unit="m/s^2")

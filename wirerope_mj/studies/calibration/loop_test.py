@@ -19,19 +19,12 @@ SAMPLES = 120  # samples of a loop that are compared at most
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class LoopTest:
-    """Cyclic tests of the isolator of one mount along one axis.
+    """Cyclic tests of the isolator of one mount along one axis."""
 
-    Attributes:
-        name: in tables and in names of quantities.
-        mount: whose isolator was tested.
-        axis: "roll", "shear" or "axial".
-        loops: closed cycles.
-    """
-
-    name: str
-    mount: str
-    axis: str
-    loops: Sequence[Loop] = field(repr=False)
+    name: str  #: in tables and in names of quantities
+    mount: str  #: whose isolator was tested
+    axis: str  #: "roll", "shear" or "axial"
+    loops: Sequence[Loop] = field(repr=False)  #: closed cycles
 
 
 class LoopRuns:

@@ -15,45 +15,27 @@ from wirerope_mj.studies.calibration.forward import SystemForward
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.posterior import GOOD, Posterior
 
-LEVEL = 0.9
-"""Probability of the intervals that are stated."""
-
-LITTLE = 0.7
-"""Standard deviation after the tests over that before from which on they say little of an unknown."""
-
-TOGETHER = 0.95
-"""Correlation from which on two unknowns are known together only."""
-
+LEVEL = 0.9  # Probability of the intervals that are stated
+LITTLE = 0.7  # Standard deviation after the tests over that before from which on they say little of an unknown
+TOGETHER = 0.95  # Correlation from which on two unknowns are known together only
+# Standard deviation after the tests over that before from which on such a pair is named: less is known well enough apart
 OPEN = 0.2
-"""Standard deviation after the tests over that before from which on such a pair is named: less is known well enough apart."""
-
-DISCREPANT = 0.1
-"""Discrepancy over the response from which on the model does not follow a channel."""
-
-LOGARITHMS = "logarithm of frequency"
-"""What series of logarithms are across: their differences are errors as they stand."""
-
+DISCREPANT = 0.1  # Discrepancy over the response from which on the model does not follow a channel
+LOGARITHMS = "logarithm of frequency"  # What series of logarithms are across: their differences are errors as they stand
+# Step of u for the slopes of peaks, and slope below which an unknown does not move them: a percent in what was not known
 STEP, UNMOVED = 0.02, 0.01
-"""Step of u for the slopes of peaks, and slope below which an unknown does not move them: a percent in what was not known."""
-
+# Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
+# on wire rope, whose damping is a sixth of critical
 OCTAVES, ISOLATED = 2, 3.0
-"""Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
-on wire rope, whose damping is a sixth of critical."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Calibrated(Summarised):
-    """Any forward model brought to measured series.
+    """Any forward model brought to measured series."""
 
-    Attributes:
-        problem: model, prior and series.
-        fit: the most likely point, and the noise of every series.
-        posterior: draws.
-    """
-
-    problem: Problem
-    fit: Fit
-    posterior: Posterior
+    problem: Problem  #: model, prior and series
+    fit: Fit  #: the most likely point, and the noise of every series
+    posterior: Posterior  #: draws
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {
@@ -203,13 +185,9 @@ def _peaks(series: Series, values: Array) -> Array:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Calibration(Calibrated):
-    """A system brought to its tests.
+    """A system brought to its tests."""
 
-    Attributes:
-        forward: the system, its tests, and what varies.
-    """
-
-    forward: SystemForward
+    forward: SystemForward  #: the system, its tests, and what varies
 
     @cached_property
     def system(self) -> System:
