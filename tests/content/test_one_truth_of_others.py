@@ -20,7 +20,6 @@ from wirerope_mj.runs.study import CONTENT, result_content, write_study_report
 from wirerope_mj.runs.study_file import shipped_studies
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views import terminal
-from wirerope_mj.views.json_content import plain_content
 
 SHORT = {
     "floor_directions": ["--step-deg", "90"],
@@ -66,7 +65,7 @@ def test_a_study_says_the_same_on_the_terminal_on_its_page_and_in_its_file(study
     for name in tables.keys() & in_terminal:
         assert not missing_rows(printed, tables[name]), name
         assert written[name] == json.loads(json.dumps(tables[name].to_dict())), name
-    assert written == json.loads(json.dumps(plain_content(content, *PRINTED)))
+    assert written == json.loads(json.dumps(content.to_dict(*PRINTED)))
     assert content.verdict.text in [line.strip() for line in printed.splitlines()]
     assert html.escape(content.verdict.text) in page
 

@@ -7,7 +7,8 @@ import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.cli import computed_study, main
+from wirerope_mj.cli import main
+from wirerope_mj.cli import study as command
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.scenario import load_scenario
@@ -200,7 +201,7 @@ def shown(monkeypatch):
     monkeypatch.setattr(viewer, "has_display", lambda: True)
     monkeypatch.setattr(viewer, "show", opened.append)
     terminal, none = SimpleNamespace(isatty=lambda: True), SimpleNamespace(isatty=lambda: False)
-    monkeypatch.setattr(computed_study, "sys", SimpleNamespace(stdout=terminal, stderr=none))
+    monkeypatch.setattr(command, "sys", SimpleNamespace(stdout=terminal, stderr=none))
     return opened
 
 

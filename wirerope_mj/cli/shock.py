@@ -121,8 +121,7 @@ def shock(
     from wirerope_mj.engine.system.on_deck import deck_text
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.resources import model_source
-    from wirerope_mj.runs.dwells import with_dwells_found
-    from wirerope_mj.runs.said_motion import said_motion
+    from wirerope_mj.runs.said_motion import said_motion, with_dwells_found
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)

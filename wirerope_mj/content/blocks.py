@@ -8,7 +8,7 @@ from typing import Literal
 from wirerope_mj.content.document import Document
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.tables import TONES, Table
 
 # How far down something stands: on every screen, on the screen of the result, or on its pages only.
@@ -28,6 +28,11 @@ class Statement:
     def __post_init__(self) -> None:
         if self.tone not in TONES:
             raise ValueError(f"`tone` must be one of {', '.join(TONES)}, got {self.tone!r}.")
+
+    def to_dict(self) -> Entries:
+        """Return what it says as plain values; what is empty is left out."""
+        parts = {"text": self.text, "items": list(self.items), "tone": self.tone, "values": dict(self.values)}
+        return {name: part for name, part in parts.items() if part}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,3 +93,12 @@ class Content:
     def table(self, name: str) -> Table | None:
         """Return the table with an id; None if this result has none."""
         return next((block for block in self.blocks() if isinstance(block, Table) and block.id == name), None)
+
+    def to_dict(self, *sections: str) -> Entries:
+        """Return statements and tables of some sections by their ids, the headline first: SI values, texts and tones."""
+        said: Entries = {"headline": self.verdict.to_dict()}
+        for section in self.sections:
+            for block in section.blocks if section.id in sections else ():
+                if isinstance(block, Table | Statement) and block.id:
+                    said[block.id] = block.to_dict()
+        return said

@@ -15,8 +15,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs.sampling import LISTED
-from wirerope_mj.studies.inputs.sobol import SAMPLING
+from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect
 from wirerope_mj.studies.results.indices import SobolIndices
 from wirerope_mj.studies.results.measure import DRAWN, Measure, headlines, input_names, measure_of, values_of
@@ -47,7 +46,7 @@ def study_charts(summary: StudySummary) -> Iterator[Chart]:
         yield directions_chart(table, by)
     elif len(inputs) == 1:
         yield from _of_one_input(summary, table, inputs[0], names)
-    if result.study.sampling == SAMPLING:
+    if result.study.sampling == OF_INDICES:
         if summary.indices:
             yield indices_chart(summary.indices[:2])
         yield from _scatter(summary, table)

@@ -41,7 +41,6 @@ from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, scenario_content
 from wirerope_mj.runs.sources import is_run, judged_folder
 from wirerope_mj.runs.write import rejudge_run, write_run
-from wirerope_mj.views.json_content import plain_content
 
 JOB, CASES = "job.toml", "cases"
 FORMAT = 1
@@ -278,7 +277,7 @@ def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> N
     from wirerope_mj.views.recording.viewer import JOINED, join_recordings  # late: rerun takes long to import
 
     content = job_content(judged)
-    said = plain_content(content, "limits", "load-cases", "envelope")
+    said = content.to_dict("limits", "load-cases", "envelope")
     write_json(folder / SUMMARY, {"format": FORMAT, "name": judged.name, "content": said})
     write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
     join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / JOINED)

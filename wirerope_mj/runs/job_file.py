@@ -19,8 +19,7 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.runs.document_table import checked, read_document
-from wirerope_mj.runs.dwells import with_dwells_found
-from wirerope_mj.runs.said_motion import PLAYED, said_motion
+from wirerope_mj.runs.said_motion import PLAYED, said_motion, with_dwells_found
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judged_by
 

@@ -106,8 +106,7 @@ def replay_study(folder: str | Path) -> tuple[float, str]:
         RecordError: the folder is no study, is not complete, or is damaged.
     """
     from wirerope_mj.studies.engines.local import run_local  # late: with it comes all that studies need
-    from wirerope_mj.studies.run import chunk_size, chunks
-    from wirerope_mj.studies.study import load_study
+    from wirerope_mj.studies.study import chunk_size, chunks, load_study
 
     result = load_study(folder)
     if not result.complete:

@@ -12,8 +12,8 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion, Scaled
+from wirerope_mj.studies.calibration.calibrate import LEVEL, Calibration
 from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
-from wirerope_mj.studies.calibration.result import LEVEL, Calibration
 from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
 from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.measures import measure_names

@@ -10,9 +10,20 @@ import numpy as np
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
 from wirerope_mj.foundation.arrays import AnyArray, Booleans, Entries
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.column import (
+    NEAR,
+    WORLD,
+    Draft,
+    Entry,
+    InputColumn,
+    Quantity,
+    Shift,
+    ValueOrFactor,
+    check_axis,
+    check_finite,
+    matching,
+)
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
-from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite
 
 _NOUN = "moving body with a mass (the driven base does not count)"
 

@@ -16,10 +16,9 @@ from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
-from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.column import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor, matching
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.studies.inputs.failure import without_force
-from wirerope_mj.studies.inputs.shift import WORLD, Shift
 
 STIFFENING = "stiffening"  # Stands in a name where a law has its axis
 

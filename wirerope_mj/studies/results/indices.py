@@ -7,7 +7,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.studies.inputs.sobol import FEWEST, SAMPLING, factors
+from wirerope_mj.studies.inputs.sampling import FEWEST, OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.measure import ALL, measures_of, unknown_measure, values_of
 from wirerope_mj.studies.results.statistics import CONFIDENCE
@@ -62,8 +62,8 @@ def sobol_indices(result: StudyResult, measure: str) -> SobolIndices:
     Raises:
         ValueError: the study was sampled otherwise, or there is no such measure.
     """
-    if result.study.sampling != SAMPLING:
-        raise ValueError(f'Sobol\'s indices need a study with sampling="{SAMPLING}"; this one has {result.study.sampling!r}.')
+    if result.study.sampling != OF_INDICES:
+        raise ValueError(f'Sobol\'s indices need a study with sampling="{OF_INDICES}"; this one has {result.study.sampling!r}.')
     names = measures_of(result.table)
     if measure not in (*names, ALL):
         raise ValueError(unknown_measure(measure, names))
