@@ -19,8 +19,7 @@ from wirerope_mj.content.study_statements import of_indices, statements
 from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors, saltelli_points
 from wirerope_mj.studies.results.effects import Effect
 from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
-from wirerope_mj.studies.results.measure import values_of
-from wirerope_mj.studies.results.statistics import exceedance
+from wirerope_mj.studies.results.measure import exceedance, values_of
 from wirerope_mj.studies.results.study_summary import StudySummary
 
 SINGLE = [[0], [1], [2]]

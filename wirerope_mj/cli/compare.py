@@ -100,8 +100,7 @@ def _compare_tests(
     """Correlate the first of the paths, a run, with the others, tests."""
     from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.correlation import correlation_content
-    from wirerope_mj.runs.correlation import write_correlation
-    from wirerope_mj.runs.measured import read_map
+    from wirerope_mj.runs.measured import read_map, write_correlation
     from wirerope_mj.views.terminal import print_title, show_answer
 
     if len(paths) < 2:

@@ -16,7 +16,7 @@ from wirerope_mj.content.numbers import listed, number
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
-from wirerope_mj.content.spectra import densities_chart, shock_chart, spectra_blocks
+from wirerope_mj.content.spectrum_charts import densities_chart, shock_chart, spectra_blocks
 from wirerope_mj.content.verdicts import acceleration_limits, used_mark
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Row, Table

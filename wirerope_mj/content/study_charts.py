@@ -18,8 +18,17 @@ from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect
 from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import DRAWN, Measure, headlines, input_names, measure_of, values_of
-from wirerope_mj.studies.results.statistics import exceedance_of, finite, quantiles
+from wirerope_mj.studies.results.measure import (
+    DRAWN,
+    Measure,
+    exceedance_of,
+    finite,
+    headlines,
+    input_names,
+    measure_of,
+    quantiles,
+    values_of,
+)
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary
 
 # Inputs in one chart: those below explain next to nothing; inputs that are drawn with all their variants.

@@ -16,9 +16,22 @@ from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions
 from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
-from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.measure import (
+    COMBINED,
+    CONFIDENCE,
+    DRAWN,
+    Exceedance,
+    Measure,
+    exceedance_of,
+    headlines,
+    input_names,
+    measure_of,
+    row_of,
+    struck_variants,
+    values_of,
+    worst,
+)
 from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_of, row_of, struck_variants, worst
 from wirerope_mj.studies.results.varied import value_text
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")

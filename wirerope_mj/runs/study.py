@@ -13,8 +13,7 @@ from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.statistics import worst
+from wirerope_mj.studies.results.measure import input_names, worst
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study

@@ -24,8 +24,17 @@ from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_tabl
 from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES, factors
 from wirerope_mj.studies.inputs_file import STUDY, todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
-from wirerope_mj.studies.results.measure import ALL, checked_measure, measure_of, unit_of, values_of
-from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, worst
+from wirerope_mj.studies.results.measure import (
+    ALL,
+    Exceedance,
+    checked_measure,
+    exceedance_of,
+    measure_of,
+    quantiles,
+    unit_of,
+    values_of,
+    worst,
+)
 
 NOT_COMPUTED = (
     "Some were not computed, since their processes died or found no memory, threads or files: go on with --resume "

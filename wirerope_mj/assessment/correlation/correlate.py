@@ -7,8 +7,6 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from wirerope_mj.assessment.correlation.iso18571 import INNER, Rating, iso_rating
-from wirerope_mj.assessment.correlation.magnitude_phase import MagnitudePhase, russell, sprague_geers
 from wirerope_mj.assessment.correlation.over_frequency import (
     Band,
     SpectrumRatio,
@@ -20,6 +18,7 @@ from wirerope_mj.assessment.correlation.over_frequency import (
     transmissibility,
 )
 from wirerope_mj.assessment.correlation.pairs import Delay, Pair, clock_of, coarser, delay_of, model_history, pair_of
+from wirerope_mj.assessment.correlation.ratings import INNER, MagnitudePhase, Rating, iso_rating, russell, sprague_geers
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError

@@ -9,8 +9,7 @@ import pyarrow as pa
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.studies.inputs.sampling import FEWEST, OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import ALL, measures_of, unknown_measure, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE
+from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, measures_of, unknown_measure, values_of
 
 # Half the width of a total index's interval, and how far an index lies outside 0 to 1, from which on the rows are too few.
 _WIDE, _BEYOND = 0.25, 0.1

@@ -13,15 +13,20 @@ from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
 from wirerope_mj.studies.results.measure import (
     DRAWN,
     HEADLINES,
+    Exceedance,
     Measure,
     checked_measure,
+    exceedance,
+    exceedance_of,
     headlines,
     input_names,
     measure_of,
+    quantiles,
+    row_of,
     values_of,
+    worst,
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
-from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 

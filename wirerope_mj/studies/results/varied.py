@@ -14,8 +14,19 @@ from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotr
 from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.indices import sobol_indices
-from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE, exceedance_of, finite, quantiles, struck_variants, worst
+from wirerope_mj.studies.results.measure import (
+    ALL,
+    CONFIDENCE,
+    STRUCK,
+    exceedance_of,
+    finite,
+    known_measures,
+    measure_of,
+    quantiles,
+    struck_variants,
+    values_of,
+    worst,
+)
 
 _CHOICES = 8  # numbers of a choice that are listed one by one
 

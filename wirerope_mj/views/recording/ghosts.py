@@ -7,14 +7,13 @@ import rerun as rr
 
 from wirerope_mj.engine.response.scene import Geom, SceneBody
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.recording.bending import log_bending, see_through
 from wirerope_mj.views.recording.camera import scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
 from wirerope_mj.views.recording.enlarge import round_down
 from wirerope_mj.views.recording.paths import Below, Stream, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, grown, multiply, rotate
 from wirerope_mj.views.recording.scene import log_pose, scene_rows
-from wirerope_mj.views.recording.shapes import draw_geoms
+from wirerope_mj.views.recording.shapes import draw_geoms, log_bending, see_through
 
 ROOT = "ghosts"
 # Of a ghost: two of them can be told apart where they overlap, and edges are seen through both; of where one began.
