@@ -89,9 +89,9 @@ _FITS = 28  # letters of a name in a legend
 _CRESTS = 300  # intervals of an envelope: each should hold a period at least
 
 
-def short(name: str) -> str:
-    """Return a name as it fits a legend, its end kept, where numbers stand."""
-    return name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
+def short(name: str, most: int = _FITS) -> str:
+    """Return a name of at most so many letters, as it fits a legend: without its middle, its end kept, where numbers stand."""
+    return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:

@@ -9,7 +9,7 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.content.numbers import MINUS
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel, with_room
+from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel, short, with_room
 from wirerope_mj.content.study_statements import capital, exceedance_text
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
@@ -330,13 +330,14 @@ def _over_input(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any
     """Return a panel of a measure over an input."""
     limits = _limits(shown)
     return Panel(
-        curves=curves, ylabel=shown.column.title(), xlabel=shortened(xlabel), limits=limits, unit=shown.unit, xunit="", **how,
+        curves=curves, ylabel=shown.column.title(), xlabel=short(plain(xlabel), _NAME), limits=limits, unit=shown.unit,
+        xunit="", **how,
     )  # fmt: skip
 
 
 def _bar_panel(names: Sequence[str], curves: Sequence[Curve], **how: Any) -> Panel:
     """Return a panel of bars, a row for each name, the first on top."""
-    ticks = [(-float(row), shortened(name)) for row, name in enumerate(names)]
+    ticks = [(-float(row), short(plain(name), _NAME)) for row, name in enumerate(names)]
     return Panel(curves=curves, ylabel="", yticks=ticks, ylim=(0.5 - len(names), 0.5), **how)
 
 
@@ -352,9 +353,3 @@ def _limits(shown: Measure) -> list[tuple[str, float]]:
 def _name_of(choice: object) -> str:
     """Return one of some choices; that of the mount that fails is "" where none does."""
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
-
-
-def shortened(name: str, most: int = _NAME) -> str:
-    """Return a name of at most so many letters, without its middle."""
-    name = plain(name)
-    return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"
