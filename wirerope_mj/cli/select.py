@@ -15,10 +15,7 @@ from wirerope_mj.foundation.plain_text import plain
 NOTHING_FOUND = 1  # Exit code if no part meets the demands
 Mode = Literal["compression", "45", "shear", "roll"]
 
-select_app = App(
-    name="select",
-    help="Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.",
-)
+select_app = App(name="select")
 
 
 @select_app.default
