@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+WIDTH, LEFT, RIGHT = 760.0, 58.0, 16.0  # of a chart, about pixels of a page, and what is left free beside its panels
 # Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded.
 BASE, OTHERS, LIMIT = "base", "others", "limit"
 
@@ -78,7 +79,7 @@ class Chart:
     """Panels in rows, whose curves are named once above all of them."""
 
     rows: Sequence[Sequence[Panel]]  # of panels beside each other
-    height: float = 120.0  # of a panel without its texts; a page is 760 wide
+    height: float = 120.0  # of a panel without its texts; a page is `WIDTH` wide
     id: str = ""  # the same in every output
     caption: str = ""  # what it shows, below it
     alt: str = ""  # the same in few words, for who cannot see it

@@ -12,7 +12,7 @@ from wirerope_mj.assessment.criteria.verdict import RMS
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, several
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Note, Panel, short
+from wirerope_mj.content.panels import BASE, LEFT, OTHERS, RIGHT, WIDTH, Chart, Curve, Note, Panel, short
 from wirerope_mj.content.selection import COLOURS, Selection, kind_of
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import Absent
@@ -162,7 +162,7 @@ def _end(frequency: float) -> float:
 
 
 _HEIGHT = 330.0  # of a panel
-_ACROSS = 686.0  # width of a panel, about: a decade is as long on both axes of four-way paper
+_ACROSS = WIDTH - LEFT - RIGHT  # width of a panel: a decade is as long on both axes of four-way paper
 _INSIDE = 1.07  # of a frequency, by which names stand off the edge
 _TURN = 2.0 * math.pi
 
