@@ -4,14 +4,13 @@ import inspect
 import sys
 import warnings
 from collections.abc import Callable, Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
 from rich.markup import escape
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
-from wirerope_mj.cli.options import own_option
+from wirerope_mj.cli.options import dated, own_option
 from wirerope_mj.cli.tables import print_questions, say_where
 from wirerope_mj.content.study import varied_table
 from wirerope_mj.engine.flexible import deck_of
@@ -253,7 +252,7 @@ def compute_and_print(
     limits = [limit_of_text(text, names) for text in limit or ()]
     print_warnings(model_warnings(study.base))
     print_block(varied_table(study.study if isinstance(study, Search) else study))
-    folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
+    folder = out or dated(name)
     result = _computed(study, folder, resume=resume, **how)
     if limits:
         write_stated(result, limits)

@@ -85,8 +85,8 @@ def _channels(record: Path, channels: Sequence[str] | None, direction: str | Non
 
 KIND = "amplitude-table"
 # Amplitudes are settled and computed to this, and a maximum stands out by ten times as much, so that none is rounding.
-SETTLED, STANDS_OUT = 1e-3, 1e-2
-MOST_CYCLES = 300  # at a line: what static load still leaks away after that moves no maximum
+SETTLED, _STANDS_OUT = 1e-3, 1e-2
+_MOST_CYCLES = 300  # at a line: what static load still leaks away after that moves no maximum
 
 
 def with_dwells_found(
@@ -129,7 +129,7 @@ def prominences(system: System, quantity: str, lines: Points, direction: str | S
     for level, band in groupby(lines, key=lambda line: line[1]):
         part = stepped_sine(
             system, frequencies=[frequency for frequency, _ in band], direction=direction, payload=system.payloads[0],
-            response_direction="z", initial=state, settled=SETTLED, largest_cycles=MOST_CYCLES, accuracy=SETTLED,
+            response_direction="z", initial=state, settled=SETTLED, largest_cycles=_MOST_CYCLES, accuracy=SETTLED,
             **{quantity: level},
         )  # fmt: skip
         state = part.final_state
@@ -138,5 +138,5 @@ def prominences(system: System, quantity: str, lines: Points, direction: str | S
     for parts in zip(*bodies, strict=True):
         curve = np.concatenate([[0.0], *parts, [0.0]])
         beside = np.maximum(curve[:-2], curve[2:])
-        found |= set(np.flatnonzero(curve[1:-1] > (1.0 + STANDS_OUT) * beside).tolist())
+        found |= set(np.flatnonzero(curve[1:-1] > (1.0 + _STANDS_OUT) * beside).tolist())
     return [lines[number][0] for number in sorted(found)]

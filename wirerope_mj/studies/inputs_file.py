@@ -24,7 +24,7 @@ from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.distributions import Distribution, distribution_to_dict
 from wirerope_mj.studies.responses import PEAKS
 
-PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")  # Packages on which the last bit of a number may depend
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")  # Packages on which the last bit of a number may depend
 _SHOWS = ("cli", "views", "runs")  # Wings that show what is there, and compute no row
 
 
@@ -34,7 +34,7 @@ def versions() -> dict[str, str]:
 
     The digest tells a checkout that was changed from one that was not, which have the same version.
     """
-    return {**{name: version_of(name) for name in PACKAGES}, "code": _code()}
+    return {**{name: version_of(name) for name in _PACKAGES}, "code": _code()}
 
 
 def _code() -> str:

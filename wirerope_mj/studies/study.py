@@ -100,7 +100,7 @@ class Study(StudyDefinition):
         with computed_alone(folder, identity):
             if not (folder / TABLE).is_file():
                 self.warn_of_given_step()
-                compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
+                _compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
             parts = math.ceil(self.size / chunk_size(self, keep))
             finish(folder, parts, lambda: summary(read_result(folder, type(self))))
         return read_result(folder, type(self))
@@ -115,13 +115,13 @@ def load_study(folder: str | Path) -> StudyResult:
     return read_result(Path(folder), Study)
 
 
-CHUNK, LARGEST_CHUNK = 32, 512  # variants, at the least and at the most: enough that stepping costs more than handing over
+CHUNK, _LARGEST_CHUNK = 32, 512  # variants, at the least and at the most: enough that stepping costs more than handing over
 STEPS = 1_000_000  # mounts times steps of a chunk, about: half a second of a processor, which a kill may cost each worker
-FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
-ENGINES = ("local", "dask")
+_FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
+_ENGINES = ("local", "dask")
 
 
-def compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
+def _compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
     """Write the parts that are missing as they are ready."""
     size = chunk_size(study, keep)
     missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))
@@ -140,7 +140,7 @@ def compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine
 def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
     """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
     each = max(len(study.base.mounts), 1) * study.work.duration / study.work.timestep
-    size = min(max(CHUNK, min(int(STEPS / each), LARGEST_CHUNK)), math.ceil(study.size / FEWEST_CHUNKS))
+    size = min(max(CHUNK, min(int(STEPS / each), _LARGEST_CHUNK)), math.ceil(study.size / _FEWEST_CHUNKS))
     return min(size, most_together(study.work)) if keep == RESPONSES or needs_samples(study.base) else size
 
 
@@ -159,7 +159,7 @@ def checked_engine(name: str, *, workers: int | None, address: str | None) -> En
     """
     if workers is not None:
         integer("workers", workers, least=1)
-    one_of("engine", name, ENGINES)
+    one_of("engine", name, _ENGINES)
     if name == "local":
         if address is not None:
             raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")

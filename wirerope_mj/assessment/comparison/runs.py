@@ -79,7 +79,7 @@ class HistoryDifference:
     ratio: float  # to the first run's peak; NaN if that is zero
 
 
-def largest_differences(runs: Sequence[ComparedRun], subjects: Iterable[Subject]) -> tuple[HistoryDifference, ...]:
+def _largest_differences(runs: Sequence[ComparedRun], subjects: Iterable[Subject]) -> tuple[HistoryDifference, ...]:
     """Return the largest difference of every other run to the first, for each subject of the first, the largest first."""
     first, *others = runs
     own = subjects_of(first.response)
@@ -176,7 +176,7 @@ def compare_runs(
         components=tuple(sorted(largest, key=lambda one: (one != BASE, -largest[one], one.name))),
         mounts=tuple(subject for subject in shared if isinstance(subject, str)),
         alone={name: tuple(one for one in of_run if one not in shared) for name, of_run in subjects.items()},
-        differences=largest_differences(runs, shared),
+        differences=_largest_differences(runs, shared),
     )
 
 
