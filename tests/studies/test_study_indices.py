@@ -17,8 +17,7 @@ from wirerope_mj.content.study import effects_table, indices_tables
 from wirerope_mj.content.study_charts import indices_chart
 from wirerope_mj.content.study_statements import of_indices, statements
 from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors, saltelli_points
-from wirerope_mj.studies.results.effects import Effect
-from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
+from wirerope_mj.studies.results.effects import RESAMPLES, Effect, indices_of
 from wirerope_mj.studies.results.measure import exceedance, values_of
 from wirerope_mj.studies.results.study_summary import StudySummary
 

@@ -21,8 +21,7 @@ from wirerope_mj.foundation.errors import ModelError, StudyWarning, WireRopeErro
 from wirerope_mj.runs.folder import SCENARIO
 from wirerope_mj.runs.from_scenario import VARIANTS, limits_of, study_of, what_can_vary
 from wirerope_mj.runs.job_file import load_job
-from wirerope_mj.runs.option_file import defines
-from wirerope_mj.runs.scenario import Scenario, ScenarioFile, load_scenario, shipped_scenarios
+from wirerope_mj.runs.scenario import Scenario, ScenarioFile, defines, load_scenario, shipped_scenarios
 from wirerope_mj.runs.sources import is_run, stored_scenario
 from wirerope_mj.runs.study_file import StudyFile, load_study_file, shipped_studies
 from wirerope_mj.studies.folder import dead

@@ -16,8 +16,7 @@ from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.studies.engines.compute import DONE
 from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
-from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect
-from wirerope_mj.studies.results.indices import SobolIndices
+from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect, SobolIndices
 from wirerope_mj.studies.results.measure import (
     DRAWN,
     Measure,

@@ -14,8 +14,7 @@ from wirerope_mj.studies.ended import ended_early, still_growing, why_early
 from wirerope_mj.studies.inputs.sampling import OF_INDICES
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions
-from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
+from wirerope_mj.studies.results.effects import SobolIndices, directions_text, fraction_of_directions, sobol_indices
 from wirerope_mj.studies.results.measure import (
     COMBINED,
     CONFIDENCE,

@@ -33,9 +33,8 @@ from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRope
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.runs.document_table import document_table, logo_ending, read_document
 from wirerope_mj.runs.folder import SUMMARY, alterations, digest_of, warn_of_alterations
-from wirerope_mj.runs.job_file import Job, load_job
+from wirerope_mj.runs.job_file import Job, document_table, load_job, logo_ending, read_document
 from wirerope_mj.runs.page import page_files, write_page
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, scenario_content

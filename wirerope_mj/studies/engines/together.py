@@ -30,9 +30,8 @@ from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.parallel import FACTORS
 from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
-from wirerope_mj.studies.inputs.check import systems_valid
 from wirerope_mj.studies.inputs.column import Draft
-from wirerope_mj.studies.inputs.variants import Maker, Work
+from wirerope_mj.studies.inputs.variants import Maker, Work, systems_valid
 from wirerope_mj.studies.measures import Extremes, measures_together
 
 

@@ -8,8 +8,14 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import Effect, directions_text, effects, fraction_of_directions
-from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
+from wirerope_mj.studies.results.effects import (
+    Effect,
+    SobolIndices,
+    directions_text,
+    effects,
+    fraction_of_directions,
+    sobol_indices,
+)
 from wirerope_mj.studies.results.measure import (
     DRAWN,
     HEADLINES,

@@ -13,7 +13,7 @@ from wirerope_mj.studies.inputs.column import Quantity, nominal_text
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
 from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.indices import sobol_indices
+from wirerope_mj.studies.results.effects import sobol_indices
 from wirerope_mj.studies.results.measure import (
     ALL,
     CONFIDENCE,
