@@ -15,7 +15,7 @@ from shown import cells_of, cells_to_show, missing_rows
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as identify_command
 from wirerope_mj.cli import main
-from wirerope_mj.content import catalogue_selection, part_selection
+from wirerope_mj.content import part_selection
 from wirerope_mj.runs.study import CONTENT, result_content, write_study_report
 from wirerope_mj.runs.study_file import shipped_studies
 from wirerope_mj.studies.study import load_study
@@ -124,7 +124,7 @@ def test_a_worksheet_prints_every_row_and_its_headline(shock, monkeypatch, capsy
 def test_a_selection_by_simulation_prints_every_row_and_its_headline(monkeypatch, capsys):
     said_alike(
         *said_by(
-            monkeypatch, capsys, catalogue_selection, "catalogue_selection_content",
+            monkeypatch, capsys, part_selection, "catalogue_selection_content",
             "select", "--mass", "400", "--mounts", "6", "--shock", "15 g 11 ms half-sine", "--parts", "CB1500*", "--all",
         )
     )  # fmt: skip
