@@ -1,4 +1,8 @@
-"""Vibration and shock as people feel them: weighted acceleration and doses of ISO 2631-1, habitability of ships of ISO 6954."""
+"""Vibration as people feel it: weighted acceleration and doses of ISO 2631-1, habitability of ships of ISO 6954.
+
+Both editions of ISO 6954, that of 1984 (peaks) and that of 2000 (weighted rms), give two values: below the lower one adverse
+comments are not probable, above the upper one they are.
+"""
 
 import math
 from dataclasses import dataclass

@@ -9,9 +9,8 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from wirerope_mj.assessment.between_samples import parabolas, path, sample_rate
 from wirerope_mj.assessment.criteria.ended import too_short
-from wirerope_mj.assessment.criteria.sampled import STEADY, elements, steady_interval
+from wirerope_mj.assessment.criteria.sampled import STEADY, elements, parabolas, path, sample_rate, steady_interval
 from wirerope_mj.assessment.durability.cycles import Cycles, rainflow_cycles
 from wirerope_mj.engine.response import Response, load_response
 from wirerope_mj.engine.response.scene import SceneMount
