@@ -14,9 +14,8 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions.spectra.srs import shock_response_spectrum
 from wirerope_mj.studies.calibration.fit import Fit, Forward, Prior, Problem, fit
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
-from wirerope_mj.studies.calibration.noise import Series
+from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
 from wirerope_mj.studies.calibration.posterior import GOOD, Posterior, sample
-from wirerope_mj.studies.calibration.spectral import DOMAINS, Domain
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import read_vary
 

@@ -16,8 +16,7 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.channel_map import SI
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.calibration.spectral import Domain, Spectral
+from wirerope_mj.studies.calibration.noise import Domain, Series, Spectral
 from wirerope_mj.studies.engines.together import histories
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.variants import Work
