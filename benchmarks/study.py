@@ -32,7 +32,7 @@ from wirerope_mj.studies.folder import prepare, write_part
 from wirerope_mj.studies.inputs.variants import Maker
 from wirerope_mj.studies.measures import measures
 from wirerope_mj.studies.responses import PEAKS
-from wirerope_mj.studies.run import CHUNK, chunk_size, chunks
+from wirerope_mj.studies.study import CHUNK, chunk_size, chunks
 
 DURATION, TIMESTEP = 0.5, 1e-3
 PROCESSORS = 2

@@ -23,8 +23,7 @@ from wirerope_mj.studies.engines.compute import compute
 from wirerope_mj.studies.folder import finish, prepare, write_part
 from wirerope_mj.studies.responses import PEAKS
 from wirerope_mj.studies.results.varied import summary
-from wirerope_mj.studies.run import CHUNK, chunks
-from wirerope_mj.studies.study import load_study
+from wirerope_mj.studies.study import CHUNK, chunks, load_study
 
 
 def seconds(work: Callable[[], object]) -> float:

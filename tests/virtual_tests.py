@@ -20,8 +20,8 @@ from wirerope_mj.motions.records.checks import flat_tops
 from wirerope_mj.motions.records.measured import MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.studies.calibration import MeasuredTest, calibrate
+from wirerope_mj.studies.calibration.calibrate import DISCREPANT
 from wirerope_mj.studies.calibration.predict import predict
-from wirerope_mj.studies.calibration.result import DISCREPANT
 
 RATE = 10_000.0
 

@@ -7,7 +7,7 @@ import pytest
 import scipy
 
 from wirerope_mj.assessment.comfort import exposure
-from wirerope_mj.assessment.comfort.people import WEIGHTINGS, weighted
+from wirerope_mj.assessment.comfort.standards import WEIGHTINGS, weighted
 
 pytestmark = pytest.mark.quick
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from wirerope_mj.assessment.comfort import iso_6954_1984, iso_6954_2000, iso_6954_2000_of_history, velocity_lines
-from wirerope_mj.assessment.comfort.people import WEIGHTINGS
-from wirerope_mj.assessment.comfort.ship import RMS_2000
+from wirerope_mj.assessment.comfort.standards import RMS_2000, WEIGHTINGS
 
 pytestmark = pytest.mark.quick
 

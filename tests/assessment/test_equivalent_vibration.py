@@ -5,7 +5,7 @@ import pytest
 from commands import refused
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.durability.equivalent import equivalent_vibration
+from wirerope_mj.assessment.durability.cycles import equivalent_vibration
 from wirerope_mj.cli import main
 from wirerope_mj.motions.spectra import equivalent_psd, vibration_response_spectrum
 

@@ -210,7 +210,7 @@ def test_no_periodic_motion_at_the_start_is_one_message(tmp_path, capsys, monkey
     def lost(*_, **__):
         raise wr_errors.ConvergenceError("no motion of period 1 / (20 Hz) was found: the residual stays at 0.3")
 
-    monkeypatch.setattr("wirerope_mj.dynamics.frequency_response.solve.follow_branch", lost)
+    monkeypatch.setattr("wirerope_mj.dynamics.frequency_response.result.follow_branch", lost)
     monkeypatch.chdir(tmp_path)
     assert main(["frf", MODEL, "--start", "20", "--stop", "30"]) == 2
     assert "wirerope: level 1 m/s^2: no motion of period" in capsys.readouterr().err

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.runs.study import write_study_report, write_worst
 from wirerope_mj.runs.study_file import load_study_file, shipped_studies
 from wirerope_mj.studies.inputs.motion_columns import direction
-from wirerope_mj.studies.results.statistics import row_of, worst
+from wirerope_mj.studies.results.measure import row_of, worst
 
 ANGLES = ("motion/azimuth", "motion/elevation")
 

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 
 from wirerope_mj.content.fitted_loops import MOST, fit_chart, measures_chart, residual_chart
-from wirerope_mj.content.panels import Chart, Curve, Panel
+from wirerope_mj.content.panels import WIDTH, Chart, Curve, Panel
 from wirerope_mj.mounts.identification.result import FittedLoop
-from wirerope_mj.views.plots.svg_chart import WIDTH, chart_svg
+from wirerope_mj.views.plots.svg_chart import chart_svg
 
 POINTS = (-5e-3, -0.3e-3, 0.0)
 

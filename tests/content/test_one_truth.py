@@ -15,7 +15,6 @@ from shown import cells_of, cells_to_show, missing_rows
 from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.run import run_content
 from wirerope_mj.runs.scenario import shipped_scenarios
-from wirerope_mj.views.json_content import plain_content
 from wirerope_mj.views.markdown import markdown_statement, markdown_table
 
 pytestmark = pytest.mark.slow
@@ -53,7 +52,7 @@ def test_the_page_holds_every_table_to_the_last_cell(run):
 def test_the_summary_holds_the_values_of_the_tables_in_si(run):
     folder, _, content = run
     written = json.loads((folder / "summary.json").read_text(encoding="utf-8"))["content"]
-    assert written == json.loads(json.dumps(plain_content(content, *content.sections_of("headline", "summary"))))
+    assert written == json.loads(json.dumps(content.to_dict(*content.sections_of("headline", "summary"))))
     assert written["headline"]["text"] == content.verdict.text
     assert set(in_summary(content)) <= written.keys()
 

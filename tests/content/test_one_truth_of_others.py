@@ -15,12 +15,11 @@ from shown import cells_of, cells_to_show, missing_rows
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as identify_command
 from wirerope_mj.cli import main
-from wirerope_mj.content import catalogue_selection, part_selection
+from wirerope_mj.content import part_selection
 from wirerope_mj.runs.study import CONTENT, result_content, write_study_report
 from wirerope_mj.runs.study_file import shipped_studies
 from wirerope_mj.studies.study import load_study
 from wirerope_mj.views import terminal
-from wirerope_mj.views.json_content import plain_content
 
 SHORT = {
     "floor_directions": ["--step-deg", "90"],
@@ -66,7 +65,7 @@ def test_a_study_says_the_same_on_the_terminal_on_its_page_and_in_its_file(study
     for name in tables.keys() & in_terminal:
         assert not missing_rows(printed, tables[name]), name
         assert written[name] == json.loads(json.dumps(tables[name].to_dict())), name
-    assert written == json.loads(json.dumps(plain_content(content, *PRINTED)))
+    assert written == json.loads(json.dumps(content.to_dict(*PRINTED)))
     assert content.verdict.text in [line.strip() for line in printed.splitlines()]
     assert html.escape(content.verdict.text) in page
 
@@ -125,7 +124,7 @@ def test_a_worksheet_prints_every_row_and_its_headline(shock, monkeypatch, capsy
 def test_a_selection_by_simulation_prints_every_row_and_its_headline(monkeypatch, capsys):
     said_alike(
         *said_by(
-            monkeypatch, capsys, catalogue_selection, "catalogue_selection_content",
+            monkeypatch, capsys, part_selection, "catalogue_selection_content",
             "select", "--mass", "400", "--mounts", "6", "--shock", "15 g 11 ms half-sine", "--parts", "CB1500*", "--all",
         )
     )  # fmt: skip

@@ -5,7 +5,7 @@ import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria.tested import falling_line
+from wirerope_mj.assessment.criteria.travel import falling_line
 from wirerope_mj.content.modes import below_tests
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.mounts.identification.records import identified_isolator

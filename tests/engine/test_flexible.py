@@ -8,7 +8,7 @@ import pytest
 from house import hysteresis, sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.durability.mounts import deflection_rates
+from wirerope_mj.assessment.durability.mission import deflection_rates
 from wirerope_mj.engine.control import installed
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.engine.simulation.engines import unsupported_system

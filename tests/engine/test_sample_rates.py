@@ -7,10 +7,9 @@ import pytest
 import rate_triples
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.between_samples import parabolas, path, peak_between
 from wirerope_mj.assessment.criteria import COMBINED, judge, rattle_verdicts, travel_verdicts
-from wirerope_mj.assessment.durability.mission import Mission, Stage, mission_damage
-from wirerope_mj.assessment.durability.mounts import deflection_rates
+from wirerope_mj.assessment.criteria.sampled import parabolas, path, peak_between
+from wirerope_mj.assessment.durability.mission import Mission, Stage, deflection_rates, mission_damage
 from wirerope_mj.cli import main
 from wirerope_mj.content.run_spectra import spectra_of
 from wirerope_mj.foundation.payload_limits import PayloadLimit

@@ -4,6 +4,7 @@ import io
 import re
 import shutil
 from contextlib import contextmanager, redirect_stderr, redirect_stdout
+from dataclasses import replace
 from html import unescape
 from html.parser import HTMLParser
 from pathlib import Path
@@ -27,11 +28,14 @@ from rig_records import rig_record, write_record
 
 import wirerope_mj as wr
 from wirerope_mj.cli import main
+from wirerope_mj.engine.from_tables import read_layout
 from wirerope_mj.engine.system.model_files import write_model
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines, plain, plain_lines
+from wirerope_mj.foundation.resources import models_folder
+from wirerope_mj.runs.new_model import tables_in
 from wirerope_mj.views import terminal as screen
-from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.views.plots.model_plan import save_plan
 
 
 def printed(*arguments, code=0) -> str:
@@ -272,27 +276,24 @@ def test_entities_of_a_recording_are_named_as_they_are(run):
     assert not any("/../" in path for path in paths)
 
 
-def test_a_picture_shows_formulas_and_escapes_as_letters(tmp_path):
-    figure = PlainFigure()
-    panel = figure.subplots()
-    panel.plot([0, 1], [0, 1], label=f"{NAME} $x^2$ {ESCAPE} 振")
-    panel.set_title(f"{NAME} $\\alpha$ \\$")
-    panel.set_xticks([0, 1], ["$a$", "$\\frac{"])
-    panel.legend()
+def test_a_plan_shows_formulas_and_escapes_as_letters(tmp_path):
+    layout = read_layout("genset", tables_in(models_folder() / "templates" / "genset"), positive_products=False)
+    mounts = (replace(layout.mounts[0], name=f"$x^2$ {ESCAPE} 振"), *layout.mounts[1:])
+    layout = replace(layout, name=f"{NAME} $\\alpha$ \\$", mounts=mounts)
     with raised_warnings():
         for ending in ("svg", "png", "pdf"):
-            figure.savefig(tmp_path / f"a.{ending}", bbox_inches="tight")
-    assert panel.get_legend().get_texts()[0].get_text() == f"{NAME} $x^2$ {plain(ESCAPE)} 振"
-    assert not any(text.get_parse_math() for text in figure.findobj(lambda artist: hasattr(artist, "get_parse_math")))
+            save_plan(layout, tmp_path / f"a.{ending}")
     svg = (tmp_path / "a.svg").read_text(encoding="utf-8")
     ElementTree.fromstring(svg)
-    assert f"{NAME} $\\alpha$ \\$ -->" in unescape(svg)  # matplotlib notes each text it draws
+    drawn = unescape(svg)  # matplotlib notes each text it draws
+    assert f"{NAME} $\\alpha$ \\$: " in drawn
+    assert f"$x^2$ {plain(ESCAPE)} 振" in drawn
 
 
-def test_no_picture_is_drawn_without_this_rule():
+def test_no_other_picture_is_drawn_without_this_rule():
     plots = Path(wr.__file__).parent / "views" / "plots"
-    other = [path.name for path in plots.glob("*.py") if re.search(r"(?<!Plain)\bFigure\(\w|\$", path.read_text("utf-8"))]
-    assert other == []
+    figures = [path.name for path in plots.glob("*.py") if re.search(r"\bFigure\(\w|\$", path.read_text("utf-8"))]
+    assert figures == ["model_plan.py"]
 
 
 def test_files_are_written_where_they_were_asked_for_alone(place, run, study):

@@ -10,7 +10,7 @@ from commands import wirerope
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.assessment.criteria.tested import untested_line
+from wirerope_mj.assessment.criteria.travel import untested_line
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.identification.records import identified_isolator
 from wirerope_mj.mounts.identification.result import OF_ACCELERATION, OF_DEFLECTION

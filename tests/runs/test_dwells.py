@@ -5,8 +5,8 @@ import pytest
 from house import sdof, sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.runs.dwells import prominences, with_dwells_found
 from wirerope_mj.runs.job_file import load_job
+from wirerope_mj.runs.said_motion import prominences, with_dwells_found
 
 MASS = 3.5
 

@@ -8,8 +8,7 @@ from wirerope_mj.engine.simulation import simulate
 from wirerope_mj.engine.system import load_system
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.motions import HalfSine
-from wirerope_mj.runs.option_file import load_function
-from wirerope_mj.runs.scenario import Scenario, load_scenario, shipped_scenarios
+from wirerope_mj.runs.scenario import Scenario, load_function, load_scenario, shipped_scenarios
 
 pytestmark = pytest.mark.quick
 

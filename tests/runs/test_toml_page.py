@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from wirerope_mj.content.document import TEXTS, Document, Revision
+from wirerope_mj.content.blocks import TEXTS, Document, Revision
 from wirerope_mj.motions.spoken import SPOKEN_MOTIONS
 from wirerope_mj.mounts.isolator import AXES, tables
 from wirerope_mj.mounts.isolator.parts import Travel

@@ -13,7 +13,7 @@ from test_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.mounts.laws import LAWS
-from wirerope_mj.studies.inputs import check
+from wirerope_mj.studies.inputs import variants as making
 
 pytestmark = pytest.mark.quick
 
@@ -85,13 +85,13 @@ def test_a_rule_about_two_parameters_is_kept_and_names_the_first_variant(monkeyp
     total = 100.0 * beta - 50.0 * gamma
     first = int(np.argmax(total <= 0.0))
     assert first > 0
-    monkeypatch.setattr(check, "BLOCK", max(first // 2, 1))  # so that blocks before it pass
+    monkeypatch.setattr(making, "BLOCK", max(first // 2, 1))  # so that blocks before it pass
     message = refused(study)
     assert re.match(
         rf"variant {first} of study 'study' cannot be: mount 'm1': \[axial\] `beta` \+ `gamma` must be > 0, got -",
         message,
     )
-    monkeypatch.setattr(check, "systems_valid", lambda *_: False)
+    monkeypatch.setattr(making, "systems_valid", lambda *_: False)
     assert refused(pinched_study(variants=4000)) == message
 
 
@@ -120,8 +120,8 @@ def test_masses_and_levels_are_checked_at_once_and_refused_one_by_one(vary, mess
 
 def test_only_what_columns_cannot_say_is_asked_one_by_one(monkeypatch):
     asked = []
-    changes = check.Maker.changes
-    monkeypatch.setattr(check.Maker, "changes", lambda self, row: (asked.append(row), changes(self, row))[1])
+    changes = making.Maker.changes
+    monkeypatch.setattr(making.Maker, "changes", lambda self, row: (asked.append(row), changes(self, row))[1])
     vary = {
         "mount/m1/axial/alpha": wr.Normal(1.0, 0.1, relative=True, low=0.5),
         "mount/m1/failed": wr.Choice(True, False),

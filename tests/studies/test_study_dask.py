@@ -11,8 +11,8 @@ import pyarrow as pa
 import pytest
 
 import wirerope_mj as wr
-from wirerope_mj.studies import run
-from wirerope_mj.studies.run import chunks
+from wirerope_mj.studies import study as computing
+from wirerope_mj.studies.study import chunks
 
 pytest.importorskip("distributed")
 import psutil  # noqa: E402  distributed brings it
@@ -197,7 +197,7 @@ def test_a_cluster_that_cannot_be_reached_loses_nothing_of_what_is_done(local, t
 
 def stop_after_first_part(monkeypatch, what):
     """Raise or call something when a study has written a part."""
-    ordinary = run.write_part
+    ordinary = computing.write_part
 
     def write(folder, part):
         ordinary(folder, part)
@@ -205,7 +205,7 @@ def stop_after_first_part(monkeypatch, what):
             raise what
         what()
 
-    monkeypatch.setattr(run, "write_part", write)
+    monkeypatch.setattr(computing, "write_part", write)
 
 
 def test_a_scheduler_that_goes_away_costs_only_what_was_in_flight(cluster, local, tmp_path, monkeypatch):

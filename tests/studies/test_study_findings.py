@@ -8,8 +8,7 @@ from scipy.stats import qmc
 
 from wirerope_mj.content.study_statements import exceedance_text, failures, numbered, percent
 from wirerope_mj.studies.results.effects import Effect, effects
-from wirerope_mj.studies.results.measure import checked_measure, measure_of
-from wirerope_mj.studies.results.statistics import exceedance, exceedance_of, quantiles, worst
+from wirerope_mj.studies.results.measure import checked_measure, exceedance, exceedance_of, measure_of, quantiles, worst
 from wirerope_mj.studies.results.study_summary import StudySummary
 
 

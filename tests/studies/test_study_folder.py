@@ -22,14 +22,14 @@ LOCKS = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such 
 WORKER = """
 import sys
 from table_study import table_study
-from wirerope_mj.studies import run
+from wirerope_mj.studies import study as computing
 
 def wait(folder, part):
     write(folder, part)
     print("here", flush=True)
     sys.stdin.read()
 
-write, run.write_part = run.write_part, wait
+write, computing.write_part = computing.write_part, wait
 table_study().run(sys.argv[1], workers=1)
 """
 

@@ -16,11 +16,9 @@ from wirerope_mj.cli import main
 from wirerope_mj.content.study import effects_table, indices_tables
 from wirerope_mj.content.study_charts import indices_chart
 from wirerope_mj.content.study_statements import of_indices, statements
-from wirerope_mj.studies.inputs import sobol
-from wirerope_mj.studies.results.effects import Effect
-from wirerope_mj.studies.results.indices import RESAMPLES, indices_of
-from wirerope_mj.studies.results.measure import values_of
-from wirerope_mj.studies.results.statistics import exceedance
+from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors, saltelli_points
+from wirerope_mj.studies.results.effects import RESAMPLES, Effect, indices_of
+from wirerope_mj.studies.results.measure import exceedance, values_of
 from wirerope_mj.studies.results.study_summary import StudySummary
 
 SINGLE = [[0], [1], [2]]
@@ -34,7 +32,7 @@ def table_of(values, *, failed=()):
 
 def ishigami(rows, seed=1):
     """Return Ishigami's function at Saltelli's points, and its first-order and total indices."""
-    x1, x2, x3 = math.pi * (2.0 * sobol.points(SINGLE, 5 * rows, seed) - 1.0).T
+    x1, x2, x3 = math.pi * (2.0 * saltelli_points(SINGLE, 5 * rows, seed) - 1.0).T
     a, b = 7.0, 0.1
     # Closed form (Ishigami and Homma 1990): V1 = (1 + b pi^4 / 5)^2 / 2, V2 = a^2 / 8, V13 = 8 b^2 pi^8 / 225.
     v1, v2, v13 = 0.5 * (1.0 + b * math.pi**4 / 5.0) ** 2, a**2 / 8.0, 8.0 * b**2 * math.pi**8 / 225.0
@@ -72,7 +70,7 @@ def test_indices_are_those_that_scipy_finds():
 def test_of_a_sum_first_order_and_total_index_of_a_group_are_its_share():
     groups = [list(range(16)), list(range(16, 20)), [20], [21]]
     weights = np.array([0.25] * 16 + [0.5] * 4 + [1.0] + [0.0])
-    values = ndtri(np.clip(sobol.points(groups, 6 * 1024, 3), 1e-12, 1.0 - 1e-12)) @ weights
+    values = ndtri(np.clip(saltelli_points(groups, 6 * 1024, 3), 1e-12, 1.0 - 1e-12)) @ weights
     found = {one.name: one for one in indices_of(table_of(values), list("abcd"), "acceleration").factors}
     for name, share in zip("abcd", (1 / 3, 1 / 3, 1 / 3, 0.0), strict=True):
         # 0.02: three times the error of 12 seeds with 1024 rows in 38 columns, 0.006 rms of the worst factor.
@@ -135,7 +133,7 @@ def test_each_variant_of_a_row_has_one_factor_with_all_its_columns_from_the_seco
         "motion/level": ["motion/level"],
     }
     assert len(groups["stiffness"]) == 10  # nine mounts of their own, and what they share
-    assert list(sobol.factors(floor(40).quantities)) == list(groups)
+    assert list(factors(floor(40).quantities)) == list(groups)
     for name in table.column_names[1:]:
         rows = np.asarray(table[name]).reshape(8, 5)
         assert (rows[:, 0] != rows[:, 1]).all()
@@ -267,13 +265,13 @@ def sampled(table, sizes):
         for name, size in sizes.items()
     ]  # fmt: skip
     columns = [column.name for one in quantities for column in one.columns]
-    values = sobol.points([list(range(len(columns)))], 3 * 64, 1)[: table.num_rows]
+    values = saltelli_points([list(range(len(columns)))], 3 * 64, 1)[: table.num_rows]
     inputs = {name: np.resize(values[:, place], table.num_rows) for place, name in enumerate(columns)}
     order = {"variant": table["variant"], **inputs, "acceleration": table["acceleration"]}
     order |= {name: [math.nan] * table.num_rows for name in ("travel", "fragility")}
     whole = pa.table({**order, "status": table["status"], "message": [""] * table.num_rows})
     independent = whole.filter(pa.array(np.asarray(whole["variant"]) % (len(sizes) + 2) < 2))
-    study = SimpleNamespace(sampling=sobol.SAMPLING, quantities=quantities)
+    study = SimpleNamespace(sampling=OF_INDICES, quantities=quantities)
     return SimpleNamespace(table=whole, independent=independent, is_sampled=True, study=study, nominal={})
 
 

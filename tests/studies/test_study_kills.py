@@ -16,12 +16,12 @@ import pytest
 from table_study import FILES, VARY, rows, table_study
 
 import wirerope_mj as wr
-from wirerope_mj.cli.computed_study import compute_and_print
+from wirerope_mj.cli.study import compute_and_print
 from wirerope_mj.studies import folder as study_folder
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute, died
 from wirerope_mj.studies.results.varied import summary
-from wirerope_mj.studies.run import chunks
+from wirerope_mj.studies.study import chunks
 
 
 @pytest.fixture(scope="module")

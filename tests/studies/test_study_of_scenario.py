@@ -7,13 +7,14 @@ import pytest
 from house import sdof_text
 
 import wirerope_mj as wr
-from wirerope_mj.cli import computed_study, main
+from wirerope_mj.cli import main
+from wirerope_mj.cli import study as command
 from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.runs.from_scenario import what_can_vary
 from wirerope_mj.runs.scenario import load_scenario
 from wirerope_mj.runs.study import write_worst
 from wirerope_mj.studies.inputs.vary_option import available_lines, read_vary
-from wirerope_mj.studies.results.statistics import row_of
+from wirerope_mj.studies.results.measure import row_of
 from wirerope_mj.views.recording import viewer
 
 SCENARIO_FILE = textwrap.dedent('''
@@ -200,7 +201,7 @@ def shown(monkeypatch):
     monkeypatch.setattr(viewer, "has_display", lambda: True)
     monkeypatch.setattr(viewer, "show", opened.append)
     terminal, none = SimpleNamespace(isatty=lambda: True), SimpleNamespace(isatty=lambda: False)
-    monkeypatch.setattr(computed_study, "sys", SimpleNamespace(stdout=terminal, stderr=none))
+    monkeypatch.setattr(command, "sys", SimpleNamespace(stdout=terminal, stderr=none))
     return opened
 
 

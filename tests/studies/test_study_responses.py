@@ -14,7 +14,7 @@ import wirerope_mj as wr
 from wirerope_mj.studies import responses
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute
-from wirerope_mj.studies.run import chunk_size, chunks
+from wirerope_mj.studies.study import chunk_size, chunks
 
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.0103)  # no sample at its corners
 STEP = wr.VelocityStep(velocity=0.3, direction="z", start=0.02)

@@ -22,7 +22,7 @@ from wirerope_mj.studies import inputs_file
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import Accident, compute, why_not
 from wirerope_mj.studies.measures import measures
-from wirerope_mj.studies.run import chunk_size, chunks
+from wirerope_mj.studies.study import chunk_size, chunks
 
 
 def peak_of(**extremes):

@@ -12,7 +12,7 @@ from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.scene_outline import flexible_bodies
 from wirerope_mj.engine.flexible import Panel
 from wirerope_mj.views.plots.scene_svg import scene_svgs
-from wirerope_mj.views.recording.bending import bending_at
+from wirerope_mj.views.recording.shapes import bending_at
 
 FEET = [(x, y) for x in (-0.3, 0.3) for y in (-0.2, 0.2)]
 PULSE = wr.HalfSine(peak=5.0, duration=0.011, direction="z", start=0.02)

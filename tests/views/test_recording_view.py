@@ -13,9 +13,8 @@ from made_up_floor import floor_response
 from wirerope_mj.assessment.criteria import EXCEEDED, Criterion, Verdict, judge, verdict_lines
 from wirerope_mj.assessment.criteria.ended import used_limits
 from wirerope_mj.assessment.criteria.summary import against_limit
-from wirerope_mj.content.events import events_of, first_above, main_instants
+from wirerope_mj.content.events import at_cursor, events_of, first_above, main_instants
 from wirerope_mj.content.judged_run import RunResult, judged_run
-from wirerope_mj.content.now import at_cursor
 from wirerope_mj.content.panels import Curve, Panel
 from wirerope_mj.content.selection import select
 from wirerope_mj.dynamics.modes import modes

@@ -21,8 +21,7 @@ from wirerope_mj.content.blocks import SceneView
 from wirerope_mj.content.model import model_blocks
 from wirerope_mj.content.numbers import ABSENT, MINUS, fixed
 from wirerope_mj.content.panels import Chart, Curve, Panel, short
-from wirerope_mj.content.payload import accelerations_chart
-from wirerope_mj.content.run import run_content
+from wirerope_mj.content.run import accelerations_chart, run_content
 from wirerope_mj.content.run_spectra import run_spectra
 from wirerope_mj.content.scene_outline import crowded_label
 from wirerope_mj.content.selection import worst_names

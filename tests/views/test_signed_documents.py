@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from shown import words
 
-from wirerope_mj.content.appendices import letter_of, with_appendices
-from wirerope_mj.content.blocks import Content, Section, Statement
-from wirerope_mj.content.document import Document, Revision
+from wirerope_mj.content.blocks import Content, Document, Revision, Section, Statement, letter_of, with_appendices
 from wirerope_mj.content.panels import Chart, Curve, Panel
 from wirerope_mj.foundation.errors import WireRopeError
 from wirerope_mj.foundation.tables import Column, Table

@@ -78,8 +78,8 @@ def calibrate(
     from wirerope_mj.runs.sources import is_run
     from wirerope_mj.studies.calibration import MeasuredTest
     from wirerope_mj.studies.calibration import calibrate as calibrated
-    from wirerope_mj.studies.calibration.frequency_test import read_frequency_tests
     from wirerope_mj.studies.calibration.predict import predict as predicted
+    from wirerope_mj.studies.calibration.rig_tests import read_frequency_tests
     from wirerope_mj.studies.measures import measure_names
     from wirerope_mj.studies.results.stated_limits import limit_of_text
     from wirerope_mj.views.terminal import print_title, show_answer

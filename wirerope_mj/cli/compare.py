@@ -2,11 +2,10 @@
 
 import os
 from collections.abc import Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal
 
-from wirerope_mj.cli.options import Flag, Texts
+from wirerope_mj.cli.options import Flag, Texts, dated
 from wirerope_mj.foundation.atomic_files import check_writable
 from wirerope_mj.foundation.plain_text import plain
 
@@ -100,8 +99,7 @@ def _compare_tests(
     """Correlate the first of the paths, a run, with the others, tests."""
     from wirerope_mj.cli.tables import say_where
     from wirerope_mj.content.correlation import correlation_content
-    from wirerope_mj.runs.correlation import write_correlation
-    from wirerope_mj.runs.measured import read_map
+    from wirerope_mj.runs.measured import read_map, write_correlation
     from wirerope_mj.views.terminal import print_title, show_answer
 
     if len(paths) < 2:
@@ -171,7 +169,7 @@ def _names(runs: Sequence[Path], names: Sequence[str] | None) -> list[str]:
 
 def _target(out: Path | None, *, force: bool) -> Path:
     """Return the file to write; ValueError or RecordError if it must not be written."""
-    target = out or Path("runs") / f"compare-{datetime.now():%Y%m%d-%H%M%S}.rrd"
+    target = out or dated("compare").with_suffix(".rrd")
     if target.suffix != ".rrd":
         raise ValueError(f"`--out` must be a file that ends with .rrd, got {target}.")
     if out is not None:

@@ -26,7 +26,7 @@ def durability(
             frequencies that does the damage of the run at a body, a point or the base along z.
         out: CSV file of that vibration, which --psd of `wirerope shock` takes.
     """
-    from wirerope_mj.assessment.durability.equivalent import equivalent_vibration
+    from wirerope_mj.assessment.durability.cycles import equivalent_vibration
     from wirerope_mj.assessment.durability.mission import Mission, Stage, mission_damage, read_mission
     from wirerope_mj.content.durability import durability_content, equivalent_content
     from wirerope_mj.engine.response import load_response

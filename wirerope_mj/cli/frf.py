@@ -2,11 +2,10 @@
 
 import sys
 from collections.abc import Sequence
-from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Numbers
+from wirerope_mj.cli.options import Deck, Flag, Numbers, dated
 from wirerope_mj.cli.tables import say_where
 from wirerope_mj.content.response_curve import response_content
 from wirerope_mj.dynamics.frequency_response import ResponseOptions, frequency_response
@@ -87,7 +86,7 @@ def frf(
     )  # fmt: skip
     system = load_on_deck(model, deck_of(deck) if deck else None)
     print_warnings(model_warnings(system))
-    folder = out or Path("runs") / f"{system.name}-frf-{datetime.now():%Y%m%d-%H%M%S}"
+    folder = out or dated(f"{system.name}-frf")
     check_folder(folder, force=force, kind=KIND, marks=MARKS)
     watched = sys.stderr.isatty()
     report = _report if watched else None

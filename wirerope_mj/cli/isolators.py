@@ -6,9 +6,7 @@ from cyclopts import App
 
 from wirerope_mj.cli.options import Flag, Integer
 
-isolators_app = App(
-    name="isolators", help="Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry."
-)
+isolators_app = App(name="isolators")
 
 
 @isolators_app.default
@@ -18,7 +16,7 @@ def isolators(
     all: Flag = False,  # noqa: A002  # the option's name
     out: Path | None = None,
 ) -> int:
-    """Show the catalogue, or one isolator: its parameters, what its loops measure, and their picture.
+    """Show the isolators of the catalogue, fit one from a data sheet, or estimate one from its geometry.
 
     `wirerope isolators fit DATASHEET OUT` makes an isolator file from a vendor's data sheet, and `wirerope isolators estimate`
     one from the geometry alone.

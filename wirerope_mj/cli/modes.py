@@ -1,10 +1,9 @@
 """`wirerope modes`: the modes of a model about its equilibrium."""
 
-from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Numbers
+from wirerope_mj.cli.options import Deck, Flag, Numbers, dated
 
 
 def modes(
@@ -41,7 +40,7 @@ def modes(
 
     sizes = [positive("--amplitude-mm", size, unit="mm") / 1e3 for size in amplitude_mm or []]
     system = load_on_deck(model, deck_of(deck) if deck else None)
-    target = out or Path("runs") / f"{system.name}-modes-{datetime.now():%Y%m%d-%H%M%S}"
+    target = out or dated(f"{system.name}-modes")
     alone = target.suffix == ".rrd"
     if alone:
         check_writable(target, force=force)

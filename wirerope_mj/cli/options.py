@@ -2,6 +2,7 @@
 
 import inspect
 from collections.abc import Mapping, Sequence
+from datetime import datetime
 from pathlib import Path
 from typing import Annotated, Any, get_args, get_origin
 
@@ -80,6 +81,11 @@ def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timest
     given = {name: value for name, value in (("accuracy", accuracy), ("timestep", timestep)) if value is not None}
     kept = {name: value for name, value in simulate.items() if not given or name not in ("accuracy", "timestep")}
     return kept | given
+
+
+def dated(name: str) -> Path:
+    """Return where a result stands for which no place was named: runs/NAME-DATE-TIME."""
+    return Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
 
 def option_message(error: CycloptsError, arguments: Sequence[str]) -> str:

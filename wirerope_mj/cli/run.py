@@ -2,11 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 
 from wirerope_mj.cli.file_command import file_command, run_with_options
-from wirerope_mj.cli.options import NUMERICS, own_option, with_numerics
+from wirerope_mj.cli.options import NUMERICS, dated, own_option, with_numerics
 from wirerope_mj.cli.tables import print_questions, run_and_print
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.payload_limits import limit_from_text
@@ -46,7 +45,7 @@ def run(name: str, tokens: Sequence[str]) -> None:
     numerics = [option for option in NUMERICS if option.name not in scenario.defaults]
 
     def action(options: Entries, own: Entries) -> None:
-        folder = own["out"] or Path("runs") / f"{scenario.name}-{datetime.now():%Y%m%d-%H%M%S}"
+        folder = own["out"] or dated(scenario.name)
         made = scenario.make(**options)
         simulate = with_numerics(made.simulate, **{option.name: own.get(option.name) for option in NUMERICS})
         combined = made.combined_travel and own["combined_travel"]

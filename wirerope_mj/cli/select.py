@@ -15,10 +15,7 @@ from wirerope_mj.foundation.plain_text import plain
 NOTHING_FOUND = 1  # Exit code if no part meets the demands
 Mode = Literal["compression", "45", "shear", "roll"]
 
-select_app = App(
-    name="select",
-    help="Choose isolators: simulate every part of the catalogue under all load cases, and rank those that keep the limits.",
-)
+select_app = App(name="select")
 
 
 @select_app.default
@@ -70,7 +67,7 @@ def select(
         out: folder into which the model on the chosen part is written, with the limits in it.
         force: replace a model's folder that is there.
     """
-    from wirerope_mj.content.catalogue_selection import catalogue_selection_content
+    from wirerope_mj.content.part_selection import catalogue_selection_content
     from wirerope_mj.foundation.atomic_files import check_folder
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.units import STANDARD_GRAVITY

@@ -1,11 +1,10 @@
 """`wirerope shock`: a base motion said on the command line, or a measured record, played into a model."""
 
 from dataclasses import replace
-from datetime import datetime
 from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, with_numerics
+from wirerope_mj.cli.options import Deck, Flag, Repeated, RepeatedPaths, Texts, dated, with_numerics
 
 QUESTION = "What does this motion of the base do to the payload, and do the mounts stay within their limits?"
 
@@ -121,8 +120,7 @@ def shock(
     from wirerope_mj.engine.system.on_deck import deck_text
     from wirerope_mj.foundation.payload_limits import limit_from_text
     from wirerope_mj.foundation.resources import model_source
-    from wirerope_mj.runs.dwells import with_dwells_found
-    from wirerope_mj.runs.said_motion import said_motion
+    from wirerope_mj.runs.said_motion import said_motion, with_dwells_found
     from wirerope_mj.runs.scenario import Scenario
 
     numerics = with_numerics({}, accuracy=accuracy, timestep=timestep)
@@ -164,6 +162,6 @@ def shock(
     made = made if deck is None else made.on_deck(deck_of(deck))
     duration = duration_of(motion, duration, system)
     made = replace(made, simulate={"duration": duration, "initial": initial, "sample_rate": sample_rate} | numerics)
-    folder = out or Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
+    folder = out or dated(name)
     run_and_print(made, folder, force=force)
     return 0

@@ -11,7 +11,7 @@ from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import fixed, listed
 from wirerope_mj.content.panels import Chart, Curve, Panel
 from wirerope_mj.content.run_spectra import BASE, moving_axes
-from wirerope_mj.content.spectra import base_spectrum_chart
+from wirerope_mj.content.spectrum_charts import base_spectrum_chart
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent

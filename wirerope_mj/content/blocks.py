@@ -1,15 +1,88 @@
-"""The types of a content: sections of statements, tables, charts and scenes, each with a stable id."""
+"""A content: sections of statements, tables, charts and scenes by their ids, the data of its document, its layout on paper."""
 
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
 from functools import cached_property
+from pathlib import Path
 from typing import Literal
 
-from wirerope_mj.content.document import Document
+from wirerope_mj.content.numbers import paragraphs
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.engine.response.scene import Scene
-from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.tables import TONES, Table
+from wirerope_mj.foundation.arrays import Array, Entries
+from wirerope_mj.foundation.tables import TONES, Column, Table
+
+# Texts of a document's author, and where they stand
+TEXTS = {
+    "scope": "below the answer", "assumptions": "with what is assumed", "validation": "with what was validated",
+    "conclusion": "after the results",
+}  # fmt: skip
+
+
+@dataclass(frozen=True, kw_only=True)
+class Revision:
+    """A line of the history of a document."""
+
+    revision: str
+    date: str = ""
+    author: str = ""
+    change: str = ""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Document:
+    """Data of a document; what is empty is left open in its title block."""
+
+    # project, number, revision, date: by which it is filed
+    project: str = ""
+    number: str = ""
+    revision: str = ""
+    date: str = ""
+    # author, checker, approver: who signs
+    author: str = ""
+    checker: str = ""
+    approver: str = ""
+    classification: str = ""  # said on every page
+    client: str = ""  # for whom it is written
+    standard: str = ""  # by which the load cases and limits were chosen
+    logo: Path | None = None  # PNG or JPEG file; None for none
+    history: tuple[Revision, ...] = ()  # revisions, the first one first
+    texts: Mapping[str, str] = field(default_factory=dict)  # paragraphs by the names of `TEXTS`
+
+    @property
+    def facts(self) -> tuple[tuple[str, str], ...]:
+        """Name and value of what stands in the title block."""
+        named = {
+            "Project": self.project, "Document": self.number, "Revision": self.revision, "Date": self.date,
+            "Client": self.client, "Classification": self.classification, "Standard": self.standard,
+        }  # fmt: skip
+        return tuple((name, value) for name, value in named.items() if value)
+
+    @property
+    def reference(self) -> str:
+        """Number and revision, as every page says them."""
+        return " ".join(filter(None, (self.number, self.revision and f"revision {self.revision}")))
+
+    def signatures(self) -> Table:
+        """Tabulate who signs, with room for date and signature."""
+        people = (("Author", self.author), ("Checked", self.checker), ("Approved", self.approver))
+        columns = [Column(one, align="left") for one in ("", "name", "date", "signature")]
+        rows = [(role, name, "", "") for role, name in people]
+        return Table(id="signatures", title="Signatures", columns=columns, rows=rows)
+
+    def revisions(self) -> Table | None:
+        """Tabulate the history; None without one."""
+        if not self.history:
+            return None
+        names = [one.name for one in fields(Revision)]
+        columns = [Column(name, align="text" if name == "change" else "left") for name in names]
+        rows = [[getattr(one, name) for name in names] for one in self.history]
+        return Table(id="revisions", title="Revisions", columns=columns, rows=rows)
+
+    def paragraphs(self, name: str) -> list[str]:
+        """Return the paragraphs of one of the `TEXTS`."""
+        return paragraphs(self.texts.get(name, ""))
+
 
 # How far down something stands: on every screen, on the screen of the result, or on its pages only.
 Depth = Literal["headline", "summary", "full"]
@@ -28,6 +101,11 @@ class Statement:
     def __post_init__(self) -> None:
         if self.tone not in TONES:
             raise ValueError(f"`tone` must be one of {', '.join(TONES)}, got {self.tone!r}.")
+
+    def to_dict(self) -> Entries:
+        """Return what it says as plain values; what is empty is left out."""
+        parts = {"text": self.text, "items": list(self.items), "tone": self.tone, "values": dict(self.values)}
+        return {name: part for name, part in parts.items() if part}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -88,3 +166,54 @@ class Content:
     def table(self, name: str) -> Table | None:
         """Return the table with an id; None if this result has none."""
         return next((block for block in self.blocks() if isinstance(block, Table) and block.id == name), None)
+
+    def to_dict(self, *sections: str) -> Entries:
+        """Return statements and tables of some sections by their ids, the headline first: SI values, texts and tones."""
+        said: Entries = {"headline": self.verdict.to_dict()}
+        for section in self.sections:
+            for block in section.blocks if section.id in sections else ():
+                if isinstance(block, Table | Statement) and block.id:
+                    said[block.id] = block.to_dict()
+        return said
+
+
+_FITS = 30  # rows of a table that stands whole where it belongs
+
+
+def with_appendices(content: Content) -> Content:
+    """Return the content with every table whole: what is folded on a page goes into appendices behind all sections."""
+    sections: list[Section] = []
+    appendices: list[Section] = []
+    for section in sorted(content.sections, key=lambda one: one.appendix):
+        if section.appendix:
+            whole = [replace(block, shown=None) if isinstance(block, Table) else block for block in section.blocks]
+            appendices.append(_section(section, whole))
+            continue
+        blocks: list[Block] = []
+        for block in section.blocks:
+            if isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows) <= _FITS:
+                blocks.append(replace(block, shown=None))
+            elif isinstance(block, Table) and block.shown is not None and block.shown < len(block.rows):
+                letter = letter_of(len(appendices))
+                rest = f"{block.shown} of {len(block.rows)} rows; all of them stand in appendix {letter}."
+                cut = replace(
+                    block, rows=block.rows[: block.shown], shown=None, note=" ".join(filter(None, (block.note, rest)))
+                )
+                blocks.append(cut)
+                title = f"{section.title}: {block.title}" if section.title else block.title
+                appendices.append(_section(
+                    replace(section, title=title, appendix=True), [replace(block, shown=None)], f"{section.id}-{block.id}",
+                ))  # fmt: skip
+            else:
+                blocks.append(block)
+        sections.append(_section(section, blocks))
+    return replace(content, sections=(*sections, *appendices))
+
+
+def letter_of(number: int) -> str:
+    """Return the letter of an appendix: A, B, .., Z, AA, .."""
+    return chr(ord("A") + number) if number < 26 else letter_of(number // 26 - 1) + letter_of(number % 26)
+
+
+def _section(section: Section, blocks: Sequence[Block], name: str = "") -> Section:
+    return replace(section, id=name or section.id, build=lambda: blocks)

@@ -12,8 +12,8 @@ from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.foundation.units import in_unit, shown_in
+from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.calibration.predict import Prediction
-from wirerope_mj.studies.calibration.result import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.results.stated_limits import StatedLimit
 
 _ACROSS = {"time": "time [s]", "logarithm of frequency": "frequency [Hz]", "loop": "along the loop", "other": ""}

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE, Comparison, HistoryDifference, PeakRow, acceleration_rows, identical
-from wirerope_mj.assessment.comparison.compared import Component, Subject
+from wirerope_mj.assessment.comparison.runs import Component, Subject
 from wirerope_mj.assessment.criteria import COMBINED, EXCEEDED
 from wirerope_mj.assessment.criteria.summary import against_limit
 from wirerope_mj.assessment.criteria.verdict import TRAVEL, most_used

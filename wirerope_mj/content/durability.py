@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from wirerope_mj.assessment.durability.equivalent import EquivalentVibration
+from wirerope_mj.assessment.durability.cycles import EquivalentVibration
 from wirerope_mj.assessment.durability.mission import Mission, MountDamage
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import with_unit

@@ -7,7 +7,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.comparison import Comparison, Component, difference
-from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
+from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
 from wirerope_mj.content.contacts import contact_panels
 from wirerope_mj.content.numbers import number
 from wirerope_mj.content.panels import BASE, Curve, Panel, short

@@ -9,8 +9,7 @@ from wirerope_mj.assessment.criteria import COMBINED, NOT_JUDGED, STRUCK, Verdic
 from wirerope_mj.assessment.criteria.judge import FAIL, PASS, UNKNOWN, limit_of
 from wirerope_mj.assessment.criteria.summary import OWN_RULE
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION, RATTLE_SPACE, most_used
-from wirerope_mj.content.blocks import Block, Content, Section, Statement
-from wirerope_mj.content.document import Document
+from wirerope_mj.content.blocks import Block, Content, Document, Section, Statement
 from wirerope_mj.content.job_envelope import envelope_blocks
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.model import devices_of, model_blocks

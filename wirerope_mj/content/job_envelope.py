@@ -14,7 +14,7 @@ from wirerope_mj.content.numbers import listed
 from wirerope_mj.content.panels import OTHERS, Chart, Curve, Panel, short
 from wirerope_mj.content.run_spectra import BASE
 from wirerope_mj.content.selection import worst_names
-from wirerope_mj.content.spectra import spectrum_panel
+from wirerope_mj.content.spectrum_charts import spectrum_panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import Absent
 from wirerope_mj.foundation.payload_limits import SIDES

@@ -13,8 +13,7 @@ from wirerope_mj.foundation.arrays import Booleans
 from wirerope_mj.foundation.tables import Column, Mark, Row, Table
 from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.results.measure import measure_of, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance
+from wirerope_mj.studies.results.measure import CONFIDENCE, Exceedance, exceedance, measure_of, values_of
 from wirerope_mj.studies.results.study_summary import StudySummary
 
 _LOAD = "static_load"  # is judged of every study, though shown only where it is exceeded

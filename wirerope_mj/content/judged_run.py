@@ -12,7 +12,7 @@ import numpy as np
 
 from wirerope_mj.assessment.criteria import Verdict, headline, judge, judge_random
 from wirerope_mj.assessment.criteria.sampled import SAMPLED, steady_interval
-from wirerope_mj.assessment.criteria.tested import falling_line, untested_line
+from wirerope_mj.assessment.criteria.travel import falling_line, untested_line
 from wirerope_mj.assessment.criteria.verdict import LARGEST
 from wirerope_mj.content.numbers import title_of
 from wirerope_mj.content.run_spectra import RunSpectra, spectra_of

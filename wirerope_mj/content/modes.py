@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from functools import partial
 
 from wirerope_mj.assessment.criteria.ddam import Direction, Location, Ship, ddam_design_values
-from wirerope_mj.assessment.criteria.tested import untested
+from wirerope_mj.assessment.criteria.travel import untested
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.statics import HISTORIES, stability_blocks

@@ -7,6 +7,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 
+WIDTH, LEFT, RIGHT = 760.0, 58.0, 16.0  # of a chart, about pixels of a page, and what is left free beside its panels
 # Kinds of curves beside the numbered ones of the table of colours; the last: what must not be exceeded.
 BASE, OTHERS, LIMIT = "base", "others", "limit"
 
@@ -78,7 +79,7 @@ class Chart:
     """Panels in rows, whose curves are named once above all of them."""
 
     rows: Sequence[Sequence[Panel]]  # of panels beside each other
-    height: float = 120.0  # of a panel without its texts; a page is 760 wide
+    height: float = 120.0  # of a panel without its texts; a page is `WIDTH` wide
     id: str = ""  # the same in every output
     caption: str = ""  # what it shows, below it
     alt: str = ""  # the same in few words, for who cannot see it
@@ -89,9 +90,9 @@ _FITS = 28  # letters of a name in a legend
 _CRESTS = 300  # intervals of an envelope: each should hold a period at least
 
 
-def short(name: str) -> str:
-    """Return a name as it fits a legend, its end kept, where numbers stand."""
-    return name if len(name) <= _FITS else f"{name[: _FITS // 2 - 1]}…{name[-_FITS // 2 :]}"
+def short(name: str, most: int = _FITS) -> str:
+    """Return a name of at most so many letters, as it fits a legend: without its middle, its end kept, where numbers stand."""
+    return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"
 
 
 def crest(x: Array, values: Array) -> tuple[Array, Array]:

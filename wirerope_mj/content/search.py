@@ -11,8 +11,7 @@ from wirerope_mj.content.study import failed_blocks, numerics_table, study_facts
 from wirerope_mj.content.study_statements import travel_statements
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.tables import Column, Table
-from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, values_of
-from wirerope_mj.studies.results.statistics import row_of
+from wirerope_mj.studies.results.measure import COMBINED, Measure, input_names, measure_of, row_of, values_of
 from wirerope_mj.studies.search.result import GENERATION, SearchResult
 
 _SHOWN, _EMPTY = 24, 12  # designs that are read at once; names of mounts that are not fitted and listed

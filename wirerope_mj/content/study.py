@@ -20,10 +20,8 @@ from wirerope_mj.content.study_statements import (
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION
-from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import ALL, input_names, measure_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE
+from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, SobolIndices
+from wirerope_mj.studies.results.measure import ALL, CONFIDENCE, input_names, measure_of
 from wirerope_mj.studies.results.study_summary import QUANTILES, Statistics, StudySummary
 from wirerope_mj.studies.results.varied import varied_of
 

@@ -9,18 +9,25 @@ import numpy as np
 import pyarrow as pa
 
 from wirerope_mj.content.numbers import MINUS
-from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel, with_room
+from wirerope_mj.content.panels import BASE, OTHERS, Chart, Curve, Field, Panel, short, with_room
 from wirerope_mj.content.study_statements import capital, exceedance_text
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain
 from wirerope_mj.foundation.ticks import linear_ticks
 from wirerope_mj.studies.engines.compute import DONE
-from wirerope_mj.studies.inputs.sampling import LISTED
-from wirerope_mj.studies.inputs.sobol import SAMPLING
-from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect
-from wirerope_mj.studies.results.indices import SobolIndices
-from wirerope_mj.studies.results.measure import DRAWN, Measure, headlines, input_names, measure_of, values_of
-from wirerope_mj.studies.results.statistics import exceedance_of, finite, quantiles
+from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
+from wirerope_mj.studies.results.effects import AZIMUTH, ELEVATION, Effect, SobolIndices
+from wirerope_mj.studies.results.measure import (
+    DRAWN,
+    Measure,
+    exceedance_of,
+    finite,
+    headlines,
+    input_names,
+    measure_of,
+    quantiles,
+    values_of,
+)
 from wirerope_mj.studies.results.study_summary import QUANTILES, StudySummary
 
 # Inputs in one chart: those below explain next to nothing; inputs that are drawn with all their variants.
@@ -47,7 +54,7 @@ def study_charts(summary: StudySummary) -> Iterator[Chart]:
         yield directions_chart(table, by)
     elif len(inputs) == 1:
         yield from _of_one_input(summary, table, inputs[0], names)
-    if result.study.sampling == SAMPLING:
+    if result.study.sampling == OF_INDICES:
         if summary.indices:
             yield indices_chart(summary.indices[:2])
         yield from _scatter(summary, table)
@@ -322,13 +329,14 @@ def _over_input(curves: Sequence[Curve], shown: Measure, xlabel: str, **how: Any
     """Return a panel of a measure over an input."""
     limits = _limits(shown)
     return Panel(
-        curves=curves, ylabel=shown.column.title(), xlabel=shortened(xlabel), limits=limits, unit=shown.unit, xunit="", **how,
+        curves=curves, ylabel=shown.column.title(), xlabel=short(plain(xlabel), _NAME), limits=limits, unit=shown.unit,
+        xunit="", **how,
     )  # fmt: skip
 
 
 def _bar_panel(names: Sequence[str], curves: Sequence[Curve], **how: Any) -> Panel:
     """Return a panel of bars, a row for each name, the first on top."""
-    ticks = [(-float(row), shortened(name)) for row, name in enumerate(names)]
+    ticks = [(-float(row), short(plain(name), _NAME)) for row, name in enumerate(names)]
     return Panel(curves=curves, ylabel="", yticks=ticks, ylim=(0.5 - len(names), 0.5), **how)
 
 
@@ -344,9 +352,3 @@ def _limits(shown: Measure) -> list[tuple[str, float]]:
 def _name_of(choice: object) -> str:
     """Return one of some choices; that of the mount that fails is "" where none does."""
     return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"
-
-
-def shortened(name: str, most: int = _NAME) -> str:
-    """Return a name of at most so many letters, without its middle."""
-    name = plain(name)
-    return name if len(name) <= most else f"{name[: most // 2 - 1]}…{name[-most // 2 :]}"

@@ -11,14 +11,26 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.mounts.isolator.travel import RATINGS
 from wirerope_mj.studies.ended import ended_early, still_growing, why_early
-from wirerope_mj.studies.inputs.sobol import SAMPLING
+from wirerope_mj.studies.inputs.sampling import OF_INDICES
 from wirerope_mj.studies.inputs.specimens import specimen_messages
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import directions_text, fraction_of_directions
-from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
-from wirerope_mj.studies.results.measure import COMBINED, DRAWN, Measure, headlines, input_names, measure_of, values_of
+from wirerope_mj.studies.results.effects import SobolIndices, directions_text, fraction_of_directions, sobol_indices
+from wirerope_mj.studies.results.measure import (
+    COMBINED,
+    CONFIDENCE,
+    DRAWN,
+    Exceedance,
+    Measure,
+    exceedance_of,
+    headlines,
+    input_names,
+    measure_of,
+    row_of,
+    struck_variants,
+    values_of,
+    worst,
+)
 from wirerope_mj.studies.results.stated_limits import StatedLimit
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_of, row_of, struck_variants, worst
 from wirerope_mj.studies.results.varied import value_text
 
 _NUMBER = re.compile(r"\d[\d.]*(e[+-]?\d+)?")
@@ -40,7 +52,7 @@ def statements(result: StudyResult) -> list[str]:
     if "travel" in headlines(result.table) and COMBINED not in result.table.column_names:  # of an older version
         texts += travel_statements(result.study.base)
     texts += specimen_messages(result.study.quantities)
-    if result.study.sampling == SAMPLING:
+    if result.study.sampling == OF_INDICES:
         every = (sobol_indices(result, name) for name in headlines(result.table) if name in DRAWN)
         texts += [of_indices(one) for one in every if one.factors]
     return texts

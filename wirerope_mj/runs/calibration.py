@@ -7,9 +7,8 @@ from wirerope_mj.engine.system.model_files import write_whole
 from wirerope_mj.foundation.atomic_files import atomic_folder, json_text
 from wirerope_mj.foundation.parquet_files import write_rows
 from wirerope_mj.runs.page import REPORT
+from wirerope_mj.studies.calibration.calibrate import Calibration
 from wirerope_mj.studies.calibration.isolators import calibrated_isolators, calibrated_system
-from wirerope_mj.studies.calibration.result import Calibration
-from wirerope_mj.views.json_content import plain_content
 from wirerope_mj.views.report import report_html
 
 SUMMARY, DRAWS = "calibration.json", "draws.parquet"
@@ -29,7 +28,7 @@ def write_calibration(result: Calibration, content: Content, folder: Path, *, fo
     with atomic_folder(folder, force=force, kind=KIND, marks=MARKS) as temporary:
         isolators = calibrated_isolators(result, [test.name for test in result.forward.tests])
         write_whole(calibrated_system(result, isolators), temporary / "model")
-        said = {"format": 1, **plain_content(content, *_SECTIONS)}
+        said = {"format": 1, **content.to_dict(*_SECTIONS)}
         (temporary / SUMMARY).write_text(json_text(said), encoding="utf-8")
         write_rows(temporary / DRAWS, list(result.names), result.samples, {"units": list(result.units)})
         (temporary / REPORT).write_text(report_html(content), encoding="utf-8")

@@ -33,15 +33,13 @@ from wirerope_mj.foundation.errors import RecordError, SimulationError, WireRope
 from wirerope_mj.foundation.half_written import clear_half_written
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.foundation.toml_file import read_toml
-from wirerope_mj.runs.document_table import document_table, logo_ending, read_document
 from wirerope_mj.runs.folder import SUMMARY, alterations, digest_of, warn_of_alterations
-from wirerope_mj.runs.job_file import Job, load_job
+from wirerope_mj.runs.job_file import Job, document_table, load_job, logo_ending, read_document
 from wirerope_mj.runs.page import page_files, write_page
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.scenario_file import judge_table, scenario_content
 from wirerope_mj.runs.sources import is_run, judged_folder
 from wirerope_mj.runs.write import rejudge_run, write_run
-from wirerope_mj.views.json_content import plain_content
 
 JOB, CASES = "job.toml", "cases"
 FORMAT = 1
@@ -278,7 +276,7 @@ def _write_views(judged: JudgedJob, folder: Path, *, pdf: bool, docx: bool) -> N
     from wirerope_mj.views.recording.viewer import JOINED, join_recordings  # late: rerun takes long to import
 
     content = job_content(judged)
-    said = plain_content(content, "limits", "load-cases", "envelope")
+    said = content.to_dict("limits", "load-cases", "envelope")
     write_json(folder / SUMMARY, {"format": FORMAT, "name": judged.name, "content": said})
     write_page(content, page_files(folder, None, pdf=pdf, docx=docx, force=True))
     join_recordings([folder / CASES / case.folder / "run.rrd" for case in judged.cases], folder / JOINED)

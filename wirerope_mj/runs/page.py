@@ -2,8 +2,7 @@
 
 from pathlib import Path
 
-from wirerope_mj.content.appendices import with_appendices
-from wirerope_mj.content.blocks import Content
+from wirerope_mj.content.blocks import Content, with_appendices
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.foundation.errors import RecordError
 

@@ -1,21 +1,155 @@
-"""A scenario: a question, the model and the base motion that answer it, and the file that makes them from options."""
+"""A scenario: a question, the model and the motion that answer it, and the Python file whose options make them."""
 
-from collections.abc import Mapping, Sequence
+import ast
+import inspect
+import traceback
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from pathlib import Path
+from difflib import get_close_matches
+from importlib.util import module_from_spec, spec_from_file_location
+from numbers import Integral, Real
+from pathlib import Path, PurePath
 from types import UnionType
-from typing import Any
+from typing import Any, Self
 
 from wirerope_mj.engine.flexible import Deck
 from wirerope_mj.engine.system import Changes, load_system
 from wirerope_mj.engine.system.on_deck import deck_text
-from wirerope_mj.foundation.errors import ModelError
+from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.errors import ModelError, WireRopeError, why_unread
 from wirerope_mj.foundation.payload_limits import PayloadLimit
-from wirerope_mj.foundation.plain_text import quoted
+from wirerope_mj.foundation.plain_text import quoted, short
+from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.resources import model_source, scenarios_folder
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.runs.option_file import OptionFile
+
+_PACKAGE = Path(__file__).resolve().parents[1]
+# Types of defaults, what an option with such a default may be, and what it is called; a bool is an int as well.
+_OPTION_KINDS: tuple[tuple[type, type | UnionType, str], ...] = (
+    (bool, bool, "true or false"), (int, Integral, "an integer"), (float, Real, "a number"),
+    (str, str | PurePath, "text"),
+)  # fmt: skip
+
+
+def defines(path: Path, name: str) -> bool:
+    """Return whether a Python file defines the function `name`; it is read, not executed."""
+    try:
+        tree = ast.parse(regular(path).read_text(encoding="utf-8"))
+    except (SyntaxError, ValueError, OSError):
+        return False  # whoever executes it says what is wrong
+    return any(isinstance(node, ast.FunctionDef) and node.name == name for node in tree.body)
+
+
+@dataclass(frozen=True, kw_only=True)
+class OptionFile:
+    """A Python file with one function, whose keyword arguments are the options."""
+
+    name: str
+    path: Path
+    function: Callable[..., object]
+
+    @classmethod
+    def load(cls, name_or_path: str | Path, shipped: Mapping[str, Path], kind: str) -> Self:
+        """Load the file at a path, or the shipped one of that name; `kind` is the name of its function.
+
+        ModelError if there is neither, or the file has no such function with keyword options only.
+        """
+        path = Path(name_or_path)
+        if not path.is_file():
+            if str(name_or_path) not in shipped:
+                near = get_close_matches(path.stem.replace("-", "_"), shipped, n=1, cutoff=0.5)
+                meant = f" Did you mean {near[0]}?" if near else ""
+                raise ModelError(
+                    f"there is no {kind} {str(name_or_path)!r}.{meant} The package ships {', '.join(shipped) or 'none'}; "
+                    "anything else must be the path of a Python file."
+                )
+            path = shipped[str(name_or_path)]
+        return cls(name=path.stem, path=path.resolve(), function=load_function(path, kind))
+
+    @property
+    def question(self) -> str:
+        """First line of the file's docstring."""
+        return (self.function.__doc__ or "").strip().split("\n", 1)[0]
+
+    @property
+    def defaults(self) -> Entries:
+        """Options and their default values."""
+        return {name: option.default for name, option in inspect.signature(self.function).parameters.items()}
+
+    def made(self, options: Entries) -> tuple[object, Entries]:
+        """Call the function with some options; return its result, and all options with their values or defaults.
+
+        ModelError if an option is unknown or of another kind, or the function fails; says in which line.
+        """
+        values = self.defaults
+        for option, value in options.items():
+            if option not in values:
+                raise ModelError(f"{self.path}: no option {option!r}; the options are {', '.join(values)}.")
+            _check_kind(self.path, option, values[option], value)
+        values |= options
+        return guarded(self.path, lambda: self.function(**values)), values
+
+
+def load_function(path: Path, name: str) -> Callable[..., object]:
+    """Return the function `name` of a Python file; its docstring is the file's, followed by its own arguments.
+
+    ModelError if the file cannot be read or has no such function with keyword options only; says in which line.
+    """
+    spec = spec_from_file_location(path.stem, path.resolve())
+    if path.suffix != ".py" or spec is None or spec.loader is None:
+        raise ModelError(f"{path}: a {name} is a Python file; its name ends with .py.")
+    _check_text(path, name)
+    module, loader = module_from_spec(spec), spec.loader
+    guarded(path, lambda: loader.exec_module(module))
+    function = getattr(module, name, None)
+    if not inspect.isfunction(function):
+        raise ModelError(f"{path}: there is no function `{name}` here; a {name} is what `def {name}(*, ...)` returns.")
+    for option, parameter in inspect.signature(function).parameters.items():
+        if parameter.kind is not parameter.KEYWORD_ONLY or parameter.default is parameter.empty:
+            raise ModelError(f"{path}: `{option}` of `{name}` must be a keyword-only argument with a default.")
+    # The question stands above the file; of the function's own docstring, the options are for the reader of --help.
+    _, arguments, options = (inspect.getdoc(function) or "").partition("Args:")
+    function.__doc__ = f"{(inspect.getdoc(module) or '').strip()}\n\n{arguments}{options}".strip()
+    return function
+
+
+def _check_text(path: Path, name: str) -> None:
+    """Raise ModelError if a file cannot be read, or holds bytes that no text has."""
+    try:
+        content = regular(path).read_bytes()
+    except OSError as error:
+        raise ModelError(f"{path}: this {name} cannot be read: {why_unread(error)}") from None
+    if b"\0" in content:
+        raise ModelError(f"{path}: this is not text; a {name} is a Python file, saved as text in UTF-8.")
+
+
+def _check_kind(path: Path, option: str, default: object, value: object) -> None:
+    """Raise ModelError unless a value is of the kind of the option's default; None says nothing of it."""
+    known, accepted, kind = next((one for one in _OPTION_KINDS if isinstance(default, one[0])), (object, object, ""))
+    if not isinstance(value, accepted) or (isinstance(value, bool) and known not in (bool, object)):
+        raise ModelError(f"{path}: option `{option}` must be {kind}, as its default {default!r} is, got {value!r}.")
+
+
+def guarded(path: Path, action: Callable[[], object]) -> object:
+    """Return what `action` returns; ModelError with file and line if the file's own code fails."""
+    try:
+        return action()
+    except SyntaxError as error:
+        line = f", line {error.lineno}" if error.lineno else ""
+        quoted = f"`{short(error.text.strip())}`" if error.text else "this"
+        what = "is not text in UTF-8. Save it in UTF-8" if "codec" in error.msg else f"is not Python: {error.msg}"
+        raise ModelError(f"{path}{line}: {quoted} {what}.") from error
+    except Exception as error:
+        frames = traceback.extract_tb(error.__traceback__)
+        own = [frame for frame in frames if Path(frame.filename) == path.resolve()]
+        line = f", line {own[-1].lineno}" if own else ""
+        said = isinstance(error, ValueError) and bool(own) and str(own[-1].line).startswith("raise ")
+        if isinstance(error, WireRopeError) or said or _PACKAGE in Path(frames[-1].filename).parents:
+            raise ModelError(f"{path}{line}: {error}") from error  # the message says what is wrong, and is meant to
+        quoted = f"`{short(own[-1].line or '')}` ends with " if own else ""
+        raise ModelError(f"{path}{line}: {quoted}{type(error).__name__}: {error}") from error
+
 
 # What each attribute of a scenario must be, and what a message calls it.
 _KINDS: dict[str, tuple[type | UnionType, str]] = {

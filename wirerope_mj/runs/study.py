@@ -13,12 +13,10 @@ from wirerope_mj.foundation.tables import Table
 from wirerope_mj.runs.scenario import Scenario
 from wirerope_mj.runs.write import run_scenario
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import input_names
-from wirerope_mj.studies.results.statistics import worst
+from wirerope_mj.studies.results.measure import input_names, worst
 from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.search.result import SearchResult
 from wirerope_mj.studies.study import load_study
-from wirerope_mj.views.json_content import plain_content
 from wirerope_mj.views.pictures import save_pictures
 
 MOST = 6  # Variants in one comparison: more cannot be distinguished
@@ -49,7 +47,7 @@ def write_content(content: Content, folder: Path) -> None:
 
     Statements and tables stand in content.json under their ids, each chart is a picture by its id, scenes are placements.png.
     """
-    write_json(folder / CONTENT, plain_content(content, "answer", "results", "inputs", "worst"))
+    write_json(folder / CONTENT, content.to_dict("answer", "results", "inputs", "worst"))
     blocks = list(content.blocks())
     for chart in blocks:
         if isinstance(chart, Chart):

@@ -4,7 +4,7 @@ from pathlib import Path
 
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.resources import scenarios_folder
-from wirerope_mj.runs.option_file import OptionFile
+from wirerope_mj.runs.scenario import OptionFile
 from wirerope_mj.studies.search.search import Search
 from wirerope_mj.studies.study import Study
 

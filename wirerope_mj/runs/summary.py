@@ -12,7 +12,6 @@ from wirerope_mj.foundation.errors import Absent, RecordError, why_unread
 from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.summary import json_values
 from wirerope_mj.runs.folder import FORMAT, SUMMARY
-from wirerope_mj.views.json_content import plain_content
 
 _REMEDY = "Take the file from another copy of the folder, or repeat the run."
 
@@ -28,7 +27,7 @@ def summary_content(judged: JudgedRun, *, seconds: float) -> Entries:
         **summary(response, judged.verdicts),
         **_random_content(judged),
         **({"untested": judged.untested} if judged.untested else {}),
-        "content": plain_content(content, *content.sections_of("headline", "summary")),
+        "content": content.to_dict(*content.sections_of("headline", "summary")),
         "numerics": {
             "timestep_s": numerics.timestep, "steps": numerics.steps, "samples": int(response.time.size),
             "samples_hold": samples_hold(response), "callback": numerics.callback, "engine": numerics.engine,

@@ -237,8 +237,7 @@ def _write_views(
     scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool, case: str
 ) -> None:
     # Here, because rerun and the page take longer to import than a small simulation takes.
-    from wirerope_mj.content.payload import panel_over_frequency
-    from wirerope_mj.content.run import run_content
+    from wirerope_mj.content.run import panel_over_frequency, run_content
     from wirerope_mj.runs.page import REPORT
     from wirerope_mj.views.pictures import save_pictures
     from wirerope_mj.views.recording.record import record_run

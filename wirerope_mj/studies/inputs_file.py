@@ -1,9 +1,10 @@
-"""The inputs of a study in `study.toml`, and the digest of them by which a folder is known as that of this study."""
+"""The inputs of a study in `study.toml`, the digest of them by which its folder is known, and what else the numbers hang on."""
 
 import hashlib
 import inspect
 import re
 import tomllib
+from functools import cache
 from pathlib import Path, PurePosixPath
 from typing import get_args
 
@@ -16,12 +17,35 @@ from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted
+from wirerope_mj.foundation.resources import version_of
 from wirerope_mj.foundation.toml_file import toml_content
 from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.distributions import Distribution, distribution_to_dict
 from wirerope_mj.studies.responses import PEAKS
-from wirerope_mj.studies.versions import versions
+
+_PACKAGES = ("wirerope-mj", "mujoco", "numpy", "scipy", "numba")  # Packages on which the last bit of a number may depend
+_SHOWS = ("cli", "views", "runs")  # Wings that show what is there, and compute no row
+
+
+@cache
+def versions() -> dict[str, str]:
+    """Return the versions of the packages that compute by name, and as "code" a digest of this package's own files.
+
+    The digest tells a checkout that was changed from one that was not, which have the same version.
+    """
+    return {**{name: version_of(name) for name in _PACKAGES}, "code": _code()}
+
+
+def _code() -> str:
+    package = Path(__file__).parents[1]
+    digest = hashlib.sha256()
+    for path in sorted(package.rglob("*.py")):
+        relative = path.relative_to(package)
+        if relative.parts[0] not in _SHOWS:
+            digest.update(f"{relative.as_posix()}\n".encode() + path.read_bytes())
+    return digest.hexdigest()[:16]
+
 
 STUDY = "study.toml"
 FIRST = 1  # The format in which "body/NAME/centre/x" and "mount/NAME/position/x" were shifts

@@ -1,8 +1,8 @@
-"""Measures of each variant: peaks over every step, as plain numbers."""
+"""Measures of each variant: peaks over every step, as plain numbers, of one variant or of many of one structure at once."""
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
-from functools import cache
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,15 +10,16 @@ from wirerope_mj.assessment.criteria.ended import GROWTH
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.sampled import SAMPLED
 from wirerope_mj.assessment.criteria.travel import combined_utilisation
+from wirerope_mj.engine.control import layout as at
 from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.peaks import Peak, Peaks
+from wirerope_mj.engine.simulation.in_lanes import InLanes
 from wirerope_mj.engine.statics.loading import forces_at_rest
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.state import State
-from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, static_utilisation, travel_reached
+from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
 
 NAN = math.nan
@@ -55,47 +56,160 @@ def measures(system: System, peaks: Peaks, rest: State | None, response: Respons
     stops left out, of which force/MOUNT alone is kept. struck: number of pairs of geoms, such as a stop and its pad, that came
     together, and of stops of mounts that closed. NaN where nothing is rated or stated, or samples are too few to judge it.
     """
-    bodies, points = payload_bodies(system), payload_points(system)
-    of_bodies = {name: peaks.bodies[name].acceleration for name in bodies}
-    of_points = {name: peaks.points[name].acceleration for name in points}
-    result = {"acceleration": _largest(peak.value for peak in of_bodies.values())}
-    result |= dict.fromkeys(("travel", "combined_travel", "static_load", "fragility", "clearance"), NAN)
-    isolators = {id(mount.isolator): mount.isolator for mount in system.mounts.values()}  # few, and asked once each
-    fitted = {key: acts(isolator) and not isolator.is_stop for key, isolator in isolators.items()}
-    result["mounts"] = float(sum(fitted[id(mount.isolator)] for mount in system.mounts.values()))
-    result["struck"] = float(len(peaks.struck))
-    for name, peak in (*of_bodies.items(), *of_points.items()):  # of a body and a point of one name the larger
-        result[f"acceleration/{name}"] = max(peak.value, result.get(f"acceleration/{name}", 0.0))
-    result |= {f"displacement/{name}": peaks.points[name].relative_displacement.value for name in points}
-    moved = {name: peaks.points[name].relative_displacement for name in points}
-    sides = {name: sides_of(peak.minimum, peak.maximum) for name, peak in moved.items()}
-    result |= {f"displacement/{name}/{side}": float(value) for name, of in sides.items() for side, value in of.items()}
-    result.update(zip(_force_names(tuple(system.mounts)), [m.force.value for m in peaks.mounts.values()], strict=True))
-    judged = tuple(name for name, mount in system.mounts.items() if not mount.isolator.is_stop)
-    reached, used, combined = _travel(system, peaks, judged, isolators)
-    loads = _static_loads(system, rest, judged, isolators)
-    result.update(zip(_judged_names(judged), [*reached, *used, *loads], strict=True))
-    for measure, values in (("travel", used), ("combined_travel", combined), ("static_load", loads)):
-        result[measure] = _largest([value for value in values if not math.isnan(value)])
-    result["fragility"] = _fragility(system, (of_bodies, of_points))
-    used_room = [float(used) for used in clearances_used(system, sides)] if response is None else _sampled(response)
-    result["clearance"] = _largest(used_room)
-    return result
+    forces = None if rest is None else forces_at_rest(system, rest)[np.newaxis]
+    found = {name: float(one[0]) for name, one in measures_together(system, Extremes.of_peaks(system, peaks), forces).items()}
+    return found if response is None else found | {"clearance": _sampled(response)}
 
 
 def late(system: System, peaks: Peaks) -> float:
     """Return when something of a variant last reached an extreme that counts beside its norm [s]."""
-    of_bodies = [peaks.bodies[name].acceleration for name in payload_bodies(system)]
-    points = [peaks.points[name] for name in payload_points(system)]
-    of_points = [peak for one in points for peak in (one.acceleration, one.relative_displacement)]
-    of_mounts = [peak for one in peaks.mounts.values() for peak in (one.deflection, one.force)]
-    numbers = np.array([peak.numbers for peak in (*of_bodies, *of_points, *of_mounts)])
-    sides = [(Peak.MINIMUM, Peak.MINIMUM_TIME), (Peak.MAXIMUM, Peak.MAXIMUM_TIME)]
-    extremes = [(numbers[:, value], numbers[:, time]) for value, time in sides]
-    return float(latest(numbers[:, 0], extremes))
+    return float(Extremes.of_peaks(system, peaks).late[0])
 
 
-def latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
+@dataclass(frozen=True, kw_only=True)
+class Extremes:
+    """Peaks of variants over every step."""
+
+    failed: Booleans  # whether the kernel gave a variant up, (n,)
+    value: Array  # largest norm of every channel, (n, n_channels); of what is fixed to the base 0
+    # lowest, highest: extremes of the components, (n, n_channels, 3)
+    lowest: Array
+    highest: Array
+    struck: Array  # number of stops that closed, (n,)
+    # largest utilisation of all rated travels of a mount at once, and that of instants that are judged, NaN without
+    # any, (n, n_mounts, 2)
+    travels: Array
+    late: Array  # when something last reached an extreme that counts [s], (n,)
+
+    @classmethod
+    def of_lanes(cls, system: System, done: InLanes) -> "Extremes":
+        """Return the extremes of variants of a system that came to the end of a grid."""
+        tables, n = system.assembly.tables, len(done.which)
+        tracked = np.setdiff1d(np.arange(tables.channels.size), tables.base_channels)
+        channels = np.zeros((n, tables.channels.size, at.CHANNEL_MEMORY))
+        failed, struck = np.zeros(n, dtype=bool), np.zeros(n)
+        travels = np.zeros((n, len(system.mounts), 2))
+        for group, indices in done.groups:
+            failed[indices] = group.failed != 0.0
+            for lane, index in enumerate(indices):
+                channels[index, tracked] = group.channels(lane)
+                squares = group.travels(lane)[:, [at.FARTHEST, at.JUDGED]]
+                travels[index] = np.sqrt(np.where(squares >= 0.0, squares, NAN))
+                stops = group.stops(lane)
+                struck[index] = np.sum(stops[:, at.TOUCHES] > stops[:, at.FROM_START])
+        low, high = (channels[:, :, part : part + 3] for part in (at.LOW, at.HIGH))
+        value = channels[:, :, at.PEAK]
+        times = [channels[:, :, part : part + 3] for part in (at.LOW_TIME, at.HIGH_TIME)]
+        late = _latest(value, list(zip((low, high), times, strict=True)))
+        return cls(failed=failed, value=value, lowest=low, highest=high, struck=struck, travels=travels, late=late)
+
+    @classmethod
+    def of_peaks(cls, system: System, peaks: Peaks) -> "Extremes":
+        """Return the extremes of one variant that was computed by itself."""
+        moved = [peak for one in peaks.points.values() for peak in (one.acceleration, one.relative_displacement)]
+        stretched = [peak for one in peaks.mounts.values() for peak in (one.deflection, one.force)]
+        every = [*(one.acceleration for one in peaks.bodies.values()), *moved, *stretched]
+        numbers = np.array([peak.numbers for peak in every])[np.newaxis]
+        numbers[:, system.assembly.tables.base_channels] = 0.0
+        low, high = numbers[:, :, Peak.MINIMUM], numbers[:, :, Peak.MAXIMUM]
+        times = numbers[:, :, Peak.MINIMUM_TIME], numbers[:, :, Peak.MAXIMUM_TIME]
+        followed = [(peaks.travels or {}).get(name) for name in system.mounts]
+        travels = [(NAN, NAN) if one is None else (one.value, NAN if one.judged is None else one.judged) for one in followed]
+        return cls(
+            failed=np.zeros(1, dtype=bool), value=numbers[:, :, 0], lowest=low, highest=high,
+            struck=np.array([float(len(peaks.struck))]), travels=np.array(travels).reshape(1, -1, 2),
+            late=_latest(numbers[:, :, 0], list(zip((low, high), times, strict=True))),
+        )  # fmt: skip
+
+
+def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:
+    """Return the measures of variants by name, (n,) each, of a system with their limits, ratings and fitted mounts.
+
+    `forces` are those of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there.
+    """
+    n = len(extremes.value)
+    channels = _channels(system)
+    bodies = [extremes.value[:, channel] for channel in channels["body"].values()]
+    isolators = [mount.isolator for mount in system.mounts.values()]
+    judged = [number for number, isolator in enumerate(isolators) if not isolator.is_stop]
+    names = [name for name, isolator in zip(system.mounts, isolators, strict=True) if not isolator.is_stop]
+    deflections = [channels["deflection"][name] for name in names]
+    reached = travel_reached(extremes.lowest[:, deflections], extremes.highest[:, deflections])
+    stated = [isolators[number].limits.travel.stated for number in judged]
+    rated = np.array([[one.get(rating, NAN) for rating in RATINGS] for one in stated]).reshape(-1, len(RATINGS))
+    ways = np.stack(list(reached.values()), axis=-1)
+    used = largest_utilisation(ways, rated)
+    combined = np.full_like(used, NAN)
+    if system.combined_travel and judged:
+        farthest, of_judged = np.moveaxis(extremes.travels[:, judged], -1, 0)
+        combined = combined_utilisation(farthest, of_judged, ways, rated)
+    loads = _static_loads([isolators[number].limits.static_load for number in judged], forces, judged, n)
+    result = {
+        "acceleration": _largest(np.array(bodies).reshape(-1, n).T), "travel": _largest(used),
+        "combined_travel": _largest(combined), "static_load": _largest(loads),
+        "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
+        "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))), "struck": extremes.struck,
+    }  # fmt: skip
+    for name, channel in (*channels["body"].items(), *channels["point"].items()):  # of two of one name the larger
+        result[f"acceleration/{name}"] = np.maximum(extremes.value[:, channel], result.get(f"acceleration/{name}", 0.0))
+    result |= {f"displacement/{name}": extremes.value[:, c] for name, c in channels["displacement"].items()}
+    result |= {f"force/{name}": extremes.value[:, c] for name, c in channels["force"].items()}
+    by_side = {c: _sides_of(extremes.lowest[:, c], extremes.highest[:, c]) for c in channels["displacement"].values()}
+    sides = {name: by_side[channel] for name, channel in channels["displacement"].items()}
+    result |= {f"displacement/{name}/{side}": values for name, of in sides.items() for side, values in of.items()}
+    result["clearance"] = _largest(np.array(_clearances_used(system, sides)).reshape(-1, n).T)
+    for number, name in enumerate(names):
+        result |= {f"deflection/{name}/{rating}": values[:, number] for rating, values in reached.items()}
+        result |= {f"travel/{name}": used[:, number], f"static_load/{name}": loads[:, number]}
+    return result
+
+
+def _channels(system: System) -> dict[str, dict[str, int]]:
+    """Return the numbers of the channels of the payload's bodies and points and of the mounts, by name."""
+    subjects, mounts = system.assembly.subjects, list(system.mounts)
+    bodies, points = payload_bodies(system), payload_points(system)
+    n, first = len(subjects.bodies), len(subjects.bodies) + 2 * len(subjects.points)
+    of_points = {name: n + 2 * i for i, name in enumerate(subjects.point_names) if name in points}
+    of_bodies = {name: i for i, name in enumerate(subjects.body_names) if name in bodies}
+    return {
+        "body": of_bodies, "point": of_points,
+        "displacement": {name: channel + 1 for name, channel in of_points.items()},
+        "deflection": {name: first + 2 * i for i, name in enumerate(mounts)},
+        "force": {name: first + 2 * i + 1 for i, name in enumerate(mounts)},
+    }  # fmt: skip
+
+
+def _largest(values: Array) -> Array:
+    """Return the largest of each row, (n,); NaN counts only where there is nothing else."""
+    if not values.shape[1]:
+        return np.full(len(values), NAN)
+    return np.asarray(np.fmax.reduce(values, axis=1))
+
+
+def _static_loads(limits: list[float | None], forces: Array | None, judged: list[int], n: int) -> Array:
+    """Return compression over rated static load, (n, n_judged), as for one; NaN where it is not judged."""
+    loads = np.full((n, len(judged)), NAN)
+    if forces is None or not judged:
+        return loads
+    roll, shear, axial = np.moveaxis(forces[:, judged], -1, 0)
+    rated = np.array([NAN if limit is None else limit for limit in limits])
+    stands = (np.hypot(roll, shear) <= np.abs(axial)) & (axial <= 0.0)
+    return np.where(stands, np.maximum(-axial, 0.0) / rated, NAN)
+
+
+def _fragility(system: System, extremes: Extremes, places: Sequence[Mapping[str, int]]) -> Array:
+    utilisations = []
+    for limit in system.limits:
+        if limit.kind != "acceleration":
+            continue
+        for channel in (channels[limit.name] for channels in places if limit.name in channels):
+            sizes = np.maximum(-extremes.lowest[:, channel], extremes.highest[:, channel])
+            by_axis = {"": extremes.value[:, channel], **dict(zip("xyz", sizes.T, strict=True))}
+            utilisations += [by_axis[axis] / allowed for axis, allowed in limit.judged.items()]
+    return _largest(np.array(utilisations).reshape(-1, len(extremes.value)).T)
+
+
+def _latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
     """Return the latest instant [s] of channels' extremes that count beside their norms, (...).
 
     Args:
@@ -107,13 +221,13 @@ def latest(norms: Array, extremes: Sequence[tuple[Array, Array]]) -> Array:
     return np.asarray(np.max(instants, axis=(0, -1, -2), initial=0.0))
 
 
-def sides_of(lowest: Array, highest: Array) -> dict[str, Array]:
+def _sides_of(lowest: Array, highest: Array) -> dict[str, Array]:
     """Return how far something went along -x, +x, -y, +y, -z, +z by these names, >= 0, from its extremes (..., 3) [m]."""
     ways = {"-": np.maximum(-lowest, 0.0), "+": np.maximum(highest, 0.0)}
     return {side: ways[side[0]][..., "xyz".index(side[1])] for side in SIDES}
 
 
-def clearances_used(system: System, sides: Mapping[str, Mapping[str, Array]]) -> list[Array]:
+def _clearances_used(system: System, sides: Mapping[str, Mapping[str, Array]]) -> list[Array]:
     """Return the utilisations of the clearances that a model states of points, by how far each point went each way."""
     return [
         sides[limit.name][side] / allowed
@@ -129,12 +243,12 @@ def needs_samples(system: System) -> bool:
     return any(one.kind == "clearance" and one.name not in alone for one in system.limits)
 
 
-def _sampled(response: Response) -> list[float]:
-    """Return the utilisations of all clearances of a run; NaN alone if one is not known and none exceeded."""
+def _sampled(response: Response) -> float:
+    """Return the largest utilisation of the clearances of a run; NaN where one is not known and none exceeded."""
     rows = rattle_verdicts(response)
-    used = [row.utilisation for row in rows if row.utilisation is not None]
+    worst = max((row.utilisation for row in rows if row.utilisation is not None), default=NAN)
     unknown = any(row.limit is None and SAMPLED in row.note for row in rows)
-    return [NAN] if unknown and max(used, default=0.0) <= 1.0 else used
+    return NAN if unknown and not worst > 1.0 else worst
 
 
 def payload_bodies(system: System) -> list[str]:
@@ -148,62 +262,3 @@ def payload_points(system: System) -> list[str]:
     subjects, on_base = system.assembly.subjects, system.assembly.tables.base_channels
     n = len(subjects.bodies)
     return [name for index, name in enumerate(subjects.point_names) if n + 2 * index not in on_base]
-
-
-@cache
-def _force_names(mounts: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of the forces of mounts, made once for all variants of a system."""
-    return tuple(f"force/{name}" for name in mounts)
-
-
-@cache
-def _judged_names(mounts: tuple[str, ...]) -> tuple[str, ...]:
-    """Return the names of what is judged of mounts: travel by rating, utilisations of travel and of static load."""
-    deflections = [f"deflection/{name}/{rating}" for rating in RATINGS for name in mounts]
-    return (*deflections, *(f"{measure}/{name}" for measure in ("travel", "static_load") for name in mounts))
-
-
-def _travel(
-    system: System, peaks: Peaks, judged: Sequence[str], isolators: Mapping[int, Isolator]
-) -> tuple[list[float], list[float], list[float]]:
-    """Return the travel of mounts [m] by rating, their largest utilisation, and those of all axes at once; NaN if not rated."""
-    if not judged:
-        return [], [], []
-    deflections = np.array([peaks.mounts[name].deflection.numbers for name in judged])
-    reached = np.array(list(travel_reached(deflections[:, Peak.MINIMUM], deflections[:, Peak.MAXIMUM]).values()))
-    stated = {key: isolator.limits.travel.stated for key, isolator in isolators.items()}
-    ratings = {key: [travel.get(rating, NAN) for rating in RATINGS] for key, travel in stated.items()}
-    rated = np.array([ratings[id(system.mounts[name].isolator)] for name in judged])
-    used, combined = largest_utilisation(reached.T, rated).tolist(), [NAN] * len(judged)
-    if system.combined_travel and peaks.travels is not None:
-        travels = [peaks.travels[name] for name in judged]
-        of_judged = np.array([NAN if one.judged is None else one.judged for one in travels])
-        farthest = np.array([one.value for one in travels])
-        combined = combined_utilisation(farthest, of_judged, reached.T, rated).tolist()
-    return reached.ravel().tolist(), used, combined
-
-
-def _static_loads(system: System, rest: State | None, judged: Sequence[str], isolators: Mapping[int, Isolator]) -> list[float]:
-    """Return the utilisation of the rated static load at rest of some mounts; NaN where it is not judged."""
-    if rest is None or all(isolator.limits.static_load is None for isolator in isolators.values()):
-        return [NAN] * len(judged)
-    forces = dict(zip(system.mounts, forces_at_rest(system, rest).tolist(), strict=True))
-    used = [static_utilisation(forces[name], system.mounts[name].isolator.limits.static_load) for name in judged]
-    return [NAN if one is None else one for one in used]
-
-
-def _fragility(system: System, places: Sequence[Mapping[str, Peak]]) -> float:
-    """Return the largest utilisation of a stated acceleration limit; a body and a point of one name must both bear it."""
-    utilisations = []
-    for limit in system.limits:
-        if limit.kind != "acceleration":
-            continue
-        for peak in (at[limit.name] for at in places if limit.name in at):
-            extremes = [max(-float(low), float(high)) for low, high in zip(peak.minimum, peak.maximum, strict=True)]
-            sizes = {"": peak.value, **dict(zip("xyz", extremes, strict=True))}
-            utilisations += [sizes[axis] / allowed for axis, allowed in limit.judged.items()]
-    return _largest(utilisations)
-
-
-def _largest(values: Iterable[float]) -> float:
-    return max(values, default=NAN)

@@ -21,12 +21,20 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.engines.compute import FAILED, nominal
 from wirerope_mj.studies.folder import dead, done, parts, read_schema, read_table
-from wirerope_mj.studies.inputs import sobol
-from wirerope_mj.studies.inputs.sampling import LISTED
+from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES, factors
 from wirerope_mj.studies.inputs_file import STUDY, todays_table
 from wirerope_mj.studies.responses import RESPONSES, kept_numbers, kept_response
-from wirerope_mj.studies.results.measure import ALL, checked_measure, measure_of, unit_of, values_of
-from wirerope_mj.studies.results.statistics import Exceedance, exceedance_of, quantiles, worst
+from wirerope_mj.studies.results.measure import (
+    ALL,
+    Exceedance,
+    checked_measure,
+    exceedance_of,
+    measure_of,
+    quantiles,
+    unit_of,
+    values_of,
+    worst,
+)
 
 NOT_COMPUTED = (
     "Some were not computed, since their processes died or found no memory, threads or files: go on with --resume "
@@ -141,9 +149,9 @@ class StudyResult(Exportable, Summarised):
     @cached_property
     def independent(self) -> pa.Table:
         """The variants that do not depend on each other: all of a study, but only A and B of one for Sobol's indices."""
-        if self.study.sampling != sobol.SAMPLING:
+        if self.study.sampling != OF_INDICES:
             return self.table
-        of_row = len(sobol.factors(self.study.quantities)) + 2
+        of_row = len(factors(self.study.quantities)) + 2
         return self.table.filter(pa.array(np.asarray(self.table["variant"]) % of_row < 2))
 
     @property

@@ -1,17 +1,23 @@
 """A study: its variants computed on all cores or on a cluster, into one table in a folder."""
 
 import math
+from collections.abc import Iterator, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
+from time import perf_counter
 
+from wirerope_mj.engine.simulation.progress import share_bar
 from wirerope_mj.engine.simulation.run import warn_of_aliasing
-from wirerope_mj.foundation.arguments import one_of
+from wirerope_mj.foundation.arguments import integer, one_of
 from wirerope_mj.studies.definition import StudyDefinition
-from wirerope_mj.studies.folder import TABLE, computed_alone, finish, prepare
-from wirerope_mj.studies.responses import KEPT, RESPONSES
+from wirerope_mj.studies.engines.compute import Chunk, Engine
+from wirerope_mj.studies.engines.local import run_local
+from wirerope_mj.studies.folder import TABLE, computed_alone, done, finish, prepare, write_part
+from wirerope_mj.studies.measures import needs_samples
+from wirerope_mj.studies.responses import KEPT, PEAKS, RESPONSES, most_together
 from wirerope_mj.studies.result import StudyResult
 from wirerope_mj.studies.results.varied import summary
-from wirerope_mj.studies.run import checked_engine, chunk_size, compute_missing
 from wirerope_mj.studies.search.result import read_result
 
 
@@ -94,7 +100,7 @@ class Study(StudyDefinition):
         with computed_alone(folder, identity):
             if not (folder / TABLE).is_file():
                 self.warn_of_given_step()
-                compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
+                _compute_missing(self, folder, keep, partial(run, workers=workers, address=address), progress)
             parts = math.ceil(self.size / chunk_size(self, keep))
             finish(folder, parts, lambda: summary(read_result(folder, type(self))))
         return read_result(folder, type(self))
@@ -107,3 +113,58 @@ def load_study(folder: str | Path) -> StudyResult:
         RecordError: the folder is not that of a study, or is damaged.
     """
     return read_result(Path(folder), Study)
+
+
+CHUNK, _LARGEST_CHUNK = 32, 512  # variants, at the least and at the most: enough that stepping costs more than handing over
+STEPS = 1_000_000  # mounts times steps of a chunk, about: half a second of a processor, which a kill may cost each worker
+_FEWEST_CHUNKS = 16  # Chunks that a small study has, so that all workers have something to do until the end
+_ENGINES = ("local", "dask")
+
+
+def _compute_missing(study: StudyDefinition, folder: Path, keep: str, run: Engine, progress: bool) -> None:
+    """Write the parts that are missing as they are ready."""
+    size = chunk_size(study, keep)
+    missing = sorted(set(range(math.ceil(study.size / size))) - done(folder))
+    already = study.size - sum(min(size, study.size - number * size) for number in missing)
+    with share_bar(
+        "study", "variants/s", total=study.size, parts="variants", enabled=progress, begun=already / study.size
+    ) as update:
+        began, ended = perf_counter(), 0
+        with closing(run(study.work, chunks(study, missing, keep))) as results:  # no process goes on after this one
+            for part in results:
+                write_part(folder, part)
+                ended += part.table.num_rows
+                update((already + ended) / study.size, ended / (perf_counter() - began))
+
+
+def chunk_size(study: StudyDefinition, keep: str = PEAKS) -> int:
+    """Return how many variants a chunk has; the study alone says it, so that it may go on with other workers."""
+    each = max(len(study.base.mounts), 1) * study.work.duration / study.work.timestep
+    size = min(max(CHUNK, min(int(STEPS / each), _LARGEST_CHUNK)), math.ceil(study.size / _FEWEST_CHUNKS))
+    return min(size, most_together(study.work)) if keep == RESPONSES or needs_samples(study.base) else size
+
+
+def chunks(study: StudyDefinition, numbers: Sequence[int], keep: str = PEAKS) -> Iterator[Chunk]:
+    """Yield the chunks of some numbers."""
+    size = chunk_size(study, keep)
+    for number in numbers:
+        rows = study.table().slice(number * size, size).to_pylist()
+        yield Chunk(number=number, rows=rows, responses=keep == RESPONSES)
+
+
+def checked_engine(name: str, *, workers: int | None, address: str | None) -> Engine:
+    """Return the engine of a name.
+
+    ValueError if there is none, or the other arguments do not suit it; SimulationError if its cluster does not answer.
+    """
+    if workers is not None:
+        integer("workers", workers, least=1)
+    one_of("engine", name, _ENGINES)
+    if name == "local":
+        if address is not None:
+            raise ValueError(f"`address` is for an engine with a cluster; the local engine has none, got {address!r}.")
+        return run_local
+    from wirerope_mj.studies.engines.dask_engine import check_cluster, run_dask  # an extra that is not always installed
+
+    check_cluster(workers, address)  # before anything is checked or written
+    return run_dask

@@ -11,10 +11,10 @@ from pathlib import Path
 from textwrap import wrap
 
 from wirerope_mj.content.blocks import SceneView
-from wirerope_mj.content.panels import Chart
+from wirerope_mj.content.panels import WIDTH, Chart
 from wirerope_mj.foundation.atomic_files import atomic_file
 from wirerope_mj.views.plots import scene_svg
-from wirerope_mj.views.plots.svg_chart import WIDTH, chart_svg, safe_text
+from wirerope_mj.views.plots.svg_chart import chart_svg, safe_text
 
 _ZOOM = 1.6  # pixels to a unit of a drawing
 _LINE, _TITLE, _NOTE = 18.0, 96, 125  # height of a line; letters of a line of a title, of a caption

@@ -7,8 +7,6 @@ from functools import cached_property
 import numpy as np
 import scipy
 
-from wirerope_mj.assessment.correlation.iso18571 import INNER, Rating, iso_rating
-from wirerope_mj.assessment.correlation.magnitude_phase import MagnitudePhase, russell, sprague_geers
 from wirerope_mj.assessment.correlation.over_frequency import (
     Band,
     SpectrumRatio,
@@ -20,6 +18,7 @@ from wirerope_mj.assessment.correlation.over_frequency import (
     transmissibility,
 )
 from wirerope_mj.assessment.correlation.pairs import Delay, Pair, clock_of, coarser, delay_of, model_history, pair_of
+from wirerope_mj.assessment.correlation.ratings import INNER, MagnitudePhase, Rating, iso_rating, russell, sprague_geers
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
@@ -41,16 +40,11 @@ _NEARLY = 0.1  # deviation of the ratio of two spectra below which nothing is sa
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class ChannelCorrelation:
-    """Agreement of a run with one measured channel.
+    """Agreement of a run with one measured channel."""
 
-    Attributes:
-        pair: both histories.
-        delay: by which this channel alone comes late, before the test's was taken off.
-        base: both histories of the base along the same axis, None where it was not measured.
-    """
-
-    pair: Pair = field(repr=False)
-    delay: Delay
+    pair: Pair = field(repr=False)  # both histories
+    delay: Delay  # by which this channel alone comes late, before the test's was taken off
+    # both histories of the base along the same axis, None where it was not measured
     base: Pair | None = field(default=None, repr=False)
 
     @property
@@ -139,23 +133,14 @@ class ChannelCorrelation:
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
 class Correlation(Summarised):
-    """Agreement of a run with a test.
+    """Agreement of a run with a test."""
 
-    Attributes:
-        name: of the test.
-        channels: what was compared, in the order of the map.
-        delay: by which the test's clock comes late; taken off before anything is compared [s].
-        aligned_by: label of the channel that the delay is of; "" where the clock was not moved.
-        clock: seconds of the run in a second of the test's clock, found where the base was measured.
-        warnings: of the record and of the comparison.
-    """
-
-    name: str
-    channels: tuple[ChannelCorrelation, ...]
-    delay: float
-    aligned_by: str
-    clock: float = 1.0
-    warnings: tuple[str, ...] = ()
+    name: str  #: of the test
+    channels: tuple[ChannelCorrelation, ...]  #: what was compared, in the order of the map
+    delay: float  #: by which the test's clock comes late; taken off before anything is compared [s]
+    aligned_by: str  #: label of the channel that the delay is of; "" where the clock was not moved
+    clock: float = 1.0  #: seconds of the run in a second of the test's clock, found where the base was measured
+    warnings: tuple[str, ...] = ()  #: of the record and of the comparison
 
     @property
     def responses(self) -> tuple[ChannelCorrelation, ...]:

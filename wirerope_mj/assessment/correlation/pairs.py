@@ -26,18 +26,12 @@ _UPSIDE_DOWN = (0.6, 1.2)  # correlation of the negative channel, and by how muc
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Pair:
-    """A channel as measured and as the model says, on the run's clock.
+    """A channel as measured and as the model says, on the run's clock."""
 
-    Attributes:
-        channel: as it was measured.
-        time: instants that both have [s], even, (n,).
-        measured, model: values in SI there, (n,).
-    """
-
-    channel: MeasuredChannel
-    time: Array = field(repr=False)
-    measured: Array = field(repr=False)
-    model: Array = field(repr=False)
+    channel: MeasuredChannel  # as it was measured
+    time: Array = field(repr=False)  # instants that both have [s], even, (n,)
+    measured: Array = field(repr=False)  # values in SI there, (n,)
+    model: Array = field(repr=False)  # values in SI there, (n,)
 
     @property
     def rate(self) -> float:
@@ -47,17 +41,11 @@ class Pair:
 
 @dataclass(frozen=True, kw_only=True)
 class Delay:
-    """By how much a channel comes late.
+    """By how much a channel comes late."""
 
-    Attributes:
-        value: [s]; the measured history fits the model's best when it is moved earlier by so much.
-        correlation: of both then, -1 to 1.
-        upside_down: whether it fits better with the other sign.
-    """
-
-    value: float
-    correlation: float
-    upside_down: bool
+    value: float  # [s]; the measured history fits the model's best when it is moved earlier by so much
+    correlation: float  # of both then, -1 to 1
+    upside_down: bool  # whether it fits better with the other sign
 
 
 def model_history(response: Response, measured: Measured, channel: MeasuredChannel) -> Array:

@@ -6,9 +6,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from wirerope_mj.assessment.between_samples import sample_rate
 from wirerope_mj.assessment.criteria.acceleration import UNIT, UNLIMITED
-from wirerope_mj.assessment.criteria.sampled import elements, read_columns, sampled_peak, sampled_text, steady_interval
+from wirerope_mj.assessment.criteria.sampled import (
+    elements,
+    read_columns,
+    sample_rate,
+    sampled_peak,
+    sampled_text,
+    steady_interval,
+)
 from wirerope_mj.assessment.criteria.verdict import LARGEST, RMS, SIGMA, Criterion, Verdict, limits_by_name, payload_bodies
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array, ArrayLike

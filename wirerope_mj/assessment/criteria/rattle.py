@@ -5,8 +5,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from wirerope_mj.assessment.between_samples import peak_between
-from wirerope_mj.assessment.criteria.sampled import read_columns, sampled_peak, sampled_text
+from wirerope_mj.assessment.criteria.sampled import peak_between, read_columns, sampled_peak, sampled_text
 from wirerope_mj.assessment.criteria.verdict import RATTLE_SPACE, Criterion, Verdict, limits_by_name, one_each, payload_bodies
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.scene import Geom, SceneBody

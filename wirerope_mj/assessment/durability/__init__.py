@@ -5,4 +5,4 @@ damage is relative. Uses responses and motions, and the package rainflow for the
 """
 
 from wirerope_mj.assessment.durability.cycles import Cycles, DamageSpectrum, fatigue_damage_spectrum, rainflow_cycles
-from wirerope_mj.assessment.durability.mounts import MountCycles, mount_cycles
+from wirerope_mj.assessment.durability.mission import MountCycles, mount_cycles

@@ -1,10 +1,8 @@
 """Systems brought to measured tests, with the uncertainty that is left."""
 
-from wirerope_mj.studies.calibration.calibrate import calibrate, calibrate_model
-from wirerope_mj.studies.calibration.frequency_test import FrequencyTest
-from wirerope_mj.studies.calibration.loop_test import LoopTest
+from wirerope_mj.studies.calibration.calibrate import Calibrated, Calibration, calibrate, calibrate_model
+from wirerope_mj.studies.calibration.fit import Prior
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest
 from wirerope_mj.studies.calibration.noise import Series
 from wirerope_mj.studies.calibration.predict import Prediction, predict
-from wirerope_mj.studies.calibration.prior import Prior
-from wirerope_mj.studies.calibration.result import Calibrated, Calibration
+from wirerope_mj.studies.calibration.rig_tests import FrequencyTest, LoopTest

@@ -1,18 +1,216 @@
-"""A system and its tests to what varies, with its uncertainty."""
+"""A calibration: values with their covariance and draws, what the tests do not tell, and how far the model follows them."""
 
+import math
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arguments import one_of
-from wirerope_mj.studies.calibration.fit import Forward, Problem, fit
+from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.motions.spectra.srs import shock_response_spectrum
+from wirerope_mj.studies.calibration.fit import Fit, Forward, Prior, Problem, fit
 from wirerope_mj.studies.calibration.forward import SystemForward, Test
-from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.calibration.posterior import sample
-from wirerope_mj.studies.calibration.prior import Prior
-from wirerope_mj.studies.calibration.result import Calibrated, Calibration
-from wirerope_mj.studies.calibration.spectral import DOMAINS, Domain
+from wirerope_mj.studies.calibration.noise import DOMAINS, Domain, Series
+from wirerope_mj.studies.calibration.posterior import GOOD, Posterior, sample
 from wirerope_mj.studies.inputs.distributions import Distribution
 from wirerope_mj.studies.inputs.vary_option import read_vary
+
+LEVEL = 0.9  # Probability of the intervals that are stated
+LITTLE = 0.7  # Standard deviation after the tests over that before from which on they say little of an unknown
+TOGETHER = 0.95  # Correlation from which on two unknowns are known together only
+# Standard deviation after the tests over that before from which on such a pair is named: less is known well enough apart
+OPEN = 0.2
+DISCREPANT = 0.1  # Discrepancy over the response from which on the model does not follow a channel
+LOGARITHMS = "logarithm of frequency"  # What series of logarithms are across: their differences are errors as they stand
+# Step of u for the slopes of peaks, and slope below which an unknown does not move them: a percent in what was not known
+STEP, UNMOVED = 0.02, 0.01
+# Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
+# on wire rope, whose damping is a sixth of critical
+OCTAVES, ISOLATED = 2, 3.0
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Calibrated(Summarised):
+    """Any forward model brought to measured series."""
+
+    problem: Problem  #: model, prior and series
+    fit: Fit  #: the most likely point, and the noise of every series
+    posterior: Posterior  #: draws
+
+    def _summary(self) -> tuple[str, dict[str, str]]:
+        lines = {
+            name: f"{value:.5g} ({low:.5g} to {high:.5g}) {unit}".rstrip()
+            for name, unit, value, (low, high) in zip(self.names, self.units, self.values, self.intervals(), strict=True)
+        }
+        return f"{type(self).__name__}: {self.message}", lines
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the unknowns."""
+        return self.problem.prior.names
+
+    @property
+    def units(self) -> tuple[str, ...]:
+        """Units of the unknowns; "" for factors."""
+        return self.problem.prior.units
+
+    @cached_property
+    def normals(self) -> Array:
+        """Draws of the unknowns as standard normals before, (n, d), with the model's own error in them.
+
+        That error does not average out over a test as noise does. It is embedded (Sargsyan, Najm and Ghanem 2015): each unknown
+        is off by `embedded`, and the fit follows as far as the tests, and not the prior, say what it finds.
+        """
+        draws, told = self.posterior.normals, np.eye(len(self.names)) - self.fit.covariance
+        return draws + (self.embedded * np.random.default_rng(1).standard_normal(draws.shape)) @ told.T
+
+    @cached_property
+    def embedded(self) -> Array:
+        """Standard deviations of u that together would make the model's own error, of histories and of peaks, (d,); at most 1.
+
+        A model that is off by a part x of the response looks x / (2 pi f) late; one whose peaks are off has as well a wrong
+        stiffness whose cycles fit. Unknowns that move peaks by less than `UNMOVED` have no part in the second.
+        """
+        series, fit = self.problem.series, self.fit
+        own, moved, slopes = 0.0, np.zeros(len(self.names)), []
+        for one, noise, model, slope in zip(
+            series, fit.noises, self.problem.split(fit.model), np.split(fit.jacobian, self.problem.ends[:-1]), strict=True
+        ):
+            own += float(np.mean((noise.deviation(one) / one.rms) ** 2))
+            moved += np.mean((slope / one.rms) ** 2, axis=0)
+            slopes.append([(_peaks(one, model + STEP * column) - _peaks(one, model)) / STEP for column in slope.T])
+        of_peaks = np.sqrt(np.mean(np.concatenate(slopes, axis=1) ** 2, axis=1))
+        counts = of_peaks > UNMOVED
+        peaks = np.where(counts, self.peak_error[0] / np.maximum(of_peaks, UNMOVED), 0.0) ** 2 / max(counts.sum(), 1)
+        return np.minimum(np.sqrt(own / np.maximum(moved, 1e-12) / moved.size + peaks), 1.0)
+
+    @cached_property
+    def samples(self) -> Array:
+        """Draws of the unknowns, (n, d)."""
+        return self.problem.prior.values(self.normals)
+
+    @cached_property
+    def values(self) -> Array:
+        """Medians of the draws, (d,)."""
+        return np.asarray(np.median(self.samples, axis=0))
+
+    @cached_property
+    def covariance(self) -> Array:
+        """Covariance of the draws, (d, d)."""
+        return np.atleast_2d(np.cov(self.samples.T))
+
+    @cached_property
+    def correlation(self) -> Array:
+        """Correlation of the draws, (d, d)."""
+        deviations = np.sqrt(np.diag(self.covariance))
+        return self.covariance / np.outer(deviations, deviations)
+
+    def intervals(self, level: float = LEVEL) -> Array:
+        """Return the ends of the central intervals that hold each unknown with a probability, (d, 2)."""
+        return np.quantile(self.samples, [0.5 - 0.5 * level, 0.5 + 0.5 * level], axis=0).T
+
+    @property
+    def learned(self) -> Array:
+        """Standard deviation after the tests over that before, in the prior's own scale, (d,): 1 where nothing was learned."""
+        return np.asarray(np.std(self.normals, axis=0))
+
+    @property
+    def insignificant(self) -> tuple[str, ...]:
+        """Names of values other than factors that lie within two standard deviations of zero."""
+        deviations = np.sqrt(np.diag(self.covariance))
+        return tuple(
+            name
+            for name, unit, value, deviation in zip(self.names, self.units, self.values, deviations, strict=True)
+            if unit == "SI" and not name.startswith("channel/") and abs(value) < 2.0 * deviation
+        )
+
+    @property
+    def not_identified(self) -> tuple[str, ...]:
+        """A message for each unknown of which the tests say little, and for those that are known together only."""
+        texts = [
+            f"the tests say little of {name}: its standard deviation is {100.0 * left:.0f} % of that stated before"
+            for name, left in zip(self.names, self.learned, strict=True)
+            if left > LITTLE
+        ]
+        for i, one in enumerate(self.names):
+            for k, other in enumerate(self.names[:i]):
+                rho = self.correlation[i, k]
+                if abs(rho) > TOGETHER and max(self.learned[i], self.learned[k]) > OPEN:
+                    kind = "their ratio" if rho > 0.0 else "their product"
+                    texts.append(f"{other} and {one} are known together only (correlation {rho:+.2f}): {kind} is")
+        return tuple(texts)
+
+    @property
+    def discrepancies(self) -> Array:
+        """Standard deviation of the model's own error over the local size of the response, of each series, (n_series,)."""
+        return np.array([noise.discrepancy for noise in self.fit.noises])
+
+    @cached_property
+    def peak_error(self) -> tuple[float, int]:
+        """Root mean square error of the model's peaks over them, noise taken off, and the number of errors that it is made of.
+
+        A history has an extreme or two, one of them perhaps saturated. What it does to oscillators of all octaves about its
+        own frequency says more: errors are ratios of shock response spectra. Of loops they are those of the extremes, of
+        logarithms the difference at the largest value.
+        """
+        squares: list[float] = []
+        for one, own, noise in zip(self.problem.series, self.problem.split(self.fit.model), self.fit.noises, strict=True):
+            noisy = noise.white / (1.0 if one.across == LOGARITHMS else one.largest)
+            squares += ((_peaks(one, own) - _peaks(one, one.values)) ** 2 - noisy**2).tolist()
+        return math.sqrt(max(float(np.mean(squares)), 0.0)), len(squares)
+
+    @property
+    def message(self) -> str:
+        """How the calibration ended."""
+        ended = "converged" if self.fit.converged else "NOT CONVERGED"
+        emulator = self.posterior.emulator_error
+        error = 100.0 * self.discrepancies.max()
+        text = f"{ended}; {self.problem.runs} runs of the model; model error {error:.2g} % of the response"
+        return text if emulator < GOOD else f"{text}; the sampler's quadratic misses log likelihoods by {emulator:.2g}"
+
+
+def _peaks(series: Series, values: Array) -> Array:
+    """Return what the peaks of a series are, as numbers whose differences are errors over them, (n,)."""
+    if series.across == LOGARITHMS:
+        return values.max(keepdims=True)
+    if series.across != "time":
+        return np.array([values.max(), values.min()]) / np.abs(series.values).max()
+    step = float(np.diff(series.at).min())
+    time = np.arange(series.at[0], series.at[-1] + 0.5 * step, step)  # saturated samples are bridged straight, in all values
+    frequencies = series.frequency * 2.0 ** np.arange(-OCTAVES, OCTAVES + 1)
+    frequencies = frequencies[frequencies <= max(0.1 / step, frequencies[0])]
+    even = np.interp(time, series.at, values)
+    return np.log(shock_response_spectrum(time - time[0], even, frequencies, q=ISOLATED).maximax)
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class Calibration(Calibrated):
+    """A system brought to its tests."""
+
+    forward: SystemForward  #: the system, its tests, and what varies
+
+    @cached_property
+    def system(self) -> System:
+        """The system with the medians of what varies."""
+        return self.forward.system_at(self.values)
+
+    def lag(self, number: int) -> float:
+        """Return by how much a measured history is later than the model [s]; 0 unless that explains half of what is left.
+
+        The model at the medians is moved by up to half of the measured history's length to either side.
+        """
+        one = self.problem.series[number]
+        if one.across != "time":
+            return 0.0
+        steps = 0.5 * (one.at - one.at[0])
+        lags = np.concatenate([-steps[:0:-1], steps])
+        left = np.sum((self.forward.delayed(self.values, number, lags) - one.values) ** 2, axis=1)
+        best = int(np.argmin(left))
+        return float(lags[best]) if left[best] < 0.25 * left[steps.size - 1] else 0.0
 
 
 def calibrate(

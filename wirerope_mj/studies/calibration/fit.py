@@ -1,7 +1,8 @@
 """Fit of any forward model to measured series: a coarse design, least squares, and the noise that is left."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Self
 
 import numpy as np
 import scipy
@@ -9,50 +10,58 @@ import scipy
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.studies.calibration.noise import Noise, Series, estimate_noise, first_noise
-from wirerope_mj.studies.calibration.prior import Prior
+from wirerope_mj.studies.inputs.distributions import LARGEST, SMALLEST, Normal, Uniform
 
+
+@dataclass(frozen=True, kw_only=True)
+class Prior:
+    """Distributions of unknowns."""
+
+    names: tuple[str, ...]  # of the unknowns
+    units: tuple[str, ...]  # of their values; "" for factors
+    quantiles: Callable[[Array], Array]  # maps probabilities (n, d) to values (n, d)
+
+    @classmethod
+    def of(cls, distributions: Mapping[str, Normal | Uniform]) -> Self:
+        """Make the prior of independent unknowns without units."""
+        own = tuple(distributions.values())
+        return cls(
+            names=tuple(distributions),
+            units=("",) * len(own),
+            quantiles=lambda p: np.stack([one.values(p[:, k]) for k, one in enumerate(own)], axis=1),
+        )
+
+    @property
+    def size(self) -> int:
+        """Number of unknowns d."""
+        return len(self.names)
+
+    def values(self, normals: Array) -> Array:
+        """Return the values (n, d) at independent standard normals (n, d)."""
+        return self.quantiles(np.clip(scipy.special.ndtr(normals), SMALLEST, LARGEST))
+
+
+# Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any
 Forward = Callable[[Array], Array]
-"""Maps values of unknowns (n, d) to the model's series one behind the other, (n, n_samples); NaN in rows without any."""
-
-DESIGN, STARTS = 64, 2
-"""Points of the coarse design, and how many of the best begin a search."""
-
-STEP = 0.02
-"""Step of the differences that make the Jacobian, in standard deviations of the prior."""
-
-ROUNDS = 4
-"""Times that the noise is estimated and the search goes on."""
-
-ROUGH, FINE = 1e-3, 1e-6
-"""Tolerances of searches with the noise guessed, and estimated."""
-
-REFUSED = 1e3
-"""Whitened residual where the model cannot be computed."""
+DESIGN, STARTS = 64, 2  # Points of the coarse design, and how many of the best begin a search
+STEP = 0.02  # Step of the differences that make the Jacobian, in standard deviations of the prior
+ROUNDS = 4  # Times that the noise is estimated and the search goes on
+ROUGH, FINE = 1e-3, 1e-6  # Tolerances of searches with the noise guessed, and estimated
+REFUSED = 1e3  # Whitened residual where the model cannot be computed
 
 
 @dataclass(frozen=True, kw_only=True)
 class Fit:
-    """The most likely point and what surrounds it.
+    """The most likely point and what surrounds it."""
 
-    Attributes:
-        normals: u there, (d,).
-        covariance: of u about it, prior included, (d, d).
-        noises: of each series.
-        model: the model's series there, (n_samples,).
-        jacobian: their derivative by u, (n_samples, d).
-        residual: whitened, (n_samples,).
-        converged: whether the last search ended by itself.
-        runs: of the model so far.
-    """
-
-    normals: Array
-    covariance: Array
-    noises: tuple[Noise, ...]
-    model: Array
-    jacobian: Array
-    residual: Array
-    converged: bool
-    runs: int
+    normals: Array  # u there, (d,)
+    covariance: Array  # of u about it, prior included, (d, d)
+    noises: tuple[Noise, ...]  # of each series
+    model: Array  # the model's series there, (n_samples,)
+    jacobian: Array  # their derivative by u, (n_samples, d)
+    residual: Array  # whitened, (n_samples,)
+    converged: bool  # whether the last search ended by itself
+    runs: int  # of the model so far
 
 
 class Problem:

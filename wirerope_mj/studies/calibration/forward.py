@@ -12,12 +12,10 @@ from wirerope_mj.engine.system import Changes, System
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.studies.calibration.frequency_test import FrequencyRuns, FrequencyTest
-from wirerope_mj.studies.calibration.loop_test import LoopRuns, LoopTest
+from wirerope_mj.studies.calibration.fit import Prior
 from wirerope_mj.studies.calibration.measured_test import MeasuredTest, TransientRuns
-from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.calibration.prior import Prior
-from wirerope_mj.studies.calibration.spectral import Domain
+from wirerope_mj.studies.calibration.noise import Domain, Series
+from wirerope_mj.studies.calibration.rig_tests import FrequencyRuns, FrequencyTest, LoopRuns, LoopTest
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Uniform
 from wirerope_mj.studies.inputs.quantities import quantities

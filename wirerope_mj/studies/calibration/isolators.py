@@ -9,7 +9,7 @@ from wirerope_mj.engine.system import Changes, System, load_system
 from wirerope_mj.engine.system.varied import with_changes
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Spread
-from wirerope_mj.studies.calibration.result import Calibration
+from wirerope_mj.studies.calibration.calibrate import Calibration
 
 _DRAWS = 400  # draws from which a spread is taken: its standard deviations are then known to 4 %
 _MOVED = 1e-9  # relative standard deviation below which a parameter did not vary

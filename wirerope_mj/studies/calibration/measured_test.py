@@ -16,51 +16,30 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.channel_map import SI
 from wirerope_mj.motions.records.measured import Measured, MeasuredChannel
 from wirerope_mj.mounts.isolator import AXES
-from wirerope_mj.studies.calibration.noise import Series
-from wirerope_mj.studies.calibration.spectral import Domain, Spectral
+from wirerope_mj.studies.calibration.noise import Domain, Series, Spectral
 from wirerope_mj.studies.engines.together import histories
 from wirerope_mj.studies.inputs.column import InputColumn
 from wirerope_mj.studies.inputs.variants import Work
 
-SAMPLES = 250
-"""Samples of a channel that a fit compares at most: the covariance of their errors is a matrix."""
-
-SMOOTH = 0.6
-"""Standard deviation of the smoothing before samples are thinned, in intervals of the thinned ones."""
-
-QUIET = 0.01
-"""Part of a channel's largest value below which what comes before and after it is left out."""
-
-FEWEST = 30
-"""Samples of a channel that a test must have."""
-
-ACCURACY = 1e-3
-"""Error of the peaks for which steps are chosen: a tenth of what a good channel measures."""
-
-SAMPLED = 3.0
-"""Samples of a simulation in one width of the smoothing of the samples that are compared."""
-
+SAMPLES = 250  # Samples of a channel that a fit compares at most: the covariance of their errors is a matrix
+SMOOTH = 0.6  # Standard deviation of the smoothing before samples are thinned, in intervals of the thinned ones
+QUIET = 0.01  # Part of a channel's largest value below which what comes before and after it is left out
+FEWEST = 30  # Samples of a channel that a test must have
+ACCURACY = 1e-3  # Error of the peaks for which steps are chosen: a tenth of what a good channel measures
+SAMPLED = 3.0  # Samples of a simulation in one width of the smoothing of the samples that are compared
+# Instants at which a base is looked at, and parts of the largest motion at which it and a channel count as moving
 _LOOKS, _STILL, _MOVES = 4000, 0.02, 0.2
-"""Instants at which a base is looked at, and parts of the largest motion at which it and a channel count as moving."""
-
 _XYZ = ("x", "y", "z")
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class MeasuredTest:
-    """One test of the system.
+    """One test of the system."""
 
-    Attributes:
-        name: in tables and in names of quantities.
-        motion: of the base.
-        channels: that were measured.
-        initial: the state in which it began, as `simulate` takes it.
-    """
-
-    name: str
-    motion: BaseMotion
-    channels: Sequence[MeasuredChannel]
-    initial: str = "settled"
+    name: str  #: in tables and in names of quantities
+    motion: BaseMotion  #: of the base
+    channels: Sequence[MeasuredChannel]  #: that were measured
+    initial: str = "settled"  #: the state in which it began, as `simulate` takes it
 
     @classmethod
     def of(cls, measured: Measured, motion: BaseMotion | None = None, *, initial: str = "settled") -> "MeasuredTest":
@@ -80,19 +59,12 @@ class MeasuredTest:
 
 @dataclass(frozen=True, kw_only=True, eq=False)
 class Comparable:
-    """A channel brought to few samples, and the same of a response.
+    """A channel brought to few samples, and the same of a response."""
 
-    Attributes:
-        channel: as measured.
-        name: "TEST/body/rack/acceleration/z".
-        series: the measured samples that are compared.
-        width: standard deviation of the smoothing [s].
-    """
-
-    channel: MeasuredChannel
-    name: str
-    series: Series
-    width: float
+    channel: MeasuredChannel  # as measured
+    name: str  # "TEST/body/rack/acceleration/z"
+    series: Series  # the measured samples that are compared
+    width: float  # standard deviation of the smoothing [s]
 
     @classmethod
     def of(cls, test: str, channel: MeasuredChannel) -> "Comparable":

@@ -6,8 +6,7 @@ import emcee
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.studies.calibration.fit import Fit, Problem
-from wirerope_mj.studies.calibration.prior import Prior
+from wirerope_mj.studies.calibration.fit import Fit, Prior, Problem
 
 # Standard deviations of the points that the emulator is made from: a little beyond what the posterior holds
 REACH = 1.3

@@ -12,48 +12,31 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ConvergenceError
 from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.motions import BaseMotion, Scaled
+from wirerope_mj.studies.calibration.calibrate import LEVEL, Calibration
 from wirerope_mj.studies.calibration.measured_test import ACCURACY, MeasuredTest
-from wirerope_mj.studies.calibration.result import LEVEL, Calibration
 from wirerope_mj.studies.engines.compute import DONE, Chunk, compute
 from wirerope_mj.studies.inputs.variants import Work
 from wirerope_mj.studies.measures import measure_names
 
-DRAWS = 64
-"""Draws of the posterior that are run: a band's ends are then known to a sixth of its half width."""
-
-ERRORS = 16
-"""Errors of the model with which each draw is multiplied: they cost nothing."""
-
-SAMPLE_RATE = 1000.0
-"""Samples at which steps end [Hz]."""
-
+DRAWS = 64  # Draws of the posterior that are run: a band's ends are then known to a sixth of its half width
+ERRORS = 16  # Errors of the model with which each draw is multiplied: they cost nothing
+SAMPLE_RATE = 1000.0  # Samples at which steps end [Hz]
+# Levels at which draws are run where stops close, as multiples of the model's own error about the motion's own level
 STEPS = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
-"""Levels at which draws are run where stops close, as multiples of the model's own error about the motion's own level."""
-
-LEAST = 0.1
-"""Least of these levels over the motion's own."""
-
+LEAST = 0.1  # Least of these levels over the motion's own
+# Measures on which the model's own error has no effect: counts, and loads at rest
 UNSCALED = ("mounts", "struck", "static_load")
-"""Measures on which the model's own error has no effect: counts, and loads at rest."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Prediction(Summarised):
-    """Measures of a study, `ERRORS` rows a draw of the posterior.
+    """Measures of a study, `ERRORS` rows a draw of the posterior."""
 
-    Attributes:
-        names: of the measures, as `Study` has them.
-        samples: with the model's own error, (n, n_measures), SI.
-        peak_error: the model's own error of a peak, over it [-].
-        beyond: largest deflection over that in the tests, at least 1.
-        motion: of the base, in words.
-    """
-
-    names: tuple[str, ...]
-    samples: Array
-    peak_error: float
-    beyond: float
-    motion: str
+    names: tuple[str, ...]  #: of the measures, as `Study` has them
+    samples: Array  #: with the model's own error, (n, n_measures), SI
+    peak_error: float  #: the model's own error of a peak, over it [-]
+    beyond: float  #: largest deflection over that in the tests, at least 1
+    motion: str  #: of the base, in words
 
     def _summary(self) -> tuple[str, dict[str, str]]:
         lines = {}

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.errors import ClusterWarning, SimulationError
 from wirerope_mj.foundation.processes import environment_of_children, processors
 from wirerope_mj.studies.engines.compute import Chunk, Part, compute, died
 from wirerope_mj.studies.inputs.variants import Work
-from wirerope_mj.studies.versions import versions
+from wirerope_mj.studies.inputs_file import versions
 
 if TYPE_CHECKING:
     from distributed import Client, Future

@@ -30,10 +30,9 @@ from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.law import ROUNDING, Law
 from wirerope_mj.mounts.laws.parallel import FACTORS
 from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
-from wirerope_mj.studies.inputs.check import systems_valid
 from wirerope_mj.studies.inputs.column import Draft
-from wirerope_mj.studies.inputs.variants import Maker, Work
-from wirerope_mj.studies.measures_together import Extremes, measures_together
+from wirerope_mj.studies.inputs.variants import Maker, Work, systems_valid
+from wirerope_mj.studies.measures import Extremes, measures_together
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -154,7 +153,7 @@ def _stepped(work: Work, ready: _Ready, sink: Sink | None = None, threads: int =
         [Equations(lay=own.lay, fix=own.fix, num=numbers, rest=own.rest, counts=own.counts) for numbers in ready.numbers],
         system.assembly.tables.drive, motions, ready.states, grid, threads=threads, sink=sink,
     )  # fmt: skip
-    extremes = Extremes.of(system, done)
+    extremes = Extremes.of_lanes(system, done)
     deflections = len(system.assembly.subjects.bodies) + 2 * len(system.assembly.subjects.points)
     low, high = (one[:, deflections::2] for one in (extremes.lowest, extremes.highest))
     return grid.sample_times, extremes, ~extremes.failed & _lawful(system, low, high)

@@ -9,12 +9,20 @@ import numpy as np
 
 from wirerope_mj.engine.system import System
 from wirerope_mj.engine.system.varied import body_axes, centre_of_mass, is_aligned, moving_bodies, sprung_joints
-from wirerope_mj.foundation.arrays import AnyArray, Booleans, Entries
-from wirerope_mj.studies.inputs.column import Draft, Entry, InputColumn, Quantity, ValueOrFactor, matching
+from wirerope_mj.foundation.arrays import AnyArray, Booleans
+from wirerope_mj.studies.inputs.column import (
+    NEAR,
+    WORLD,
+    Draft,
+    Entry,
+    InputColumn,
+    Quantity,
+    Shift,
+    ValueOrFactor,
+    check_axis,
+    check_finite,
+)
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Normal, Uniform
-from wirerope_mj.studies.inputs.shift import NEAR, WORLD, Shift, check_axis, check_finite
-
-_NOUN = "moving body with a mass (the driven base does not count)"
 
 
 def bodies_of(system: System) -> list[str]:
@@ -22,65 +30,61 @@ def bodies_of(system: System) -> list[str]:
     return [body for body in moving_bodies(system.model) if body != system.base]
 
 
+class BodyColumn(InputColumn):
+    """Column of moving bodies."""
+
+    noun = "moving body with a mass (the driven base does not count)"
+
+    @classmethod
+    def existing(cls, system: System) -> dict[str, bool]:
+        """Return the moving bodies."""
+        return dict.fromkeys(bodies_of(system), False)
+
+
 class Positive(ValueOrFactor):
     """Quantity that is larger than nothing, and changes by a factor."""
 
     bounds = "positive"
 
-    def factors(self, draft: Draft, value: Any) -> Entries:
-        """Return the factor on each target that a value is."""
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Put the factor on each target that a value is into a variant."""
         if not (math.isfinite(value) and value > 0.0):
             unit = "" if self.relative else f" {self.model_unit}"
             raise ValueError(f"{self.name} must be finite and > 0{unit}, got {value:g}{unit}.")
-        return {one: value if self.relative else value / self.nominal_of(draft.system, one) for one in self.targets}
+        for one in self.targets:
+            getattr(draft, self.into)[one] = value if self.relative else value / self.nominal_of(draft.system, one)
 
 
-class Mass(Positive):
+class Mass(BodyColumn, Positive):
     """Mass [kg] of bodies, with their moments of inertia."""
 
     form = "body/NAME/mass"
     pattern = re.compile(r"body/(.*)/mass")
     model_unit = "kg"
-
-    @classmethod
-    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching bodies."""
-        return cls.split(entry, matching(entry, bodies_of(entry.system), _NOUN))
+    into = "masses"
 
     def nominal_of(self, system: System, target: str) -> float:
         """Return what the model says of one target."""
         return float(system.model.body(target).mass[0])
 
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
-        draft.masses |= self.factors(draft, value)
 
-
-class CentreShift(Shift):
+class CentreShift(BodyColumn, Shift):
     """Shift [m] of the centre of mass along an axis of the world."""
 
     form = "body/NAME/centre_shift/x"
     pattern = re.compile(r"body/(.*)/centre_shift/([^/]*)")
-
-    @classmethod
-    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching bodies."""
-        return cls.shifted(entry, bodies_of(entry.system), _NOUN)
+    into = "centre_shifts"
 
     def nominal_of(self, system: System, target: str) -> float:
         """Return what the model says of one target."""
         return float((body_axes(system, target) @ centre_of_mass(system, target))[WORLD.index(self.key[0])])
-
-    def shifts_of(self, draft: Draft) -> dict[str, list[float]]:
-        """Return the shifts of a variant to which this one belongs."""
-        return draft.centre_shifts
 
     def remedy(self, system: System) -> str:
         """Return how positions are given."""
         return f"say {_renamed(self, system, 'centre')!r}"
 
 
-class Centre(InputColumn):
+class Centre(BodyColumn):
     """Position [m] of the centre of mass along an axis of the body, from the body's origin; its key is the axis."""
 
     form = "body/NAME/centre/x"
@@ -92,7 +96,7 @@ class Centre(InputColumn):
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         """Return the columns of the matching bodies."""
         check_axis(entry, "a position")
-        return cls.split(entry, matching(entry, bodies_of(entry.system), _NOUN))
+        return super().resolve(entry)
 
     def nominal_of(self, system: System, target: str) -> float:
         """Return what the model says of one target."""
@@ -177,16 +181,14 @@ class Tuning(Positive):
     form = "joint/NAME/frequency"
     pattern = re.compile(r"joint/(.*)/frequency")
     model_unit = "Hz"
+    noun = "joint with a spring"
+    into = "tunings"
 
     @classmethod
-    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching joints."""
-        return cls.split(entry, matching(entry, list(sprung_joints(entry.system.model)), "joint with a spring"))
+    def existing(cls, system: System) -> dict[str, bool]:
+        """Return the joints with springs."""
+        return dict.fromkeys(sprung_joints(system.model), False)
 
     def nominal_of(self, system: System, target: str) -> float:
         """Return what the model says of one target."""
         return sprung_joints(system.model)[target]
-
-    def apply(self, draft: Draft, value: Any) -> None:
-        """Put a value into a variant."""
-        draft.tunings |= self.factors(draft, value)

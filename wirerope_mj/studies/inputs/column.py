@@ -4,8 +4,8 @@ Each kind of quantity is a class of columns; `quantities.KINDS` lists them.
 """
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
 from typing import Any, ClassVar, Literal, Self
 
@@ -75,6 +75,8 @@ class InputColumn:
     model_unit: ClassVar[str] = ""  # of what the model says: "SI" as the law states
     type: ClassVar[pa.DataType] = pa.float64()  # of the numbers in the table
     places_mounts: ClassVar[bool] = False  # whether it says where mounts are
+    noun: ClassVar[str] = ""  # what its targets are called
+    into: ClassVar[str] = ""  # of a shift or a factor: the field of `Draft` that gathers them by target
     bounds: ClassVar[Literal["", "finite", "positive"]] = ""  # of all numbers that are valid; "" where they do not tell
 
     name: str  # of the column
@@ -93,7 +95,24 @@ class InputColumn:
 
         ModelError if it stands for nothing that exists; ValueError if the distribution does not suit it.
         """
+        return cls.split(entry, cls.matching(entry, entry.pattern))
+
+    @classmethod
+    def existing(cls, system: System) -> dict[str, bool]:
+        """Return what there is of what varies: by name, whether it is a stop, which * leaves out where it means others."""
         raise NotImplementedError
+
+    @classmethod
+    def matching(cls, entry: Entry, pattern: str) -> list[str]:
+        """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
+        matches: list[str] = []
+        existing = cls.existing(entry.system)
+        for part in parts_of(pattern, existing):
+            matched = [one for one in existing if fnmatchcase(one, part)]
+            if not matched:
+                raise ModelError(f"`vary`: {entry.name!r}: there is no {cls.noun} {part!r}. There is: {', '.join(existing)}.")
+            matches += [one for one in matched if not existing[one]] or matched
+        return list(dict.fromkeys(matches))
 
     @property
     def nature_of_numbers(self) -> str:
@@ -116,11 +135,12 @@ class InputColumn:
 
         Of a shift it is the position that is shifted, of a factor the value that is multiplied: [m], [kg], SI, [deg].
         """
-        return [self.nominal_of(system, target) for target in self.targets]
+        found = (self.nominal_of(system, target) for target in self.targets)
+        return [one for one in found if one is not None]
 
     def nominal_of(self, system: System, target: str) -> Any:
-        """Return what the model says of one target."""
-        raise NotImplementedError
+        """Return what the model says of one target; None where it says no one number."""
+        return None
 
     def nominal_text(self, system: System) -> str:
         """Return what the model says as a cell."""
@@ -181,18 +201,7 @@ class ValueOrFactor(InputColumn):
         ]
 
 
-def matching(entry: Entry, existing: Sequence[str], noun: str, stops: Sequence[str] = ()) -> list[str]:
-    """Return what the parts of a pattern match; a part that matches isolators as well as stops, as * does, means those."""
-    matches: list[str] = []
-    for part in parts_of(entry.pattern, existing):
-        matched = [one for one in existing if fnmatchcase(one, part)]
-        if not matched:
-            raise ModelError(f"`vary`: {entry.name!r}: there is no {noun} {part!r}. There is: {', '.join(existing)}.")
-        matches += [one for one in matched if one not in stops] or matched
-    return list(dict.fromkeys(matches))
-
-
-def parts_of(pattern: str, existing: Sequence[str]) -> list[str]:
+def parts_of(pattern: str, existing: Collection[str]) -> list[str]:
     """Return the parts of a pattern "m01,m04"; a name that exists is one part whatever is in it."""
     return [pattern] if pattern in existing else pattern.split(",")
 
@@ -207,3 +216,77 @@ def nominal_text(values: Sequence[Any], unit: str) -> str:
     low, high = f"{numbers.min():.4g}", f"{numbers.max():.4g}"
     text = low if low == high else f"{low} to {high}"
     return f"{text} {unit}" if unit not in ("", "SI") else text
+
+
+WORLD = ("x", "y", "z")
+NEAR = 1e-6  # Distance from 0 below which a position is 0 [m]: there a value and a shift are the same
+
+
+@dataclass(frozen=True, kw_only=True)
+class Shift(InputColumn):
+    """Shift [m] of what stands somewhere; its key is the axis."""
+
+    nature = "shift"
+    model_unit = "m"
+    bounds = "finite"
+
+    mirrored: tuple[str, ...] = ()  # targets that move the other way
+
+    @classmethod
+    def resolve(cls, entry: Entry) -> tuple[Self, ...]:
+        """Return the columns of a shift; what stands behind a minus moves the other way: "m01,m04,-m13,-m16"."""
+        check_axis(entry, "a shift")
+
+        def match(parts: list[str]) -> list[str]:
+            return cls.matching(entry, ",".join(parts)) if parts else []
+
+        parts = parts_of(entry.pattern, cls.existing(entry.system))
+        every = match([part.removeprefix("-") for part in parts])
+        mirrored = match([part[1:] for part in parts if part.startswith("-")])
+        straight = match([part for part in parts if not part.startswith("-")])
+        if both := set(mirrored) & set(straight):
+            raise ValueError(f"`vary`: {entry.name!r}: {min(both)!r} cannot move both ways.")
+        columns = cls.split(entry, every)
+        return tuple(replace(one, mirrored=tuple(t for t in one.targets if t in mirrored)) for one in columns)
+
+    def apply(self, draft: Draft, value: Any) -> None:
+        """Add the shift to those of the targets."""
+        check_finite(self.name, value)
+        for target in self.targets:
+            shift = getattr(draft, self.into).setdefault(target, [0.0, 0.0, 0.0])
+            shift[WORLD.index(self.key[0])] = -value if target in self.mirrored else value
+
+    def moved(self, system: System, values: AnyArray) -> Booleans:
+        """Return in which variants something is shifted."""
+        return np.asarray(values != 0.0)
+
+    def warnings(self, system: System, values: Array) -> list[str]:
+        """Return a message if all shifts are nearer to a position of the model than to 0."""
+        low, high = float(values.min()), float(values.max())
+        middle = (low + high) / 2.0
+        positions = [position for position in self.nominal(system) if abs(position) > NEAR]
+        if low <= 0.0 <= high or not any(abs(middle - position) < abs(middle) for position in positions):
+            return []
+        return [
+            f"{self.name} is a shift, from {low:.3g} to {high:.3g} m in the study, of what stands at "
+            f"{self.nominal_text(system)} in the model; if these are positions, {self.remedy(system)}."
+        ]
+
+    def remedy(self, system: System) -> str:
+        """Return how positions are given."""
+        return "take the model's position off them"
+
+
+def check_axis(entry: Entry, noun: str) -> None:
+    """Raise an error unless there is such an axis, and the distribution is of lengths."""
+    (axis,) = entry.key
+    if axis not in WORLD:
+        raise ModelError(f"`vary`: {entry.name!r}: there is no axis {axis!r}; there are {', '.join(WORLD)}.")
+    if entry.distribution.relative:
+        raise ValueError(f"`vary`: {entry.name!r} is {noun} [m] and cannot be relative.")
+
+
+def check_finite(name: str, value: float) -> None:
+    """Raise ValueError unless a sampled value is finite."""
+    if not np.isfinite(value):
+        raise ValueError(f"{name} must be finite, got {value}.")

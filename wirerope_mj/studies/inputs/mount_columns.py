@@ -1,7 +1,7 @@
 """Parameters, positions, absence and failure of mounts that vary."""
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from pathlib import Path
 from typing import Any
@@ -11,28 +11,29 @@ import pyarrow as pa
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import AnyArray
 from wirerope_mj.foundation.errors import ModelError
-from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES, Isolator, Stiffening
 from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.parallel import part_of
 from wirerope_mj.mounts.vendor_parts import catalogue, load_isolator
-from wirerope_mj.studies.inputs.column import WHOLE, Draft, Entry, InputColumn, ValueOrFactor, matching
+from wirerope_mj.studies.inputs.column import WHOLE, WORLD, Draft, Entry, InputColumn, Shift, ValueOrFactor
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Specimens
 from wirerope_mj.studies.inputs.failure import without_force
-from wirerope_mj.studies.inputs.shift import WORLD, Shift
 
 STIFFENING = "stiffening"  # Stands in a name where a law has its axis
 
 
-def _mounts(entry: Entry) -> list[str]:
-    return matching(entry, list(entry.system.mounts), "mount", _stops(entry.system))
+class MountColumn(InputColumn):
+    """Column of mounts."""
+
+    noun = "mount"
+
+    @classmethod
+    def existing(cls, system: System) -> dict[str, bool]:
+        """Return the mounts, stops among them."""
+        return {name: mount.isolator.is_stop for name, mount in system.mounts.items()}
 
 
-def _stops(system: System) -> list[str]:
-    return [name for name, mount in system.mounts.items() if mount.isolator.is_stop]
-
-
-class LawParameter(ValueOrFactor):
+class LawParameter(MountColumn, ValueOrFactor):
     """Parameter of a law; its key is the axis and the parameter.
 
     Of several laws in parallel it is "laws[0].alpha", or a factor on all of them: "stiffness", "friction" or "yield".
@@ -45,7 +46,7 @@ class LawParameter(ValueOrFactor):
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         """Return the columns of the matching mounts."""
-        mounts, name = _mounts(entry), entry.name
+        mounts, name = cls.matching(entry, entry.pattern), entry.name
         nominal = [cls.checked(name, entry.system.mounts[mount].written, mount, *entry.key) for mount in mounts]
         if not entry.distribution.relative and any(isinstance(value, tuple) for value in nominal):
             raise ValueError(f"`vary`: {name!r} is several numbers; give it factors, `relative=True`.")
@@ -135,17 +136,12 @@ class StiffeningParameter(LawParameter):
         return []
 
 
-class MountFactor(InputColumn):
+class MountFactor(MountColumn):
     """Factor on all forces of a mount, or on what dissipates in it; its key is "stiffness" or "damping"."""
 
     form = "mount/NAME/stiffness, mount/NAME/damping"
     pattern = re.compile(r"mount/(.*)/(stiffness|damping)")
     nature = "factor"
-
-    @classmethod
-    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching mounts."""
-        return cls.split(entry, _mounts(entry))
 
     def nominal_of(self, system: System, target: str) -> float:
         """Return 1: the mount as it is."""
@@ -169,7 +165,7 @@ class Spread(LawParameter):
         name, each = entry.name, entry.distribution.each
         if not isinstance(entry.distribution, Specimens):
             raise ValueError(f"`vary`: {name!r} must be Specimens, got {entry.distribution!r}.")
-        mounts = _mounts(entry)
+        mounts = cls.matching(entry, entry.pattern)
         isolators = [entry.system.mounts[mount].written for mount in mounts]
         for mount, isolator in zip(mounts, isolators, strict=True):
             if isolator.spread is None:
@@ -190,7 +186,7 @@ class Spread(LawParameter):
 
 
 @dataclass(frozen=True, kw_only=True)
-class OtherIsolator(InputColumn):
+class OtherIsolator(MountColumn):
     """Isolators in place of the model's, by the names of their files."""
 
     form = "mount/NAME/isolator"
@@ -217,7 +213,7 @@ class OtherIsolator(InputColumn):
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         """Return the columns of the matching mounts, every isolator loaded from beside the model or from the catalogue."""
-        mounts, distribution = _mounts(entry), entry.distribution
+        mounts, distribution = cls.matching(entry, entry.pattern), entry.distribution
         if not _all_of(str, distribution):
             raise ValueError(f"`vary`: {entry.name!r} must be a Choice of isolators' names, got {distribution!r}.")
         assert isinstance(distribution, Choice)
@@ -225,34 +221,22 @@ class OtherIsolator(InputColumn):
         devices = {name: load_isolator(name, beside=folder) for name in distribution.choices}
         return tuple(replace(column, devices=devices) for column in cls.split(entry, mounts))
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
-        """Return nothing: the model's isolators are no numbers."""
-        return []
-
     def apply(self, draft: Draft, value: Any) -> None:
         """Put a value into a variant."""
         draft.isolators |= dict.fromkeys(self.targets, self.devices[value])
 
 
-class PositionShift(Shift):
+class PositionShift(MountColumn, Shift):
     """Shift [m] of a mount along an axis of the world."""
 
     form = "mount/NAME/position_shift/x"
     pattern = re.compile(r"mount/(.*)/position_shift/([^/]*)")
     places_mounts = True
+    into = "position_shifts"
 
-    @classmethod
-    def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
-        """Return the columns of the matching mounts."""
-        return cls.shifted(entry, list(entry.system.mounts), "mount", _stops(entry.system))
-
-    def nominal_of(self, system: System, target: str) -> float:
+    def nominal_of(self, system: System, target: str) -> float | None:
         """Return what the model says of one target."""
         return float(system.mounts[target].position[WORLD.index(self.key[0])])
-
-    def shifts_of(self, draft: Draft) -> dict[str, list[float]]:
-        """Return the shifts of a variant to which this one belongs."""
-        return draft.position_shifts
 
 
 class Turn(PositionShift):
@@ -261,17 +245,13 @@ class Turn(PositionShift):
     form = "mount/NAME/turn/x"
     pattern = re.compile(r"mount/(.*)/turn/([^/]*)")
     model_unit = "°"
+    into = "turns"
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
+    def nominal_of(self, system: System, target: str) -> None:
         """Return nothing: the model's axes are turned, and have no one angle."""
-        return []
-
-    def shifts_of(self, draft: Draft) -> dict[str, list[float]]:
-        """Return the turns of a variant to which this one belongs."""
-        return draft.turns
 
 
-class Fitted(InputColumn):
+class Fitted(MountColumn):
     """Presence of mounts."""
 
     form = "mount/NAME/fitted"
@@ -283,12 +263,12 @@ class Fitted(InputColumn):
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         """Return the columns of the matching mounts."""
-        mounts = _mounts(entry)
+        mounts = cls.matching(entry, entry.pattern)
         if not _all_of(bool, entry.distribution):
             raise ValueError(f"`vary`: {entry.name!r} must be a Choice of True and False, got {entry.distribution!r}.")
         return cls.split(entry, mounts)
 
-    def nominal_of(self, system: System, target: str) -> bool:
+    def nominal_of(self, system: System, target: str) -> bool | None:
         """Return what the model says of one target."""
         return True
 
@@ -316,7 +296,7 @@ class Failed(Fitted):
     @classmethod
     def resolve(cls, entry: Entry) -> tuple[InputColumn, ...]:
         """Return the columns of the matching mounts."""
-        mounts, distribution = _mounts(entry), entry.distribution
+        mounts, distribution = cls.matching(entry, entry.pattern), entry.distribution
         if _all_of(str, distribution) and not distribution.each and isinstance(distribution, Choice):
             if unknown := [value for value in distribution.choices if value not in ("", *mounts)]:
                 raise ModelError(
@@ -331,7 +311,7 @@ class Failed(Fitted):
             )
         return cls.split(entry, mounts)
 
-    def nominal_of(self, system: System, target: str) -> bool:
+    def nominal_of(self, system: System, target: str) -> bool | None:
         """Return what the model says of one target."""
         return False
 
@@ -345,9 +325,8 @@ class FailedMount(Failed):
 
     type = pa.string()
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
-        """Return what the model says."""
-        return []
+    def nominal_of(self, system: System, target: str) -> None:
+        """Return nothing: none has."""
 
     def apply(self, draft: Draft, value: Any) -> None:
         """Put a value into a variant."""

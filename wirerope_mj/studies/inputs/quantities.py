@@ -60,10 +60,6 @@ class SharedDraw(InputColumn):
         """Unit of the numbers."""
         return self.shared[0].unit
 
-    def nominal(self, system: System, motions: Sequence[BaseMotion] = ()) -> list[object]:
-        """Return nothing: the quantities have values of their own."""
-        return []
-
     def apply(self, draft: Draft, value: object) -> None:
         """Put the value into all of them."""
         for column in self.shared:

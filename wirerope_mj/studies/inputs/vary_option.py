@@ -14,8 +14,8 @@ from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
 from wirerope_mj.mounts.laws.parallel import FACTORS
 from wirerope_mj.studies.inputs.body_columns import bodies_of
+from wirerope_mj.studies.inputs.column import WORLD
 from wirerope_mj.studies.inputs.distributions import Distribution
-from wirerope_mj.studies.inputs.shift import WORLD
 
 _AXES = ", ".join(WORLD)
 

@@ -18,8 +18,7 @@ from wirerope_mj.foundation.regular_files import regular
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.studies.folder import SUMMARY
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.measure import measures_of, unknown_measure, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE, Exceedance, exceedance_in
+from wirerope_mj.studies.results.measure import CONFIDENCE, Exceedance, exceedance_in, measures_of, unknown_measure, values_of
 
 _UNITS = {
     "acceleration": ACCELERATION_UNITS, "deflection": LENGTH_UNITS, "displacement": LENGTH_UNITS, "force": FORCE_UNITS,

@@ -6,22 +6,33 @@ from functools import cached_property
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.studies.inputs.sobol import SAMPLING, factors
+from wirerope_mj.studies.inputs.sampling import OF_INDICES, factors
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.effects import Effect, directions_text, effects, fraction_of_directions
-from wirerope_mj.studies.results.indices import SobolIndices, sobol_indices
+from wirerope_mj.studies.results.effects import (
+    Effect,
+    SobolIndices,
+    directions_text,
+    effects,
+    fraction_of_directions,
+    sobol_indices,
+)
 from wirerope_mj.studies.results.measure import (
     DRAWN,
     HEADLINES,
+    Exceedance,
     Measure,
     checked_measure,
+    exceedance,
+    exceedance_of,
     headlines,
     input_names,
     measure_of,
+    quantiles,
+    row_of,
     values_of,
+    worst,
 )
 from wirerope_mj.studies.results.stated_limits import StatedLimit, read_stated
-from wirerope_mj.studies.results.statistics import Exceedance, exceedance, exceedance_of, quantiles, row_of, worst
 
 QUANTILES = (0.5, 0.9, 0.95, 0.99)
 
@@ -56,7 +67,7 @@ class StudySummary:
     @cached_property
     def indices(self) -> tuple[SobolIndices, ...]:
         """Sobol's indices of the measures that are displayed; of a study that was not sampled for them, none."""
-        if self.result.study.sampling != SAMPLING:
+        if self.result.study.sampling != OF_INDICES:
             return ()
         names = [measure.name for measure in self.measures if measure.name in (self.by, *DRAWN, *self.limits)]
         every = (sobol_indices(self.result, name) for name in names)
@@ -105,7 +116,7 @@ class StudySummary:
         of its own: of those that may be chance nobody knows which one is the strongest.
         """
         names = input_names(self.result.table)
-        if self.result.study.sampling == SAMPLING:
+        if self.result.study.sampling == OF_INDICES:
             strong = [names[column] for own in self._factors.values() if len(own) <= _PAIR for column in own]
             return tuple(strong) or tuple(names)
         certain = [one.name for one in self.effects if one.certain]
@@ -115,7 +126,7 @@ class StudySummary:
     @cached_property
     def left_out(self) -> tuple[str, ...]:
         """Factors of Sobol's indices that are many numbers, of which none is displayed: "stiffness (16 numbers)"."""
-        if self.result.study.sampling != SAMPLING:
+        if self.result.study.sampling != OF_INDICES:
             return ()
         return tuple(f"{name} ({len(own)} numbers)" for name, own in self._factors.items() if len(own) > _PAIR)
 

@@ -11,12 +11,22 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.studies.definition import StudyDefinition
 from wirerope_mj.studies.inputs.column import Quantity, nominal_text
 from wirerope_mj.studies.inputs.distributions import Choice, Distribution, Isotropic, Normal, Specimens, Uniform
-from wirerope_mj.studies.inputs.sampling import LISTED
-from wirerope_mj.studies.inputs.sobol import SAMPLING
+from wirerope_mj.studies.inputs.sampling import LISTED, OF_INDICES
 from wirerope_mj.studies.result import StudyResult
-from wirerope_mj.studies.results.indices import sobol_indices
-from wirerope_mj.studies.results.measure import ALL, STRUCK, known_measures, measure_of, values_of
-from wirerope_mj.studies.results.statistics import CONFIDENCE, exceedance_of, finite, quantiles, struck_variants, worst
+from wirerope_mj.studies.results.effects import sobol_indices
+from wirerope_mj.studies.results.measure import (
+    ALL,
+    CONFIDENCE,
+    STRUCK,
+    exceedance_of,
+    finite,
+    known_measures,
+    measure_of,
+    quantiles,
+    struck_variants,
+    values_of,
+    worst,
+)
 
 _CHOICES = 8  # numbers of a choice that are listed one by one
 
@@ -116,12 +126,12 @@ def summary(result: StudyResult) -> Entries:
     nominal = result.nominal
     result = result.narrowed(("variant", "status", "message", STRUCK, *SUMMARISED))
     method = result.inputs["sampling"]["method"]
-    table = result.independent if method == SAMPLING else result.table
+    table = result.independent if method == OF_INDICES else result.table
     measures = {}
     for name in known_measures(table, SUMMARISED):
         measures[name] = {"nominal": nominal[name]} if name in nominal else {}
         measures[name] |= _of_measure(table, name, sampled=method not in LISTED)
-        if method == SAMPLING:
+        if method == OF_INDICES:
             measures[name] |= _indices(result, name)
     struck = struck_variants(result.table)
     return {**head(result), **({} if struck is None else {"struck": struck}), "measures": measures}

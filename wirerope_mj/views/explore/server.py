@@ -17,8 +17,7 @@ from urllib.parse import parse_qs, urlsplit
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import WireRopeError
-from wirerope_mj.views.explore.viewer_files import FILES, viewer_files
-from wirerope_mj.views.recording.viewer import has_display
+from wirerope_mj.views.recording.viewer import FILES, has_display, viewer_files
 
 LOCAL = "127.0.0.1"
 _FOLDER = Path(__file__).parent

@@ -1,5 +1,7 @@
 """A model from tables as a dimensioned plan and side view."""
 
+import warnings
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -13,33 +15,43 @@ from matplotlib.transforms import Bbox
 
 from wirerope_mj.engine.from_tables import Layout, Mass
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.views.plots.plain_figure import PlainFigure
+from wirerope_mj.foundation.atomic_files import atomic_file
+from wirerope_mj.foundation.plain_text import plain_lines
 
 _VIEWS = (("plan", 0, 1), ("side view", 0, 2), ("end view", 1, 2))
 _MOUNT, _STOP, _POINT, _BODY = "#b2182b", "#d95f0e", "#1b7837", "#33648a"
 _MILLI = 1e3
 
 
-def plan_figure(layout: Layout) -> Figure:
-    """Return a figure with plan, side and end view in mm: mounts with their directions, stops, points, masses, dimensions."""
-    figure = PlainFigure(figsize=(11.7, 8.3), layout="constrained")  # A4, lying
-    payload = layout.payload
-    figure.suptitle(f"{layout.name}: {payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm")
+def save_plan(layout: Layout, path: Path) -> None:
+    """Write plan, side and end view in mm: mounts with their directions, stops, points, masses, dimensions.
+
+    The path's ending says in which format. Every text is shown as it is, whatever is in a name.
+    """
+    drawn = BytesIO()  # first: on a full disk matplotlib's writers end with errors of their own
+    with matplotlib.rc_context({"svg.hashsalt": "wirerope", "pdf.fonttype": 42}), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing from font")  # a box is drawn instead
+        _figure(layout).savefig(drawn, format=path.suffix[1:], dpi=150)
+    with atomic_file(path) as temporary:
+        temporary.write_bytes(drawn.getvalue())
+
+
+def _figure(layout: Layout) -> Figure:
+    """Return the drawing, laid out."""
+    figure = Figure(figsize=(11.7, 8.3), layout="constrained")  # A4, lying
+    figure.suptitle(f"{layout.name}: {layout.payload.mass:.6g} kg on {len(layout.mounts)} mounts, dimensions in mm")
     panels: dict[str, Axes] = figure.subplot_mosaic([["plan", "key"], ["side view", "end view"]], width_ratios=(1.6, 1.0))
     labels = {title: _draw(panels[title], layout, across, up) for title, across, up in _VIEWS}
     for title in labels:
         panels[title].set_title(title)
     _write_key(panels["key"], layout)
+    for text in figure.findobj(Text):  # a dollar sign in a name begins no formula
+        text.set_parse_math(False)
+        text.set_text(plain_lines(text.get_text()))
     figure.draw_without_rendering()
     for title, texts in labels.items():
         _apart(panels[title], texts)
     return figure
-
-
-def save_plan(layout: Layout, path: Path) -> None:
-    """Write the drawing; the path's ending says in which format."""
-    with matplotlib.rc_context({"svg.hashsalt": "wirerope", "pdf.fonttype": 42}):
-        plan_figure(layout).savefig(path, dpi=150)
 
 
 def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Text]:

@@ -10,15 +10,14 @@ from math import isfinite, log10
 
 import numpy as np
 
-from wirerope_mj.content.panels import BASE, LIMIT, OTHERS, Chart, Curve, Field, Panel
+from wirerope_mj.content.panels import BASE, LEFT, LIMIT, OTHERS, RIGHT, WIDTH, Chart, Curve, Field, Panel
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.plain_text import plain_lines
 from wirerope_mj.foundation.ticks import linear_ticks, log_ticks
 from wirerope_mj.views.colours import LIGHT, Color, field_colours, field_key, hexadecimal
 from wirerope_mj.views.thin import envelope, is_dense, rows_of_line
 
-WIDTH = 760.0  # Width of a chart, in units of about a pixel of a page
-_LEFT, _RIGHT, _GAP = 58.0, 16.0, 66.0
+_GAP = 66.0  # between two panels
 _TITLE, _LEGEND, _BELOW, _BETWEEN = 18.0, 17.0, 34.0, 14.0
 _LETTER = 6.1  # width of a letter of a legend, on the average
 _SWATCH = 24.0
@@ -34,10 +33,10 @@ def chart_svg(chart: Chart) -> str:
     """Return a chart as an <svg> element; the curves' names stand above, each once."""
     legend, top = _legend([panel for row in chart.rows for panel in row])
     names = [text for row in chart.rows for _, text in row[0].yticks]  # of bars, on the left of the panels
-    parts, y, room = [legend], top, max(_LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
+    parts, y, room = [legend], top, max(LEFT, _LETTER * max(map(len, names), default=0) + 28.0)
     for number, row in enumerate(chart.rows):
         y += _TITLE if any(panel.title for panel in row) else 0.0
-        width = (WIDTH - room - _RIGHT - _GAP * (len(row) - 1)) / len(row)
+        width = (WIDTH - room - RIGHT - _GAP * (len(row) - 1)) / len(row)
         labelled = any(panel.xlabel for panel in row)
         for column, panel in enumerate(row):
             left = room + column * (width + _GAP)
@@ -62,11 +61,11 @@ def _legend(panels: Sequence[Panel]) -> tuple[str, float]:
         for colour, name in field_key(panel.field) if panel.field else ():
             entries.setdefault(name, (f'stroke="{colour}" stroke-width="{_SWATCH_BAR:g}"', "h18"))
     entries.pop("", None)
-    parts, x, y = [], _LEFT, 12.0
+    parts, x, y = [], LEFT, 12.0
     for name, (look, stroke) in entries.items():
         wide = _SWATCH + _LETTER * len(name) + 18.0
-        if x + wide > WIDTH and x > _LEFT:
-            x, y = _LEFT, y + _LEGEND
+        if x + wide > WIDTH and x > LEFT:
+            x, y = LEFT, y + _LEGEND
         parts.append(f'<path {look} d="M{x:.1f} {y - 4:.1f}{stroke}"/>{_text(x + _SWATCH, y, name)}')
         x += wide
     return "".join(parts), (y + 8.0 if entries else 4.0)

@@ -11,12 +11,11 @@ from wirerope_mj.views.recording.camera import Camera, scene_extent, whole_scene
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun
 from wirerope_mj.views.recording.frame import GROUND, fitting_width
 from wirerope_mj.views.recording.ghosts import ROOT as GHOSTS
-from wirerope_mj.views.recording.lanes import lane_paths
 from wirerope_mj.views.recording.loops import LoopPlot, grid_shape
 from wirerope_mj.views.recording.mounts import BESIDE, close_up_of
 from wirerope_mj.views.recording.now import CURSOR, PLAN, plan_bounds
 from wirerope_mj.views.recording.over_frequency import over_frequency_view
-from wirerope_mj.views.recording.panels import panel_view
+from wirerope_mj.views.recording.panels import lane_paths, panel_view
 from wirerope_mj.views.recording.paths import entity
 from wirerope_mj.views.recording.texts import BANNER, BELOW
 from wirerope_mj.views.recording.views import Pane, event_view, layout, loop_view, scene_view, tabs_with, time_axis

@@ -34,8 +34,8 @@ from wirerope_mj.views.colours import DARK
 from wirerope_mj.views.markdown import markdown_blocks
 from wirerope_mj.views.recording.animation import POINT, Animation, Strip, animation_of, at_points, strips_of, timelines
 from wirerope_mj.views.recording.camera import scene_extent
-from wirerope_mj.views.recording.enlarge import enlarged, factor_of
 from wirerope_mj.views.recording.frame import GROUND, HEIGHT, LARGE, Color, Plot, fitting_width, log_frame
+from wirerope_mj.views.recording.ghosts import enlarged, factor_of
 from wirerope_mj.views.recording.loops import loop_points
 from wirerope_mj.views.recording.over_frequency import log_frequency_panel
 from wirerope_mj.views.recording.paths import AXES, Stream, at, child, entity, known_letters

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from wirerope_mj.assessment.comparison import Align, ComparedRun, Comparison, compare_runs
-from wirerope_mj.assessment.comparison.compared import Subject, subjects_of
+from wirerope_mj.assessment.comparison.runs import Subject, subjects_of
 from wirerope_mj.assessment.criteria import Verdict
 from wirerope_mj.content.histories import TOTAL, USED, Histories, difference_key, differing, overlay_histories, run_histories
 from wirerope_mj.content.judged_run import RunResult

@@ -12,12 +12,11 @@ from wirerope_mj.engine.response.scene import Scene, SceneBody, SceneMount
 from wirerope_mj.foundation.arrays import AnyArray, Array, Booleans
 from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.colours import DARK, colour_of
-from wirerope_mj.views.recording.bending import bending_at
 from wirerope_mj.views.recording.camera import Camera, close_up, scene_extent, whole_scene
 from wirerope_mj.views.recording.now import heat, used_by
 from wirerope_mj.views.recording.paths import AXIAL, Rows, Stream, at, child
 from wirerope_mj.views.recording.poses import Frame, conjugate, multiply, quaternion_of, rotate
-from wirerope_mj.views.recording.shapes import block, coil, drawn_size, quaternion
+from wirerope_mj.views.recording.shapes import bending_at, block, coil, drawn_size, quaternion
 
 _STEEL = (176, 184, 194)
 _RUBBER = (64, 66, 72)

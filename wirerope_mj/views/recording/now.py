@@ -3,8 +3,8 @@
 import numpy as np
 import rerun as rr
 
+from wirerope_mj.content.events import at_cursor
 from wirerope_mj.content.judged_run import RunResult
-from wirerope_mj.content.now import at_cursor
 from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array

@@ -25,11 +25,10 @@ from wirerope_mj.foundation.units import in_unit
 from wirerope_mj.views.recording.blueprint import blueprint_of, loop_widths
 from wirerope_mj.views.recording.drawn_runs import Drawn, DrawnRun, one_run, several_runs
 from wirerope_mj.views.recording.ghosts import ghost_factor, log_ghosts
-from wirerope_mj.views.recording.lanes import log_lanes
 from wirerope_mj.views.recording.loops import drawn_loops, log_loops, loop_plots
 from wirerope_mj.views.recording.now import log_cursor, log_plan
 from wirerope_mj.views.recording.over_frequency import log_over_frequency
-from wirerope_mj.views.recording.panels import log_panel
+from wirerope_mj.views.recording.panels import log_lanes, log_panel
 from wirerope_mj.views.recording.paths import TIMELINE, AtEvents, Below, Stream, at, entity, known_letters, root_of
 from wirerope_mj.views.recording.scene import log_scene
 from wirerope_mj.views.recording.target import atomic_recording, target_of

@@ -7,12 +7,11 @@ from wirerope_mj.content.selection import Selection
 from wirerope_mj.engine.response import Response
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.units import in_unit
-from wirerope_mj.views.recording.bending import log_bending, see_through
 from wirerope_mj.views.recording.camera import reach, scene_extent
 from wirerope_mj.views.recording.mounts import log_mounts, log_stops
 from wirerope_mj.views.recording.paths import Rows, Stream, at, child, entity
 from wirerope_mj.views.recording.poses import Frame, conjugate, rotate
-from wirerope_mj.views.recording.shapes import draw_geoms, quaternion
+from wirerope_mj.views.recording.shapes import draw_geoms, log_bending, quaternion, see_through
 from wirerope_mj.views.thin import rows_of_steps
 
 _STILL = 1 / 50  # Poses are drawn anew when something has moved by this fraction of the largest travel

@@ -14,8 +14,7 @@ from wirerope_mj.content.correlation import agreement
 from wirerope_mj.content.judged_run import JudgedRun, RunResult
 from wirerope_mj.content.modes import run_modes_blocks
 from wirerope_mj.content.mounts import mount_blocks
-from wirerope_mj.content.payload import acceleration_blocks
-from wirerope_mj.content.run import numerics_statement
+from wirerope_mj.content.run import acceleration_blocks, numerics_statement
 from wirerope_mj.content.verdicts import answer_blocks, full_table, headline, most_critical
 from wirerope_mj.foundation.plain_text import markdown, plain_lines
 from wirerope_mj.foundation.tables import Table

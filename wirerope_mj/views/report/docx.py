@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import Any
 from xml.sax.saxutils import escape
 
-from wirerope_mj.content.appendices import letter_of
-from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement
+from wirerope_mj.content.blocks import Block, Content, SceneView, Section, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.errors import WireRopeError

@@ -10,8 +10,7 @@ from pathlib import Path
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup, escape
 
-from wirerope_mj.content.appendices import letter_of
-from wirerope_mj.content.blocks import Block, Content, SceneView, Statement
+from wirerope_mj.content.blocks import Block, Content, SceneView, Statement, letter_of
 from wirerope_mj.content.numbers import ABSENT, MINUS
 from wirerope_mj.content.panels import Chart
 from wirerope_mj.foundation.plain_text import plain_lines
