@@ -359,6 +359,7 @@ def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
         np.testing.assert_allclose(line.y, [loop.secant_stiffness / 1e3 for loop in exact], rtol=0.02)
 
 
+@pytest.mark.slow
 def test_a_tangent_that_turns_negative_within_the_rated_travel_alone_is_said_at_the_fit(folder, capsys):
     """Tested to 4 mm, negative from 15 mm on: beyond twice the tests, but within a rating of 20 mm."""
     law = wr.SymmetricBoucWen.from_normalised(z_max=300.0, x_y=1e-3, sigma=0.9, n=1.0, k1=5e4, k2=0.0, k3=-5e4 / (3 * 0.015**2))

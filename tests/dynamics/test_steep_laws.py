@@ -25,6 +25,7 @@ def test_multipliers_do_not_depend_on_the_steps(n, level_g):
     assert few == pytest.approx(many, abs=2e-3)
 
 
+@pytest.mark.slow
 def test_the_scaled_equation_gives_the_matrix_of_wide_difference_quotients():
     search = search_of(asymmetric(0.5))
     with search.flow.ready():

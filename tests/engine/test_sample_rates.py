@@ -200,6 +200,7 @@ def test_hours_are_of_the_stationary_part(cabinet, tmp_path):
     assert total[0] == pytest.approx(1200.0 * max(one.cycles.damage(4.0) for one in counted), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_what_random_triples_of_motion_rate_and_duration_state_is_right():
     """A few of those that `python tests/rate_triples.py 200` compares: shocks, a sine and random vibration."""
     found = rate_triples.Found()

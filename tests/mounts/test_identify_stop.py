@@ -208,6 +208,7 @@ def test_a_stop_whose_load_cell_was_cut_off_is_refused():
     assert len(steady_loops(x, force, time=time, stop=True)) == 1
 
 
+@pytest.mark.slow
 def test_an_isolator_that_bottoms_gets_its_stop_beside_its_law(folder, capsys):
     limits = wr.Limits(static_load=500.0)
     wr.Isolator(name="rope", axial=ROPE, shear=ROPE, limits=limits).save("rope.toml")

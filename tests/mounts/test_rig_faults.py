@@ -95,6 +95,7 @@ def test_a_lag_of_a_thousandth_is_named_in_most_records_whose_noise_lets_it():
     assert sum(named) >= 15
 
 
+@pytest.mark.slow
 def test_the_least_lag_that_a_record_would_show_grows_with_its_noise():
     least = [checked_record(*rig_record(LAW, SIZES, points=400.0, noise=noise)).least_lag for noise in (0.0, 0.01, 0.02)]
     assert least[0] == pytest.approx(9e-4)  # a thousandth, told to a tenth

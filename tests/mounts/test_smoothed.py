@@ -92,6 +92,7 @@ def test_mirrored_path_gives_the_mirrored_force(name, data, points):
     np.testing.assert_allclose(mirrored.force, -loop.force, rtol=0, atol=1e-8 * size(loop.force))
 
 
+@pytest.mark.slow
 @every_law
 @given(data=st.data(), points=turning_points)
 @settings(max_examples=40, deadline=None)
@@ -177,6 +178,7 @@ def test_at_rest_nothing_creeps():
     assert np.ptp(m.hysteretic_state[:, 2]) < 1e-9 * 20.0 * wr.STANDARD_GRAVITY
 
 
+@pytest.mark.slow
 def test_its_periodic_motions_tend_to_those_of_the_law():
     law = BoucWen(alpha=1.0, beta=0.5, gamma=0.5, n=1.0)
     setting = {"mass": 1.0, "frequency": 0.8 / TURN, "acceleration": 0.3, "harmonics": 7, "samples": 256}

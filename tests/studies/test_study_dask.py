@@ -208,6 +208,7 @@ def stop_after_first_part(monkeypatch, what):
     monkeypatch.setattr(computing, "write_part", write)
 
 
+@pytest.mark.slow
 def test_a_scheduler_that_goes_away_costs_only_what_was_in_flight(cluster, local, tmp_path, monkeypatch):
     address, scheduler, _ = cluster
     folder = tmp_path / "study"
