@@ -141,9 +141,7 @@ def _coupling(
     sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
     shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
     travel, size = sheet.compression.travel, math.sqrt(sizes[0] * sizes[1])
-    coupling = fit_coupling(
-        shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel
-    ).coupling
+    coupling = fit_coupling(shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel)
     ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
     return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in coupling.coefficients])
 
