@@ -14,7 +14,7 @@ from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.mounts.laws.kernels import asymmetric_bouc_wen
-from wirerope_mj.mounts.rope_loop import RopeLoop, loop_shape
+from wirerope_mj.mounts.rope_loop import RopeLoop
 from wirerope_mj.mounts.test_rig import cyclic_test
 from wirerope_mj.mounts.vendor_parts import load_isolator
 from wirerope_mj.mounts.vendor_parts.comparison import compare
@@ -179,7 +179,7 @@ def test_stiffness_is_linear_in_1_over_amplitude(name):
 @pytest.mark.parametrize("name", SHEETS)
 def test_axial_curve_has_a_third_of_the_rope_loops_asymmetry(name):
     part, sheet = isolator(name), read_datasheet(SHEETS[name])
-    loop = RopeLoop(loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope))
+    loop = RopeLoop(sheet.shape)
     x = sheet.compression.travel * np.array([-1.0, -0.5, -0.2, 0.2, 0.5])
     spring = part.axial.laws[0]
     whole = replace(spring, k3=3.0 * spring.k3, c=3.0 * spring.c)

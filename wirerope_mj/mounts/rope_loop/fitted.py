@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
-from wirerope_mj.mounts.rope_loop.half_loop import LoopShape, loop_shape
+from wirerope_mj.mounts.rope_loop.half_loop import LoopShape
 
 # Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
 # coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where
@@ -103,13 +103,12 @@ class AxisCurves:
     roll_stiffness: float
 
 
-def axis_curves(*, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None) -> AxisCurves:
-    """Return the curves of an isolator's loop from its envelope and its rated travels [m].
+def axis_curves(shape: LoopShape, *, bar: float, compression: float, roll: float | None) -> AxisCurves:
+    """Return the curves of an isolator's loop between bars of a thickness [m] from its rated travels [m].
 
     The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not
-    known. ValueError: no loop has these measures, or its rope is taut within the travel.
+    known. ValueError: its rope is taut within the travel.
     """
-    shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
     loop = RopeLoop(shape, ELEMENTS)
     asymmetry, cubic, misfit = _axial(loop, compression)
     stiffness = loop.stiffness()

@@ -21,12 +21,14 @@ that of the vibration stiffness' amplitude where `damping_amplitude` does not sa
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
 from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, RULES, VIBRATION_AMPLITUDE
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH, STIFFNESS, TomlTable
@@ -114,6 +116,11 @@ class DataSheet:
     # lowest and highest damping ratio that the vendor states [-]; None where it states none
     damping_range: tuple[float, float] | None = None
     assumed: tuple[str, ...] = ()  # what no source gives, one text each
+
+    @cached_property
+    def shape(self) -> LoopShape:
+        """The half loop of its envelope; ValueError if there is none."""
+        return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
 
     @property
     def across(self) -> dict[str, AxisValues]:
