@@ -69,6 +69,12 @@ def _plain(value: object) -> object:
     return value.to_dict() if isinstance(value, Part) else list(value) if isinstance(value, tuple) else value
 
 
+def _texts(name: str, value: object) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
+        raise ValueError(f"`{name}` must be a list of strings, got {value!r}.")
+    return tuple(value)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Bracket(Part):
     """Stiffness of what an isolator is bolted to, in series with it, by axis [N/m]; it has no mass. None = rigid."""
@@ -236,9 +242,7 @@ class Provenance(Part):
         for name in ("source", "fitted_to"):
             if not isinstance(getattr(self, name), str):
                 raise ValueError(f"`{name}` must be a string, got {getattr(self, name)!r}.")
-        if not isinstance(self.assumed, list | tuple) or not all(isinstance(item, str) for item in self.assumed):
-            raise ValueError(f"`assumed` must be a list of strings, got {self.assumed!r}.")
-        object.__setattr__(self, "assumed", tuple(self.assumed))
+        object.__setattr__(self, "assumed", _texts("assumed", self.assumed))
         if not isinstance(self.check_45, dict):
             raise ValueError(f"`check_45` must be a table of numbers, got {self.check_45!r}.")
         for key, value in self.check_45.items():
@@ -257,9 +261,7 @@ class Spread(Part):
     calibrated: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.parameters, list | tuple) or not all(isinstance(name, str) for name in self.parameters):
-            raise ValueError(f"`parameters` must be a list of strings, got {self.parameters!r}.")
-        object.__setattr__(self, "parameters", tuple(self.parameters))
+        object.__setattr__(self, "parameters", _texts("parameters", self.parameters))
         matrix = self.covariance
         if not isinstance(matrix, list | tuple) or not all(isinstance(row, list | tuple) for row in matrix):
             raise ValueError(f"`covariance` must be rows of numbers, got {matrix!r}.")
