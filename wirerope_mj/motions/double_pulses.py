@@ -83,11 +83,6 @@ class DoublePulse(StartedMotion):
         """Instant at which the first pulse ends and the second begins [s]."""
         return self.start + self.first_duration
 
-    @property
-    def corners(self) -> Array:
-        """Start, middle and end [s], (3,)."""
-        return unique_times([self.start, self.middle, self.end])
-
     @cached_property
     def _said(self) -> Said:
         """For instance `double half-sine 60 g, 2.25 m/s, 52.5 mm along z`."""

@@ -64,9 +64,12 @@ class BaseMotion(ABC):
         return self.duration
 
     @property
-    @abstractmethod
     def corners(self) -> Array:
-        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,)."""
+        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,).
+
+        Those of its events unless a motion says otherwise.
+        """
+        return unique_times(time for time, _ in self.events)
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:

@@ -52,11 +52,6 @@ class PayloadForce(BaseMotion):
     def _wrench(self, t: Array) -> Array:
         """Return force and moment at times since the start [s], (n_t, 6)."""
 
-    @property
-    def corners(self) -> Array:
-        """Start and end of the force [s], (n,)."""
-        return np.array([time for time in (self.start, self.end) if math.isfinite(time)])
-
     @cached_property
     def _said(self) -> Said:
         ends = ((self.end, f"{self.kind} ends"),) if math.isfinite(self.end) else ()

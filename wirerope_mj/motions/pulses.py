@@ -37,11 +37,6 @@ class Pulse(StartedMotion):
     def velocity_change(self) -> float:
         """Velocity along the direction that the pulse leaves behind [m/s]."""
 
-    @property
-    def corners(self) -> Array:
-        """Start and end of the pulse [s], (n,)."""
-        return unique_times([self.start, self.end])
-
     @cached_property
     def _said(self) -> Said:
         """For instance `half-sine 15 g 11 ms along z`."""
@@ -153,11 +148,6 @@ class VelocityStep(StartedMotion):
     def __init__(self, *, velocity: float, direction: str | Sequence[float], start: float = 0.0) -> None:
         object.__setattr__(self, "velocity_change", ranges.level("velocity", velocity))
         self._set(direction=checked_direction(direction), start=ranges.start("start", start), duration=0.0)
-
-    @property
-    def corners(self) -> Array:
-        """Instant of the step [s], (1,)."""
-        return np.array([self.start])
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:

@@ -218,11 +218,6 @@ class ShockTableImpact(StartedMotion):
         return self.start + self.fall_duration
 
     @property
-    def corners(self) -> Array:
-        """Release, impact and end of the pulse [s], (n,)."""
-        return unique_times([self.start, self.impact, self.end])
-
-    @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """The impact, if the velocity changes at once."""
         return () if self.pulse_duration is not None else ((self.impact, self.velocity_change * self.unit),)

@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion
 
 SEA_WATER = 1025.0 * 1500.0  # density times velocity of sound [Pa s/m]
 ALIKE = 1e-6  # distance of psi from 1 within which the formulas of psi = 1 are right to a millionth, and exact integrals
@@ -59,11 +59,6 @@ class StruckPlate(StartedMotion):
     def velocity_change(self) -> float:
         """Velocity along the direction with which the plate leaves the water [m/s]."""
         return float(self._kick(np.array([self.duration]), 1)[0])
-
-    @property
-    def corners(self) -> Array:
-        """Arrival of the wave, and when the water lets go [s], (2,)."""
-        return unique_times([self.start, self.end])
 
     @cached_property
     def _said(self) -> Said:
