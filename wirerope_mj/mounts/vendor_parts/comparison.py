@@ -44,7 +44,7 @@ def diagonal_values(stated: AxisValues | None, isolator: Isolator) -> list[Compa
         return []
     # A resonance is about a sag under a load that is not along an axis of the mount: nothing here follows that.
     followed = [value for value in stated.stated if value.unit != "Hz"]
-    secants = [law_values.diagonal_secant(law, one.secant.deflection, steady=one.secant.steady) for one in followed]
+    secants = [law_values.diagonal_secant(law, one.deflection, steady=one.steady) for one in followed]
     return [value.beside(DIAGONAL, secant) for value, secant in zip(followed, secants, strict=True)]
 
 
@@ -56,7 +56,7 @@ def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> l
         if value.unit == "Hz" and axis == "compression":
             load = value.mass * STANDARD_GRAVITY
             about = -law_values.compression_sag(law, load, stated.travel, relaxed=True)
-        rows.append(value.beside(axis, law_values.secant(law, value.secant, about)))
+        rows.append(value.beside(axis, law_values.secant(law, value, about)))
     for name, at in ((f"{1e3 * amplitude:.3g} mm", amplitude), ("D/2", stated.travel / 2.0)):
         ratio = law_values.damping_ratio(law, at)
         rows.append(ComparedValue(axis=axis, name=f"damping ratio at {name}", unit="-", vendor=None, fitted=ratio))

@@ -71,7 +71,7 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
         fitted = fit_sheet(replace(sheet, compression=without) if along else replace(sheet, shear=without))
         law = fitted.axial if along else fitted.shear
         assert law is not None  # of an axis with values
-        rows.append(value.beside(axis, secant(law, value.secant)))
+        rows.append(value.beside(axis, secant(law, value)))
     return rows
 
 

@@ -18,6 +18,7 @@ states of the loop's width gives x_y:
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -146,9 +147,7 @@ DAMPING_AMPLITUDE = 1e-3
 _REACH = (0.02, 20.0)
 
 
-def fit_secants(
-    secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, rule: FitRule = RULES[1]
-) -> NiLaw | Parallel:
+def fit_secants(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule = RULES[1]) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
     `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule. ConvergenceError: the
@@ -158,7 +157,7 @@ def fit_secants(
     return rule.law(friction, yielding, spring, curve)
 
 
-def _sizes(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
+def _sizes(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
     """Return friction [N] and spring [N/m] of these secants; ConvergenceError unless both are positive."""
     friction, spring = _nearest(np.array([_row(secant, curve, yielding, rule) for secant in secants]))
     if friction <= 0.0 or spring <= 0.0:
@@ -172,7 +171,7 @@ def _sizes(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, ru
 
 
 def fit_damped(
-    secants: tuple[Secant, ...], curve: ElasticShape, *, damping: float, amplitude: float, rule: FitRule = RULES[1]
+    secants: Sequence[Secant], curve: ElasticShape, *, damping: float, amplitude: float, rule: FitRule = RULES[1]
 ) -> NiLaw | Parallel:
     """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
 

@@ -54,8 +54,8 @@ def fit_datasheet(path: str | Path) -> Isolator:
         raise ConvergenceError(f"{path}: {error}") from error
 
 
-def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
-    """Return the isolator that reproduces the values of a data sheet; `kind` is that of its provenance.
+def fit_sheet(sheet: DataSheet) -> Isolator:
+    """Return the isolator that reproduces the values of a data sheet.
 
     Raises:
         ValueError: no rope loop has the envelope of the sheet.
@@ -76,7 +76,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         rotation=_rotation(sheet, axial, across.get("roll"), curves), **across,
     )  # fmt: skip
     provenance = Provenance(
-        kind=kind, source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
+        kind="catalogue", source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
         check_45=_check_45(sheet, isolator),
     )  # fmt: skip
     return replace(isolator, provenance=provenance)
@@ -157,11 +157,11 @@ def _fitted_to(sheet: DataSheet) -> str:
 
 
 def _stated(value: StatedValue) -> str:
-    path = "steady loop" if value.secant.steady else "virgin path"
-    shown = f"{value.shown(value.secant.stiffness):.5g} {value.unit}"
+    path = "steady loop" if value.steady else "virgin path"
+    shown = f"{value.shown(value.stiffness):.5g} {value.unit}"
     if value.unit == "N":
-        return f"{value.name} {shown} at {1e3 * value.secant.deflection:.4g} mm of the {path}"
-    return f"{value.name} {shown} = secant of the {path} of {1e3 * value.secant.deflection:.4g} mm"
+        return f"{value.name} {shown} at {1e3 * value.deflection:.4g} mm of the {path}"
+    return f"{value.name} {shown} = secant of the {path} of {1e3 * value.deflection:.4g} mm"
 
 
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
