@@ -346,8 +346,8 @@ def test_pictures_show_what_was_measured_beside_what_was_fitted(simple):
     fitted, measured = panels[2].curves
     assert measured.marks
     assert measured.x.max() == pytest.approx(8.0, rel=1e-3)
-    np.testing.assert_allclose(measured.y, 1e-3 * fits[2].measured)
-    np.testing.assert_allclose(fitted.y, 1e-3 * fits[2].fitted)
+    np.testing.assert_allclose(measured.y, 1e-3 * fits[2].measured.force)
+    np.testing.assert_allclose(fitted.y, 1e-3 * fits[2].fitted.force)
     up, _, samples = residual_chart(fits).rows[0][0].curves
     assert np.abs(samples.y).max() < 5.0  # [%]: five standard deviations of the noise
     assert (np.diff(up.x) >= 0.0).all()

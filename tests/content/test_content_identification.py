@@ -9,6 +9,7 @@ import pytest
 from wirerope_mj.content.fitted_loops import MOST, fit_chart, measures_chart, residual_chart
 from wirerope_mj.content.panels import WIDTH, Chart, Curve, Panel
 from wirerope_mj.mounts.identification.result import FittedLoop
+from wirerope_mj.mounts.laws import Loop
 from wirerope_mj.views.plots.svg_chart import chart_svg
 
 POINTS = (-5e-3, -0.3e-3, 0.0)
@@ -17,8 +18,9 @@ POINTS = (-5e-3, -0.3e-3, 0.0)
 def ellipse(amplitude, point, size=1e5):
     """Return a loop about a point that its rig holds to a micrometre."""
     angle = np.linspace(0.0, 2.0 * np.pi, 101)
-    force = size * amplitude * np.sin(angle + 0.2)
-    return FittedLoop(deflection=point + 1e-6 + amplitude * np.sin(angle), measured=force, fitted=1.01 * force, zero=0.0)
+    force, deflection = size * amplitude * np.sin(angle + 0.2), point + 1e-6 + amplitude * np.sin(angle)
+    measured, fitted = (Loop.from_samples(deflection, ratio * force) for ratio in (1.0, 1.01))
+    return FittedLoop(measured=measured, fitted=fitted, zero=0.0)
 
 
 FITS = [ellipse(amplitude, point) for amplitude in (1e-3, 4e-3, 12e-3) for point in POINTS]

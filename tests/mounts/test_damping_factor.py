@@ -55,7 +55,7 @@ def test_laws_made_of_laws_hand_the_factor_on():
     assert Parallel(laws=(hysteretic, stop)).damping_parameters == ("alpha_1", "beta_1", "gamma_1")
     for wrapped in (Smoothed(law=hysteretic, width=0.1), OnBracket(law=hysteretic, stiffness=1e6)):
         assert wrapped.with_damping(2.0).law == hysteretic.with_damping(2.0)
-        assert wrapped.with_yield(2.0).law == hysteretic.with_yield(2.0) != hysteretic
+        assert wrapped.multiplied("yield", 2.0).law == hysteretic.multiplied("yield", 2.0) != hysteretic
 
 
 def test_friction_of_a_smoothed_law_builds_up_over_more_deflection():

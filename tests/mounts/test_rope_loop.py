@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from rope_loops import ring
 from scipy.special import ellipeinc, ellipkinc
 
 from wirerope_mj.mounts.rope_loop.elastica import LARGEST_REACH, RopeLoop
@@ -17,7 +18,7 @@ ROUNDING = 1e-9
 @pytest.mark.quick
 def test_a_ring_has_the_stiffness_of_castigliano():
     radius = 0.04
-    stiffness = RopeLoop(LoopShape.ring(radius)).stiffness() * radius**3
+    stiffness = RopeLoop(ring(radius)).stiffness() * radius**3
     # domain: 2 / (pi / 2 - 4 / pi) and 4 / pi; central differences of 1e-4 err by their square.
     assert stiffness[1, 1] == pytest.approx(2.0 / (np.pi / 2.0 - 4.0 / np.pi), rel=1e-6)
     assert stiffness[0, 0] == pytest.approx(4.0 / np.pi, rel=1e-6)
@@ -35,7 +36,7 @@ def test_a_ring_turned_at_its_bar_has_the_stiffness_of_castigliano():
     half = np.linalg.inv(flexibility)
     both = 2.0 * half
     both[[0, 1, 2, 1], [1, 0, 1, 2]] = 0.0  # what the mirrored half cancels
-    stiffness = RopeLoop(LoopShape.ring(radius)).stiffness()
+    stiffness = RopeLoop(ring(radius)).stiffness()
     assert stiffness[2, 2] == pytest.approx(both[2, 2], rel=1e-6)
     assert abs(stiffness[0, 2]) == pytest.approx(abs(both[0, 2]), rel=1e-6)
 

@@ -82,14 +82,14 @@ def test_a_parameter_that_all_laws_have_is_a_factor_and_one_that_is_zero_in_all_
 @pytest.mark.parametrize("name", ["bouc-wen", "ozdemir", "enhanced-dry-friction", "masing"])
 def test_friction_builds_up_over_a_multiple_of_the_deflection(name):
     law = example(name)
-    slower, plain = law.with_yield(2.5).trace(2.5 * PATH), law.trace(PATH)
+    slower, plain = law.multiplied("yield", 2.5).trace(2.5 * PATH), law.trace(PATH)
     np.testing.assert_allclose(slower.hysteretic_state, plain.hysteretic_state, rtol=1e-9, atol=1e-9)
-    assert law.with_yield(1.0) == law
+    assert law.multiplied("yield", 1.0) == law
 
 
 @pytest.mark.quick
 def test_a_law_without_friction_has_no_yield():
-    assert wr.KelvinVoigt(k=1e5, c=10.0).with_yield(2.0) == wr.KelvinVoigt(k=1e5, c=10.0)
+    assert wr.KelvinVoigt(k=1e5, c=10.0).multiplied("yield", 2.0) == wr.KelvinVoigt(k=1e5, c=10.0)
 
 
 @pytest.mark.slow

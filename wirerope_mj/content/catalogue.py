@@ -103,17 +103,16 @@ def estimate_content(estimate: LoopEstimate) -> Content:
 
 
 def _estimate_table(estimate: LoopEstimate) -> Table:
-    values = estimate.values
-    rows = [("compression", "static load", "N", values.static_load, "static load")]
+    rows = [("compression", "static load", "N", "static load")]
     for mode, direction in {"compression": "compression", "45": "45 degrees", "shear": "shear, roll"}.items():
-        rows.append((direction, "travel", "mm", values.travel[mode], f"{mode} travel"))
-        rows.append((direction, "vibration stiffness", "N/mm", values.vibration[mode], f"{mode} vibration"))
-        rows.append((direction, "shock stiffness", "N/mm", values.shock[mode], f"{mode} shock"))
+        rows.append((direction, "travel", "mm", f"{mode} travel"))
+        rows.append((direction, "vibration stiffness", "N/mm", f"{mode} vibration"))
+        rows.append((direction, "shock stiffness", "N/mm", f"{mode} shock"))
     cells: list[Row] = []
-    for direction, label, unit, value, name in rows:
+    for direction, label, unit, name in rows:
         band = estimate.bands[name]
         factors = [None if error is None else 1.0 + error for error in (band.within, band.worst, band.other)]
-        cells.append((direction, f"{label} [{unit}]", f"{in_unit(value, unit):.4g}", *factors))
+        cells.append((direction, f"{label} [{unit}]", f"{in_unit(estimate.values[name], unit):.4g}", *factors))
     names = Column("direction", align="left"), Column("value", align="left"), Column("estimate")
     errors = ("80 % of Enidine's\nwithin a factor", "worst\nfactor", "80 % of VMC's\nwithin a factor")
     return Table(id="estimate", title="", columns=(*names, *(Column(heading, form=".2f") for heading in errors)), rows=cells)

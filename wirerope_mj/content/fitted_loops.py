@@ -30,14 +30,14 @@ def drawn_loops(fits: Sequence[FittedLoop]) -> list[FittedLoop]:
 
 def fit_chart(fits: Sequence[FittedLoop]) -> Chart:
     """Return force over deflection of every loop: measured as dots, fitted as a line."""
-    weak = max(float(np.abs(fit.measured).max()) for fit in fits) < _WEAK
+    weak = max(float(np.abs(fit.measured.force).max()) for fit in fits) < _WEAK
     unit = "N" if weak else "kN"
 
     def curves(fit: FittedLoop) -> list[Curve]:
-        x = in_unit(fit.deflection, "mm")
+        x = in_unit(fit.measured.deflection, "mm")
         return [
-            Curve(x=x, y=in_unit(fit.fitted, unit), name="fitted", kind=_FITTED),
-            Curve(x=x, y=in_unit(fit.measured, unit), name="measured", kind=_MEASURED, marks=True),
+            Curve(x=x, y=in_unit(fit.fitted.force, unit), name="fitted", kind=_FITTED),
+            Curve(x=x, y=in_unit(fit.measured.force, unit), name="measured", kind=_MEASURED, marks=True),
         ]
 
     drawn = f" {MOST} of {len(fits)} loops are drawn." if len(fits) > MOST else ""
@@ -63,14 +63,17 @@ def residual_chart(fits: Sequence[FittedLoop]) -> Chart:
 
 def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
     """Return energy per cycle and secant stiffness over the amplitude: measured as dots, fitted as lines between them."""
-    amplitudes = np.array([in_unit(fit.amplitude, "mm") for fit in fits])
+    amplitudes = np.array([in_unit(fit.measured.amplitude, "mm") for fit in fits])
     across = (float(amplitudes.min()) / _APART, float(amplitudes.max()) * _APART)
     panels = []
-    for measure, unit, label in (("energy", "J", "energy per cycle [J]"), ("secant_stiffness", "kN/m", "stiffness [kN/m]")):
+    for measure, unit, label in (
+        ("dissipated_energy", "J", "energy per cycle [J]"),
+        ("secant_stiffness", "kN/m", "stiffness [kN/m]"),
+    ):
         curves = _measure_curves(fits, measure, unit)
         values = np.concatenate([curve.y for curve in curves])
         # That of a device without loss is noise of either sign.
-        log = measure == "energy" and bool((values > 0.0).all())
+        log = measure == "dissipated_energy" and bool((values > 0.0).all())
         limits = (float(values.min()) / 1.3, float(values.max()) * 1.3) if log else None
         if measure == "secant_stiffness" and values.min() > 0.0:
             limits = (0.0, 1.1 * float(values.max()))
@@ -88,8 +91,8 @@ def measures_chart(fits: Sequence[FittedLoop]) -> Chart:
 
 def _residual_curves(fit: FittedLoop) -> list[Curve]:
     """Return the residual's mean on the way up and down, and its samples behind them."""
-    start = int(np.argmin(fit.deflection[:-1]))
-    x, residual = (np.roll(values[:-1], -start) for values in (in_unit(fit.deflection, "mm"), 100.0 * fit.residual))
+    start = int(np.argmin(fit.measured.deflection[:-1]))
+    x, residual = (np.roll(values[:-1], -start) for values in (in_unit(fit.measured.deflection, "mm"), 100.0 * fit.residual))
     top = int(np.argmax(x))
     curves = [
         Curve(x=at, y=mean, name=f"mean on the way {way}", kind=kind)
@@ -109,12 +112,11 @@ def _measure_curves(fits: Sequence[FittedLoop], measure: str, unit: str) -> list
     """Return a measure over the amplitude, the measured one in front of the fitted one of each operating point."""
     groups, curves = _groups(fits), []
     for number, group in enumerate(groups):
-        x = np.array([in_unit(fit.amplitude, "mm") for fit in group])
+        x = np.array([in_unit(fit.measured.amplitude, "mm") for fit in group])
         about = f" about {_millimetres(group)} mm" if len(groups) > 1 else ""
         kinds = (_MEASURED, _FITTED) if len(groups) == 1 else 2 * (number % COLOURS,)
         measured, fitted = (
-            np.array([in_unit(getattr(fit, measure)(getattr(fit, side)), unit) for fit in group])
-            for side in ("measured", "fitted")
+            np.array([in_unit(getattr(getattr(fit, side), measure), unit) for fit in group]) for side in ("measured", "fitted")
         )
         curves.append(Curve(x=x, y=measured, name=f"measured{about}", kind=kinds[0], marks=True))
         if x.size == 1:  # a line from nowhere to nowhere cannot be seen
@@ -130,7 +132,7 @@ def _chart(
     """Return a chart with a panel for every loop that is drawn."""
     panels = []
     for fit in drawn_loops(fits):
-        low, high = float(fit.deflection.min()), float(fit.deflection.max())
+        low, high = float(fit.measured.deflection.min()), float(fit.measured.deflection.max())
         room = _ROOM * (high - low)
         panels.append(
             Panel(
@@ -145,20 +147,20 @@ def _chart(
 def _groups(fits: Sequence[FittedLoop]) -> list[list[FittedLoop]]:
     """Return the loops of each operating point, from compression to tension."""
     # Points within 2 % of the largest amplitude are one, as no rig holds them better beside noise.
-    step = 0.02 * max(fit.amplitude for fit in fits)
+    step = 0.02 * max(fit.measured.amplitude for fit in fits)
     groups: list[list[FittedLoop]] = []
-    for fit in sorted(fits, key=lambda fit: fit.operating_point):
-        if groups and fit.operating_point - groups[-1][0].operating_point <= step:
+    for fit in sorted(fits, key=lambda fit: fit.measured.operating_point):
+        if groups and fit.measured.operating_point - groups[-1][0].measured.operating_point <= step:
             groups[-1].append(fit)
         else:
             groups.append([fit])
-    return [sorted(group, key=lambda fit: fit.amplitude) for group in groups]
+    return [sorted(group, key=lambda fit: fit.measured.amplitude) for group in groups]
 
 
 def _millimetres(group: Sequence[FittedLoop]) -> str:
     """Return the mean operating point of a group in mm; a thousandth of its largest amplitude is noise."""
-    least = 1e-3 * max(1e3 * fit.amplitude for fit in group)
-    mean = 1e3 * float(np.mean([fit.operating_point for fit in group]))
+    least = 1e-3 * max(1e3 * fit.measured.amplitude for fit in group)
+    mean = 1e3 * float(np.mean([fit.measured.operating_point for fit in group]))
     return f"{least * round(mean / least):.3g}" if abs(mean) > least else "0"
 
 
@@ -167,4 +169,4 @@ def _name(fit: FittedLoop, fits: Sequence[FittedLoop]) -> str:
     groups = _groups(fits)
     own = next(group for group in groups if any(fit is other for other in group))
     about = f" about {_millimetres(own)}" if len(groups) > 1 else ""
-    return f"±{in_unit(fit.amplitude, 'mm'):.3g}{about} mm: {100.0 * fit.error:.2g} % error"
+    return f"±{in_unit(fit.measured.amplitude, 'mm'):.3g}{about} mm: {100.0 * fit.error:.2g} % error"

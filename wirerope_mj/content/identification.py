@@ -161,13 +161,13 @@ def _loop_table(fits: Sequence[FittedLoop]) -> Table:
     """Tabulate the loops: error, measures as measured and fitted, and the zero of the force."""
     rows: list[list[Cell]] = [
         [
-            fit.amplitude,
-            round(fit.operating_point, 6),  # less is noise, and must not look like an operating point
+            fit.measured.amplitude,
+            round(fit.measured.operating_point, 6),  # less is noise, and must not look like an operating point
             fit.error,
-            fit.secant_stiffness(fit.measured),
-            fit.secant_stiffness(fit.fitted),
-            fit.energy(fit.measured),
-            fit.energy(fit.fitted),
+            fit.measured.secant_stiffness,
+            fit.fitted.secant_stiffness,
+            fit.measured.dissipated_energy,
+            fit.fitted.dissipated_energy,
             fit.zero,
         ]
         for fit in fits

@@ -9,7 +9,7 @@ from pathlib import Path
 from wirerope_mj.foundation.errors import RecordError, why_unread
 from wirerope_mj.foundation.plain_text import plain, short
 from wirerope_mj.foundation.regular_files import regular
-from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, UNITS, VELOCITY_UNITS
+from wirerope_mj.foundation.units import ACCELERATION_UNITS, FORCE_UNITS, UNITS, VELOCITY_UNITS, in_si
 
 # Largest number that a file may hold, in its own units: beyond all that was ever measured, or any clock counts, in any known
 # unit, and integrals of what is left are finite.
@@ -128,6 +128,16 @@ def rows_below(header: Header) -> Iterator[tuple[int, str, list[str]]]:
             cells = [_bare(cell) for cell in text.split(header.delimiter)]
             require_cells(header, location, cells)
             yield line, location, [with_point(header, location, cell) for cell in cells]
+
+
+def rows_in_si(header: Header, units: Sequence[Mapping[str, float]]) -> list[tuple[float, ...]]:
+    """Read the numbers below a header in SI; `units` are those that each column may have."""
+    factors = [header.factor(number, known) for number, known in enumerate(units)]
+    names = header.names
+    return [
+        tuple(in_si(number_in(place, *column), factor) for *column, factor in zip(names, cells, factors, strict=True))
+        for _, place, cells in rows_below(header)
+    ]
 
 
 def with_points(header: Header, text: str) -> str:

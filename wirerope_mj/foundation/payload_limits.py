@@ -30,19 +30,15 @@ _LABELS = {1: ("",), 3: ("x", "y", "z"), 6: SIDES}
 
 @dataclass(frozen=True, kw_only=True)
 class PayloadLimit:
-    """A limit that the model states for one of its bodies or points.
+    """A limit that the model states for one of its bodies or points, along the axes of the world."""
 
-    Attributes:
-        kind: "acceleration" (fragility of what stands there, absolute acceleration) or "clearance" (rattle space: how far a
-            point, or any corner of a body, may move from its modelled position relative to the base).
-        name: the body or the point; of a clearance also two points, "rack_1 to rack_2": how far the first moves relative to
-            the second.
-        values: acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z,
-            both ways, or six along -x, +x, -y, +y, -z, +z. World axes. Zero: not judged there.
-    """
-
+    # "acceleration" (fragility of what stands there, absolute acceleration) or "clearance" (rattle space: how far a point, or
+    # any corner of a body, may move from its modelled position relative to the base)
     kind: str
+    # the body or the point; of a clearance also two points, "rack_1 to rack_2": how far the first moves relative to the second
     name: str
+    # acceleration [m/s^2]: one value for the norm, or three along x, y, z; clearance [m]: three values along x, y, z, both
+    # ways, or six along -x, +x, -y, +y, -z, +z. Zero: not judged there.
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:

@@ -34,18 +34,11 @@ Row = Sequence[Cell]
 
 @dataclass(frozen=True)
 class Column:
-    """Heading of a column, and how its cells are set.
+    """Heading of a column, and how its cells are set."""
 
-    Attributes:
-        heading: without the unit; may hold a line break for narrow screens.
-        unit: in which the values of its cells are displayed, in brackets after the heading; "" for none.
-        form: of its values: a format specification, or a number of significant digits without an exponent.
-        align: "right", "left" or "text".
-    """
-
-    heading: str = ""
-    unit: str = ""
-    form: str | int = 3
+    heading: str = ""  # without the unit; may hold a line break for narrow screens
+    unit: str = ""  # in which the values of its cells are displayed, in brackets after the heading; "" for none
+    form: str | int = 3  # of its values: a format specification, or a number of significant digits without an exponent
     align: Alignment = "right"
 
     def title(self, separator: str = " ") -> str:
@@ -62,23 +55,14 @@ class Column:
 
 @dataclass(frozen=True, kw_only=True)
 class Table:
-    """Rows under headings; every row has as many cells as there are columns.
+    """Rows under headings; every row has as many cells as there are columns."""
 
-    Attributes:
-        title: what it shows, above it.
-        columns: headings, units and alignment.
-        rows: cells: text, SI values, or either with a tone.
-        note: what must be known to read it, below it.
-        id: the same in every output; "" for a table that only one output has.
-        shown: rows that are shown at once, where others can be folded away; None for all.
-    """
-
-    title: str
+    title: str  # what it shows, above it
     columns: Sequence[Column]
     rows: Sequence[Row]
-    note: str = ""
-    id: str = ""
-    shown: int | None = None
+    note: str = ""  # what must be known to read it, below it
+    id: str = ""  # the same in every output; "" for a table that only one output has
+    shown: int | None = None  # rows that are shown at once, where others can be folded away; None for all
 
     def __post_init__(self) -> None:
         for row in self.rows:

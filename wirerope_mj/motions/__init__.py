@@ -17,11 +17,3 @@ from wirerope_mj.motions.target_spectra import EN1998_TYPE_1, DesignSpectrum, ac
 from wirerope_mj.motions.unbalance import Unbalance
 from wirerope_mj.motions.underwater import StruckPlate
 from wirerope_mj.motions.vibration_lines import VibrationLines
-
-__all__ = [
-    "EN1998_TYPE_1", "BaseMotion", "Blow", "DecayingSine", "DesignSpectrum", "DoubleHalfSine", "DoubleTriangle", "ForceTable",
-    "HalfSine", "HarmonicForce", "Measured", "MeasuredChannel", "PayloadForce", "RandomVibration", "Record", "Sawtooth",
-    "Scaled", "ShockTableImpact", "Sine", "SpectrumMatch", "StruckPlate", "SumOfMotions", "Sweep", "Trapezoid", "Turned",
-    "Unbalance", "VelocityStep", "VibrationLines", "ac156_spectrum", "banded_lines", "en1998_spectrum", "load_measured",
-    "load_record", "match_spectrum", "motion_from_dict", "psd_from_g", "psd_level", "psd_rms",
-]  # fmt: skip

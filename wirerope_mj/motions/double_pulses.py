@@ -15,7 +15,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 
@@ -83,28 +83,14 @@ class DoublePulse(StartedMotion):
         """Instant at which the first pulse ends and the second begins [s]."""
         return self.start + self.first_duration
 
-    @property
-    def corners(self) -> Array:
-        """Start, middle and end [s], (3,)."""
-        return unique_times([self.start, self.middle, self.end])
-
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `double half-sine 60 g, 2.25 m/s, 52.5 mm along z`."""
-        level = f"{self.peak / STANDARD_GRAVITY:.4g} g, {self.peak_velocity:.4g} m/s"
-        size = f"{level}, {1e3 * self.final_displacement:.4g} mm"
-        return f"{self.kind.replace('-', ' ', 1)} {size} {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start of the two pulses and end of the second."""
         name = self.kind.replace("-", " ", 1)
-        return (self.start, f"{name} begins"), (self.middle, "second pulse begins"), (self.end, f"{name} ends")
-
-    @property
-    def shortest_time(self) -> float:
-        """Length of the shorter pulse [s]."""
-        return min(self.first_duration, self.second_duration)
+        level = f"{self.peak / STANDARD_GRAVITY:.4g} g, {self.peak_velocity:.4g} m/s"
+        text = f"{name} {level}, {1e3 * self.final_displacement:.4g} mm {self._line_text}"
+        events = (self.start, f"{name} begins"), (self.middle, "second pulse begins"), (self.end, f"{name} ends")
+        return Said(text, events, min(self.first_duration, self.second_duration))
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         levels = {"peak": self.peak, "velocity": self.peak_velocity, "displacement": self.final_displacement}

@@ -14,7 +14,7 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import StraightMotion
+from wirerope_mj.motions.motion import Said, StraightMotion
 from wirerope_mj.motions.sweep_levels import FORMS, Course
 
 
@@ -52,22 +52,13 @@ class Sine(StraightMotion):
         """End of the sine [s], (1,), or nothing if it has none."""
         return np.array([self.duration] if math.isfinite(self.duration) else [])
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `sine 10 Hz 0.5 g along z`."""
         level = f"{self.frequency:.4g} Hz {self.amplitude / STANDARD_GRAVITY:.4g} g"
-        return f"sine {level} along {direction_text(self.direction)}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start of the sine, and its end if it has one."""
         ends = ((self.duration, "sine ends"),) if math.isfinite(self.duration) else ()
-        return ((0.0, f"sine of {self.frequency:.4g} Hz begins"), *ends)
-
-    @property
-    def shortest_time(self) -> float:
-        """Period [s]."""
-        return 1 / self.frequency
+        events = ((0.0, f"sine of {self.frequency:.4g} Hz begins"), *ends)
+        return Said(f"sine {level} along {direction_text(self.direction)}", events, 1 / self.frequency)
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         direction = plain_direction(self.direction)
@@ -156,26 +147,17 @@ class Sweep(StraightMotion):
         """End of the sweep [s], (1,)."""
         return np.array([self.duration])
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `sweep 0.1 to 30 Hz, 2 octaves/min, 0.1 g along z`, or `... 50 mm/s along z`, `... 1 mm along z`."""
         course = f"sweep {self.start:.4g} to {self.stop:.4g} Hz, {self.rate:.4g} octaves/min"
         if self.quantity == "acceleration":
             level = f"{self.amplitude / STANDARD_GRAVITY:.4g} g"
         else:
             level = f"{1e3 * self.amplitude:.4g} {'mm/s' if self.quantity == 'velocity' else 'mm'}"
-        return f"{course}, {level} along {direction_text(self.direction)}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start and end of the sweep."""
-        begins = f"sweep begins at {self.start:.4g} Hz"
-        return (0.0, begins), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
-
-    @property
-    def shortest_time(self) -> float:
-        """Period at the highest frequency [s]."""
-        return 1 / max(self.start, self.stop)
+        text = f"{course}, {level} along {direction_text(self.direction)}"
+        events = (0.0, f"sweep begins at {self.start:.4g} Hz"), (self.duration, f"sweep reaches {self.stop:.4g} Hz")
+        return Said(text, events, 1 / max(self.start, self.stop))
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values = {"start": self.start, "stop": self.stop, "rate": self.rate, self.quantity: self.amplitude}

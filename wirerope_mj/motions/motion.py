@@ -6,7 +6,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 import numpy as np
 
@@ -19,6 +19,14 @@ from wirerope_mj.foundation.summary import AsCall
 SAME_TIME = 1e-10
 # instants below which a product with three components costs least at once; of thousands it costs a quarter one by one
 _FEW = 200
+
+
+class Said(NamedTuple):
+    """What a motion says of itself: a line for a human reader, instants [s] and short texts, shortest time scale [s]."""
+
+    description: str
+    events: tuple[tuple[float, str], ...]
+    shortest_time: float
 
 
 class BaseMotion(ABC):
@@ -56,9 +64,12 @@ class BaseMotion(ABC):
         return self.duration
 
     @property
-    @abstractmethod
     def corners(self) -> Array:
-        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,)."""
+        """Instants where velocity, acceleration or one of its derivatives jumps [s], sorted and unique, (n,).
+
+        Those of its events unless a motion says otherwise.
+        """
+        return unique_times(time for time, _ in self.events)
 
     @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
@@ -66,19 +77,24 @@ class BaseMotion(ABC):
         return ()
 
     @property
-    @abstractmethod
     def description(self) -> str:
         """One line for a human reader."""
+        return self._said.description
 
     @property
-    @abstractmethod
     def events(self) -> tuple[tuple[float, str], ...]:
         """Events: instants [s] and short texts, in order of time."""
+        return self._said.events
 
     @property
-    @abstractmethod
     def shortest_time(self) -> float:
         """Shortest time scale of the motion between two corners [s], to choose a step from; infinite if it has none."""
+        return self._said.shortest_time
+
+    @cached_property
+    def _said(self) -> Said:
+        """What the motion says of itself, for these three."""
+        raise NotImplementedError
 
     @property
     @abstractmethod
@@ -114,9 +130,9 @@ class BaseMotion(ABC):
         return {"kind": self.kind, **self._parameters(files or {})}
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        """Return the constructor's arguments as plain values: the fields of the motion, but for lengths without an end."""
+        """Return the constructor's arguments as plain values: the motion's fields but for None and lengths without an end."""
         stated = {item.name: getattr(self, item.name) for item in fields(self) if item.init}  # type: ignore[arg-type]
-        return {name: _plain(value) for name, value in stated.items() if value != math.inf}
+        return {name: _plain(value) for name, value in stated.items() if value is not None and value != math.inf}
 
     def _set(self, **values: object) -> None:
         """Set attributes of a frozen motion while it is made."""
@@ -213,29 +229,20 @@ class SumOfMotions(AsCall, BaseMotion):
                 jumps.append((time, change))
         return tuple(jumps)
 
-    @property
-    def description(self) -> str:
-        """The terms' descriptions, joined; of many, as dwells of a table are, the first and the last."""
-        said = [term.description for term in self.terms]
-        if len(said) > _SAID:
-            said = [said[0], f".. {len(said) - 2} more ..", said[-1]]
-        return " + ".join(said)
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Events of all terms in order of time; of as many as are not described one by one, the first and the last."""
+    @cached_property
+    def _said(self) -> Said:
+        """That of all terms; of many, as dwells of a table are, descriptions and events of the first and the last."""
+        texts = [term.description for term in self.terms]
         events = sorted((event for term in self.terms for event in term.events), key=lambda event: event[0])
-        return (events[0], events[-1]) if events and len(self.terms) > _SAID else tuple(events)
+        if len(texts) > _SAID:
+            texts = [texts[0], f".. {len(texts) - 2} more ..", texts[-1]]
+            events = [events[0], events[-1]] if events else []
+        return Said(" + ".join(texts), tuple(events), min(term.shortest_time for term in self.terms))
 
     @property
     def directions(self) -> Array:
         """Directions of all terms, (n, 3)."""
         return np.concatenate([term.directions for term in self.terms])
-
-    @property
-    def shortest_time(self) -> float:
-        """Shortest time scale of all terms [s]."""
-        return min(term.shortest_time for term in self.terms)
 
     @property
     def loaded_sites(self) -> tuple[str, ...]:

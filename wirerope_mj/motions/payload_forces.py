@@ -4,6 +4,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import ClassVar
 
 import numpy as np
@@ -12,7 +13,7 @@ from wirerope_mj.foundation.arguments import as_times, finite
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import BaseMotion
+from wirerope_mj.motions.motion import BaseMotion, Said
 
 MOST_ROWS = 20_000  # rows of a table of forces, which is stored with its run as text: two megabytes
 
@@ -51,16 +52,15 @@ class PayloadForce(BaseMotion):
     def _wrench(self, t: Array) -> Array:
         """Return force and moment at times since the start [s], (n_t, 6)."""
 
-    @property
-    def corners(self) -> Array:
-        """Start and end of the force [s], (n,)."""
-        return np.array([time for time in (self.start, self.end) if math.isfinite(time)])
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start of the force, and its end if it has one."""
+    @cached_property
+    def _said(self) -> Said:
         ends = ((self.end, f"{self.kind} ends"),) if math.isfinite(self.end) else ()
-        return ((self.start, f"{self.kind} at {self.site} begins"), *ends)
+        text, shortest_time = self._described()
+        return Said(text, ((self.start, f"{self.kind} at {self.site} begins"), *ends), shortest_time)
+
+    @abstractmethod
+    def _described(self) -> tuple[str, float]:
+        """Return the description of the force and its shortest time scale [s]."""
 
     @property
     def directions(self) -> Array:
@@ -109,20 +109,14 @@ class HarmonicForce(PayloadForce):
         wave = np.sin(2.0 * math.pi * self.frequency * t + self.phase)
         return np.asarray(wave[:, np.newaxis] * np.array([*self.force, *self.moment]))
 
-    @property
-    def description(self) -> str:
+    def _described(self) -> tuple[str, float]:
         """For instance `force (0, 0, 500) N at engine, 12 Hz`."""
         parts = []
         if any(self.force):
             parts.append(f"force ({', '.join(f'{one:.4g}' for one in self.force)}) N")
         if any(self.moment):
             parts.append(f"moment ({', '.join(f'{one:.4g}' for one in self.moment)}) N m")
-        return f"{' and '.join(parts)} at {self.site}, {self.frequency:.4g} Hz"
-
-    @property
-    def shortest_time(self) -> float:
-        """Period [s]."""
-        return 1.0 / self.frequency
+        return f"{' and '.join(parts)} at {self.site}, {self.frequency:.4g} Hz", 1.0 / self.frequency
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -146,16 +140,10 @@ class Blow(PayloadForce):
         size = math.pi * self.impulse / (2.0 * self.duration) * np.sin(math.pi * t / self.duration)
         return np.asarray(size[:, np.newaxis] * np.array([*unit_vector(self.direction), 0.0, 0.0, 0.0]))
 
-    @property
-    def description(self) -> str:
+    def _described(self) -> tuple[str, float]:
         """For instance `blow of 9800 N s in 1 ms at anvil along z`."""
         along = direction_text(self.direction)
-        return f"blow of {self.impulse:.4g} N s in {1e3 * self.duration:.4g} ms at {self.site} along {along}"
-
-    @property
-    def shortest_time(self) -> float:
-        """Length [s]."""
-        return self.duration
+        return f"blow of {self.impulse:.4g} N s in {1e3 * self.duration:.4g} ms at {self.site} along {along}", self.duration
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,13 +181,7 @@ class ForceTable(PayloadForce):
         """All instants [s], (n,)."""
         return self.start + np.array(self.times)
 
-    @property
-    def description(self) -> str:
-        """For instance `force table at engine, 120 rows, up to 4.3 kN`."""
+    def _described(self) -> tuple[str, float]:
+        """For instance `force table at engine, 120 rows, up to 4.3 kN`; between the corners it is straight."""
         largest = float(np.abs(np.array(self.loads)[:, :3]).max())
-        return f"force table at {self.site}, {len(self.times)} rows, up to {largest / 1e3:.4g} kN"
-
-    @property
-    def shortest_time(self) -> float:
-        """None: between the corners it is straight."""
-        return math.inf
+        return f"force table at {self.site}, {len(self.times)} rows, up to {largest / 1e3:.4g} kN", math.inf

@@ -8,7 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array, ArrayLike
-from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
+from wirerope_mj.foundation.csv_units import read_header, rows_in_si
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.plain_text import quoted, short
 from wirerope_mj.foundation.units import (
@@ -18,7 +18,6 @@ from wirerope_mj.foundation.units import (
     STANDARD_GRAVITY,
     TIME_UNITS,
     VELOCITY_UNITS,
-    in_si,
 )
 
 Points = tuple[tuple[float, float], ...]
@@ -127,7 +126,7 @@ def table_lines(path: Path) -> tuple[str, Points]:
             f"{header.location}: an amplitude table has the columns {example}, or with a velocity or an acceleration at the "
             f"end; here are {header.listed(units=True)}."
         )
-    rows = _rows(header, [*[_FREQUENCY_UNITS] * len(places), _AMPLITUDE_UNITS[quantity]])
+    rows = rows_in_si(header, [*[_FREQUENCY_UNITS] * len(places), _AMPLITUDE_UNITS[quantity]])
     try:
         lines = banded_lines([row if len(row) == 3 else (row[0], *row) for row in rows])
     except ValueError as error:
@@ -173,21 +172,9 @@ def force_rows(path: Path) -> ForceRows:
     if "time" not in header.names:
         raise RecordError(f'{header.location}: there is no column "time [s]".')
     units = [TIME_UNITS if one == "time" else FORCE_UNITS if one[0] == "f" else _MOMENT_UNITS for one in header.names]
-    rows = [dict(zip(header.names, row, strict=True)) for row in _rows(header, units)]
+    rows = [dict(zip(header.names, row, strict=True)) for row in rows_in_si(header, units)]
     loads = tuple(tuple(row.get(name, 0.0) for name in FORCE_COLUMNS) for row in rows)
     return tuple(row["time"] for row in rows), loads
-
-
-def _rows(header: Header, units: Sequence[Mapping[str, float]]) -> list[tuple[float, ...]]:
-    """Read the rows below a header in SI; `units` are those that each column may have."""
-    factors = [header.factor(number, known) for number, known in enumerate(units)]
-    return [
-        tuple(
-            in_si(number_in(location, name, cell), factor)
-            for name, cell, factor in zip(header.names, cells, factors, strict=True)
-        )
-        for _, location, cells in rows_below(header)
-    ]
 
 
 def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) -> Points:
@@ -199,6 +186,6 @@ def _points(path: Path, units: Mapping[str, float], *, kind: str, example: str) 
             f"{header.listed(units=True)}."
         )
     try:
-        return checked_points("rows", _rows(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
+        return checked_points("rows", rows_in_si(header, (_FREQUENCY_UNITS, units)), quantity=header.names[1])
     except ValueError as error:
         raise RecordError(f"{path}: {error}") from None

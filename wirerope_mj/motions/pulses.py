@@ -15,7 +15,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 
 
@@ -37,26 +37,11 @@ class Pulse(StartedMotion):
     def velocity_change(self) -> float:
         """Velocity along the direction that the pulse leaves behind [m/s]."""
 
-    @property
-    def corners(self) -> Array:
-        """Start and end of the pulse [s], (n,)."""
-        return unique_times([self.start, self.end])
-
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `half-sine 15 g 11 ms along z`."""
-        size = f"{self.peak / STANDARD_GRAVITY:.4g} g {self.duration * 1e3:.4g} ms"
-        return f"{self.kind} {size} {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start and end of the pulse."""
-        return (self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")
-
-    @property
-    def shortest_time(self) -> float:
-        """Length of the pulse [s]."""
-        return self.duration
+        text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {self.duration * 1e3:.4g} ms {self._line_text}"
+        return Said(text, ((self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")), self.duration)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -165,29 +150,15 @@ class VelocityStep(StartedMotion):
         self._set(direction=checked_direction(direction), start=ranges.start("start", start), duration=0.0)
 
     @property
-    def corners(self) -> Array:
-        """Instant of the step [s], (1,)."""
-        return np.array([self.start])
-
-    @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """The step: its instant [s] and the jump (3,) [m/s]."""
         return ((self.start, self.velocity_change * self.unit),)
 
-    @property
-    def description(self) -> str:
-        """For instance `velocity step 2 m/s along z`."""
-        return f"velocity step {self.velocity_change:.4g} m/s {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """The step."""
-        return ((self.start, "velocity step"),)
-
-    @property
-    def shortest_time(self) -> float:
-        """Infinite [s]: away from its jump the step has no time scale."""
-        return math.inf
+    @cached_property
+    def _said(self) -> Said:
+        """For instance `velocity step 2 m/s along z`; away from its jump the step has no time scale."""
+        text = f"velocity step {self.velocity_change:.4g} m/s {self._line_text}"
+        return Said(text, ((self.start, "velocity step"),), math.inf)
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         direction = plain_direction(self.direction)

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_amplitudes, random_phases, usual_ramp
-from wirerope_mj.motions.motion import StartedMotion
+from wirerope_mj.motions.motion import Said, StartedMotion
 from wirerope_mj.motions.piecewise import UniformSpline
 from wirerope_mj.motions.psd_lines import checked_points, psd_power, psd_rms
 
@@ -88,26 +88,17 @@ class RandomVibration(AsCall, StartedMotion):
         """Every knot [s], (n,): the slope of the acceleration changes at each."""
         return self.start + self._spacing * np.arange(self._intervals + 1.0)
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `random 20 to 2000 Hz, 7.69 g rms, 60 s, seed 1 along z`."""
         level = f"{self.psd[0][0]:.4g} to {self.psd[-1][0]:.4g} Hz, {self.rms / STANDARD_GRAVITY:.4g} g rms"
         seed = f"seed {self.seed}" + (", random amplitudes" if self.amplitudes == "random" else "")
-        return f"random {level}, {self.duration:.4g} s, {seed} {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start, full level, fall and end."""
         full, falls = self.steady
-        return (
+        events = (
             (self.start, "random vibration begins"), (full, f"full level, {self.rms / STANDARD_GRAVITY:.4g} g rms"),
             (falls, "vibration falls"), (self.end, "random vibration ends"),
         )  # fmt: skip
-
-    @property
-    def shortest_time(self) -> float:
-        """Period of the highest frequency [s]."""
-        return 1 / self.psd[-1][0]
+        return Said(f"random {level}, {self.duration:.4g} s, {seed} {self._line_text}", events, 1 / self.psd[-1][0])
 
     @property
     def _intervals(self) -> int:

@@ -12,7 +12,7 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import BaseMotion, SumOfMotions
+from wirerope_mj.motions.motion import BaseMotion, Said, SumOfMotions
 
 Rows = tuple[tuple[float, float, float], tuple[float, float, float], tuple[float, float, float]]
 _SQUARE = 1e-9  # largest error of a product of rows of a rotation: a matrix whose numbers were written with ten digits
@@ -49,15 +49,19 @@ class _Changed(BaseMotion):
     def load(self, site: str, time: ArrayLike) -> Array:
         return self.motion.load(site, time)  # the body turns it
 
-    end, corners, events, shortest_time = map(_same, ("end", "corners", "events", "shortest_time"))
-    loaded_sites, files = map(_same, ("loaded_sites", "files"))
+    end, corners, loaded_sites, files = map(_same, ("end", "corners", "loaded_sites", "files"))
     parts = _same("parts")  # as they are before the change
 
-    @property
-    def _quoted(self) -> str:
-        """The other motion's description, in brackets if something after it would seem to belong to its last term only."""
+    @cached_property
+    def _said(self) -> Said:
+        """The other motion's, in brackets if something after it would seem to belong to its last term only."""
         text = self.motion.description
-        return f"({text})" if isinstance(self.motion, SumOfMotions) else text
+        quoted = f"({text})" if isinstance(self.motion, SumOfMotions) else text
+        return Said(self._described(quoted), self.motion.events, self.motion.shortest_time)
+
+    @abstractmethod
+    def _described(self, quoted: str) -> str:
+        """Return the description of the motion from that of the other one."""
 
 
 @dataclass(frozen=True)
@@ -80,10 +84,9 @@ class Scaled(_Changed):
         """Directions of the other motion, (n, 3)."""
         return self.motion.directions
 
-    @property
-    def description(self) -> str:
+    def _described(self, quoted: str) -> str:
         """For instance `1.5 x half-sine 15 g 11 ms along z`."""
-        return f"{self.factor:.4g} x {self._quoted}"
+        return f"{self.factor:.4g} x {quoted}"
 
     def load(self, site: str, time: ArrayLike) -> Array:
         """Return the other motion's forces [N] and moments [N m] at a site times the factor, (n_t, 6)."""
@@ -138,12 +141,11 @@ class Turned(_Changed):
         """Directions of the other motion, turned, (n, 3)."""
         return self._changed(self.motion.directions)
 
-    @property
-    def description(self) -> str:
+    def _described(self, quoted: str) -> str:
         """For instance `half-sine 15 g 11 ms along z, turned to (0, 1, 1)`, or `..., turned by 30 deg about (0, 0, 1)`."""
         if self.direction is not None:
-            return f"{self._quoted}, turned to {direction_text(self.direction)}"
-        return f"{self._quoted}, turned {_rotation_text(np.array(self.rotation))}"
+            return f"{quoted}, turned to {direction_text(self.direction)}"
+        return f"{quoted}, turned {_rotation_text(np.array(self.rotation))}"
 
     def _changed(self, vectors: Array) -> Array:
         # Sums of three products in this order, so that a row has the same bits however many there are.

@@ -15,7 +15,7 @@ from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.pulses import HalfSine
 
 LEFT_AT_END = 1e-3  # fraction of the oscillation that is left at `end`
@@ -104,22 +104,13 @@ class DecayingSine(StartedMotion):
         """The blow, if it is instant."""
         return () if self.impact_duration else ((self.start, self.velocity_change * self.unit),)
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `deck of 14 Hz, damping 0.05, struck to 2 m/s along z`."""
         deck = f"deck of {self.frequency:.4g} Hz, damping {self.damping:.4g}, struck to {self.velocity_change:.4g} m/s"
         blow = f" in {1e3 * self.impact_duration:.4g} ms" if self.impact_duration else ""
-        return f"{deck}{blow} {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """The blow, and when a thousandth is left."""
-        return (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
-
-    @property
-    def shortest_time(self) -> float:
-        """Period, or the length of the blow if that is shorter [s]."""
-        return min(1 / self.frequency, self.impact_duration or math.inf)
+        events = (self.start, f"deck of {self.frequency:.4g} Hz is struck"), (self.end, "deck is at rest within 0.1 %")
+        return Said(f"{deck}{blow} {self._line_text}", events, min(1 / self.frequency, self.impact_duration or math.inf))
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values = {"frequency": self.frequency, "damping": self.damping, self.quantity: self.level}
@@ -227,43 +218,24 @@ class ShockTableImpact(StartedMotion):
         return self.start + self.fall_duration
 
     @property
-    def corners(self) -> Array:
-        """Release, impact and end of the pulse [s], (n,)."""
-        return unique_times([self.start, self.impact, self.end])
-
-    @property
     def velocity_jumps(self) -> tuple[tuple[float, Array], ...]:
         """The impact, if the velocity changes at once."""
         return () if self.pulse_duration is not None else ((self.impact, self.velocity_change * self.unit),)
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `drop table 0.5 m, rebound 0.2, 3.758 m/s in 11 ms along z`."""
         pulse = "at once" if self.pulse_duration is None else f"in {1e3 * self.pulse_duration:.4g} ms"
         falls = " after its fall" if self.fall else ""
         size = f"{self.drop_height:.4g} m, rebound {self.rebound:.4g}, {self.velocity_change:.4g} m/s {pulse}{falls}"
-        return f"drop table {size} {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Release, impact and its end."""
         release = ((self.start, "table falls"),) if self.fall else ()
         over = ((self.end, "impact ends"),) if self.pulse_duration is not None else ()
-        return (*release, (self.impact, "table strikes"), *over)
-
-    @property
-    def shortest_time(self) -> float:
-        """Length of the half-sine [s]; infinite if the velocity changes at once."""
-        return self.pulse_duration if self.pulse_duration is not None else math.inf
+        events = (*release, (self.impact, "table strikes"), *over)
+        return Said(f"drop table {size} {self._line_text}", events, self.pulse_duration or math.inf)
 
     def _pulse(self, length: float) -> HalfSine:
         peak = math.pi * self.velocity_change / (2 * length)
         return HalfSine(peak=peak, duration=length, direction=self.direction, start=self.impact)
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        values = {"drop_height": self.drop_height, "rebound": self.rebound, "start": self.start, "fall": self.fall}
-        length = {} if self.pulse_duration is None else {"pulse_duration": self.pulse_duration}
-        return {**values, **length, "gravity": self.gravity, "direction": plain_direction(self.direction)}
 
     def _along(self, t: Array, order: int) -> Array:
         fallen, since = np.clip(t - self.start, 0.0, self.fall_duration), np.maximum(t - self.impact, 0.0)

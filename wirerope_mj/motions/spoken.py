@@ -36,32 +36,26 @@ _SHAFT: Entries = {
 }  # fmt: skip
 
 
-def _pulse(shape: Callable[..., BaseMotion]) -> Make:
-    """Make a pulse of one shape."""
+def _made(shape: Callable[..., BaseMotion], *, started: bool = True, **taken: str) -> Make:
+    """Make a motion whose arguments are quantities or words of its phrase; of a force on the payload its site, too."""
 
-    def make(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
-        named = {"rise": phrase.named.get("rise", _RISE * phrase.one("time"))} if shape is Trapezoid else {}
-        peak, duration = phrase.one("acceleration"), phrase.one("time")
-        return shape(peak=peak, duration=duration, direction=direction, start=phrase.start, **named)
+    def make(phrase: Phrase, direction: Direction, _: int, site: str | None) -> BaseMotion:
+        begins = ({"start": phrase.start} if started else {}) | ({} if site is None else {"site": site})
+        values = {name: phrase.named[said] if said in phrase.named else phrase.one(said) for name, said in taken.items()}
+        return shape(direction=direction, **values, **begins)
 
     return make
+
+
+def _trapezoid(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
+    duration, peak = phrase.one("time"), phrase.one("acceleration")
+    rise = phrase.named.get("rise", _RISE * duration)
+    return Trapezoid(peak=peak, duration=duration, rise=rise, direction=direction, start=phrase.start)
 
 
 def _double_pulse(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
     spectrum = DesignSpectrum(**{name: phrase.one(name) for name in ("displacement", "velocity", "acceleration")})
     return spectrum.double_half_sine(direction=direction, start=phrase.start)
-
-
-def _struck_deck(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
-    return DecayingSine(
-        frequency=phrase.one("frequency"), damping=phrase.named["damping"], velocity=phrase.one("velocity"),
-        direction=direction, impact_duration=phrase.named["blow"], start=phrase.start,
-    )  # fmt: skip
-
-
-def _sine(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
-    frequency, amplitude, length = (phrase.one(quantity) for quantity in ("frequency", "acceleration", "time"))
-    return Sine(frequency=frequency, acceleration=amplitude, direction=direction, duration=length)
 
 
 def _sweep(phrase: Phrase, direction: Direction, _: int, __: object) -> BaseMotion:
@@ -139,20 +133,20 @@ def _site_and_table(text: str, folder: Path) -> tuple[tuple[str, ForceRows], str
 # kinds of motion that a phrase says, by name: of the base, then forces on the payload
 SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
     "half-sine": SpokenMotion(
-        example="15 g 11 ms z", summary="half-sine: peak, length, direction", needs=_PULSE, make=_pulse(HalfSine),
+        example="15 g 11 ms z", summary="half-sine: peak, length, direction", needs=_PULSE,
+        make=_made(HalfSine, peak="acceleration", duration="time"),
     ),
     "sawtooth": SpokenMotion(
-        example="20 g 11 ms z", summary="terminal-peak sawtooth: peak, length, direction", needs=_PULSE, make=_pulse(Sawtooth),
+        example="20 g 11 ms z", summary="terminal-peak sawtooth: peak, length, direction", needs=_PULSE,
+        make=_made(Sawtooth, peak="acceleration", duration="time"),
     ),
     "trapezoid": SpokenMotion(
         example="10 g 18 ms rise 2 ms z", summary="trapezoid: peak, length, rise, direction", needs=_PULSE,
-        words=START | {"rise": "time"}, make=_pulse(Trapezoid),
+        words=START | {"rise": "time"}, make=_trapezoid,
     ),
     "velocity-step": SpokenMotion(
         example="2 m/s z", summary="velocity at once", needs={"velocity": 1},
-        make=lambda phrase, direction, *_: VelocityStep(
-            velocity=phrase.one("velocity"), direction=direction, start=phrase.start
-        ),
+        make=_made(VelocityStep, velocity="velocity"),
     ),
     "double-pulse": SpokenMotion(
         example="50 mm 3 m/s 100 g z", summary="double half-sine of a design spectrum d0, v0, a0",
@@ -162,20 +156,19 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
         example="14 Hz 1.5 m/s damping 5 % blow 4 ms z",
         summary="deck of one frequency under a blow: frequency, velocity, damping, length of the blow, direction",
         needs={"frequency": 1, "velocity": 1}, words=START | {"damping": "ratio", "blow": "time"},
-        needed_words=("damping", "blow"), make=_struck_deck,
+        needed_words=("damping", "blow"),
+        make=_made(DecayingSine, frequency="frequency", damping="damping", velocity="velocity", impact_duration="blow"),
     ),
     "struck-plate": SpokenMotion(
         example="14 MPa 0.9 ms 320 kg/m2 z",
         summary="hull plate under an underwater shock wave: peak pressure, decay, mass per area, direction",
         needs={"pressure": 1, "time": 1, "areal mass": 1},
-        make=lambda phrase, direction, *_: StruckPlate(
-            pressure=phrase.one("pressure"), decay=phrase.one("time"), areal_mass=phrase.one("areal mass"),
-            direction=direction, start=phrase.start,
-        ),
+        make=_made(StruckPlate, pressure="pressure", decay="time", areal_mass="areal mass"),
     ),
     "sine": SpokenMotion(
         example="0.5 g 12 Hz 10 s z", summary="steady sine: amplitude, frequency, length, direction",
-        needs={"acceleration": 1, "frequency": 1, "time": 1}, words={}, make=_sine,
+        needs={"acceleration": 1, "frequency": 1, "time": 1}, words={},
+        make=_made(Sine, started=False, frequency="frequency", acceleration="acceleration", duration="time"),
     ),
     "sweep": SpokenMotion(
         example="0.5 g 5 to 50 Hz 2 oct/min z",
@@ -226,10 +219,7 @@ SPOKEN_MOTIONS: dict[str, SpokenMotion] = {
     ),
     "hammer": SpokenMotion(
         example="anvil 9.8 kN.s 1 ms z", summary="blow on the payload: site, impulse, length, direction",
-        needs={"impulse": 1, "time": 1}, begins=site_first,
-        make=lambda phrase, direction, _, site: Blow(
-            site=site, impulse=phrase.one("impulse"), duration=phrase.one("time"), direction=direction, start=phrase.start
-        ),
+        needs={"impulse": 1, "time": 1}, begins=site_first, make=_made(Blow, impulse="impulse", duration="time"),
     ),
     "force-table": SpokenMotion(
         example="engine start.csv at 1 s",

@@ -1,17 +1,15 @@
 """Unbalance of what rotates or reciprocates on the payload."""
 
 import math
-from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import ClassVar
 
 import numpy as np
 
 from wirerope_mj.foundation.arguments import as_times, finite, positive
-from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
-from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, plain_direction, unit_vector
+from wirerope_mj.foundation.arrays import Array, ArrayLike
+from wirerope_mj.foundation.directions import Direction, checked_direction, direction_text, unit_vector
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.payload_forces import PayloadForce
 
@@ -111,8 +109,7 @@ class Unbalance(PayloadForce):
             return super().corners
         return np.sort(np.append(super().corners, self.start + self.run_up))
 
-    @property
-    def description(self) -> str:
+    def _described(self) -> tuple[str, float]:
         """For instance `unbalance 0.02 kg m at engine about x, 25 Hz`."""
         about, along = (direction_text(one) for one in (self.axis or "z", self.line or "z"))
         way = f"about {about}" if self.axis is not None else f"along {along}"
@@ -120,19 +117,5 @@ class Unbalance(PayloadForce):
         if self.final_frequency is not None:
             speed = f"{self.frequency:.4g} to {self.final_frequency:.4g} Hz in {self.run_up:.4g} s"
         order = f", order {self.order:g}" if self.order != 1.0 else ""
-        return f"unbalance {self.unbalance:.4g} kg m at {self.site} {way}, {speed}{order}"
-
-    @property
-    def shortest_time(self) -> float:
-        """Period at the highest speed [s]."""
-        return 1.0 / (self.order * max(self.frequency, self.final_frequency or 0.0))
-
-    def _parameters(self, files: Mapping[Path, str]) -> Entries:
-        values: Entries = {"site": self.site, "unbalance": self.unbalance, "frequency": self.frequency}
-        for name in ("axis", "line"):
-            if getattr(self, name) is not None:
-                values[name] = plain_direction(getattr(self, name))
-        values |= {"order": self.order, "phase": self.phase, "start": self.start}
-        if self.final_frequency is not None:
-            values |= {"final_frequency": self.final_frequency, "run_up": self.run_up}
-        return values | ({"duration": self.duration} if math.isfinite(self.duration) else {})
+        period = 1.0 / (self.order * max(self.frequency, self.final_frequency or 0.0))
+        return f"unbalance {self.unbalance:.4g} kg m at {self.site} {way}, {speed}{order}", period

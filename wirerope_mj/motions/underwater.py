@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import Direction, checked_direction
 from wirerope_mj.motions import ranges
-from wirerope_mj.motions.motion import StartedMotion, unique_times
+from wirerope_mj.motions.motion import Said, StartedMotion
 
 SEA_WATER = 1025.0 * 1500.0  # density times velocity of sound [Pa s/m]
 ALIKE = 1e-6  # distance of psi from 1 within which the formulas of psi = 1 are right to a millionth, and exact integrals
@@ -60,26 +60,13 @@ class StruckPlate(StartedMotion):
         """Velocity along the direction with which the plate leaves the water [m/s]."""
         return float(self._kick(np.array([self.duration]), 1)[0])
 
-    @property
-    def corners(self) -> Array:
-        """Arrival of the wave, and when the water lets go [s], (2,)."""
-        return unique_times([self.start, self.end])
-
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `plate of 320 kg/m^2 struck by 14 MPa decaying in 0.9 ms: 11.72 m/s along z`."""
         wave = f"struck by {self.pressure / 1e6:.4g} MPa decaying in {1e3 * self.decay:.4g} ms"
-        return f"plate of {self.areal_mass:.4g} kg/m^2 {wave}: {self.velocity_change:.4g} m/s {self._line_text}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Arrival of the wave, and when the water lets go."""
-        return (self.start, "wave strikes the plate"), (self.end, "water lets go of the plate")
-
-    @property
-    def shortest_time(self) -> float:
-        """The shorter of decay and kick [s]."""
-        return min(self.decay, self.duration)
+        text = f"plate of {self.areal_mass:.4g} kg/m^2 {wave}: {self.velocity_change:.4g} m/s {self._line_text}"
+        events = (self.start, "wave strikes the plate"), (self.end, "water lets go of the plate")
+        return Said(text, events, min(self.decay, self.duration))
 
     @cached_property
     def _alike(self) -> bool:

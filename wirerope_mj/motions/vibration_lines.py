@@ -15,7 +15,7 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, dire
 from wirerope_mj.foundation.summary import AsCall
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.envelope import Envelope, check_room, random_phases, usual_ramp
-from wirerope_mj.motions.motion import StartedMotion
+from wirerope_mj.motions.motion import Said, StartedMotion
 from wirerope_mj.motions.psd_lines import Points, checked_points
 
 _ORDER = {"acceleration": 2, "velocity": 1, "displacement": 0}
@@ -112,24 +112,15 @@ class VibrationLines(AsCall, StartedMotion):
         """The rise and the fall."""
         return Envelope(start=self.start, stop=self.end, rise=self.rise, fall=self.fall)
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `3 lines from 5 to 12 Hz, acceleration up to 0.5 m/s^2 along z`."""
         f, largest = self.frequencies, f"{self.quantity} up to {self.amplitudes.max():.4g} {_UNIT[self.quantity]}"
         count = f"{f.size} lines from {f[0]:.4g} to {f[-1]:.4g} Hz" if f.size > 1 else f"1 line of {f[0]:.4g} Hz"
         length = f", {self.duration:.4g} s" if math.isfinite(self.duration) else ""
-        return f"{count}, {largest}{length} along {direction_text(self.direction)}"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """Start, and the end if there is one."""
         ends = ((self.end, "vibration ends"),) if math.isfinite(self.duration) else ()
-        return (self.start, "vibration begins"), *ends
-
-    @property
-    def shortest_time(self) -> float:
-        """Period of the highest frequency [s]."""
-        return 1 / self.lines[-1][0]
+        text = f"{count}, {largest}{length} along {direction_text(self.direction)}"
+        return Said(text, ((self.start, "vibration begins"), *ends), 1 / self.lines[-1][0])
 
     def _parameters(self, files: Mapping[Path, str]) -> Entries:
         values: Entries = {self.quantity: [list(line) for line in self.lines]}

@@ -16,7 +16,7 @@ from wirerope_mj.foundation.directions import Direction, checked_direction, dire
 from wirerope_mj.foundation.errors import RecordError, RecordWarning
 from wirerope_mj.foundation.parquet_files import read_content
 from wirerope_mj.foundation.units import ACCELERATION_UNITS, STANDARD_GRAVITY
-from wirerope_mj.motions.motion import BaseMotion
+from wirerope_mj.motions.motion import BaseMotion, Said
 from wirerope_mj.motions.piecewise import PiecewiseLinear
 from wirerope_mj.motions.records.checks import motion_warnings, reading_warnings
 from wirerope_mj.motions.records.sampling import BASELINES, even, resampled, without_baseline
@@ -76,22 +76,15 @@ class Record(BaseMotion):
         """Every sample instant [s], (n,): the slope of the acceleration may change at each."""
         return self.time
 
-    @property
-    def description(self) -> str:
+    @cached_property
+    def _said(self) -> Said:
         """For instance `record deck.csv, 2.5 s, peak 14.2 g`."""
         blocks = np.array_split(self.samples, -(-len(self.samples) // _BLOCK))
         peak = max(float(np.linalg.norm(block, axis=1).max()) for block in blocks) / STANDARD_GRAVITY
-        return f"record {self.path.name}, {self.duration:.4g} s, peak {peak:.4g} g"
-
-    @property
-    def events(self) -> tuple[tuple[float, str], ...]:
-        """First and last sample."""
-        return (self.start, f"record {self.path.name} begins"), (self.end, f"record {self.path.name} ends")
-
-    @property
-    def shortest_time(self) -> float:
-        """Four sample intervals [s]."""
-        return _SAMPLES_PER_PERIOD * self.duration / (self.time.size - 1)
+        record = f"record {self.path.name}"
+        events = (self.start, f"{record} begins"), (self.end, f"{record} ends")
+        shortest = _SAMPLES_PER_PERIOD * self.duration / (self.time.size - 1)
+        return Said(f"{record}, {self.duration:.4g} s, peak {peak:.4g} g", events, shortest)
 
     @property
     def files(self) -> tuple[Path, ...]:

@@ -10,17 +10,18 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.estimate.trends import (
     ENIDINE,
     LARGEST_ROPE,
+    QUANTITIES,
     SAME_ROPE,
     SMALLEST_ROPE,
     LeftOut,
-    LoopValues,
+    Values,
     all_trends,
     left_out_errors,
     other_vendor_errors,
 )
 from wirerope_mj.mounts.isolator import Isolator, Provenance, Rotation, Spread
 from wirerope_mj.mounts.rope_loop import RopeLoop, loop_positions, loop_shape, rotational_stiffness
-from wirerope_mj.mounts.vendor_parts.parts import ModeValues, Series, VendorPart
+from wirerope_mj.mounts.vendor_parts.parts import MODES, ModeValues, Series, VendorPart
 from wirerope_mj.mounts.vendor_parts.secants import NiLaw
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_part
 
@@ -49,10 +50,9 @@ class LoopEstimate:
     loops: int  # their number
     bar_assumed: bool  # whether the bar was not given, and taken from the vendor's parts of this rope
     bar_length: float | None  # over which the loops are spread [m], None if not given
-    values: LoopValues  # those that a data sheet would state
-    bands: dict[str, Band]  # error of each value, by the names of `values.flat()`
+    values: Values  # those that a data sheet would state
+    bands: dict[str, Band]  # error of each value, by its name
     left_out: LeftOut  # what the estimate of each known part left out: itself, or all parts with its rope
-    vibration_bending_stiffness: float  # EI of the rope in small vibration [N m^2]
     # stiffness about x (roll), y (shear) and z (axial) for small vibration, about mid-height [N m/rad], (3,); without
     # `bar_length` only about y, the others NaN. No vendor states any: it has no band of its own.
     rotation: Array
@@ -92,15 +92,14 @@ def estimate_loop(
     known = bool(np.any(np.abs(trends.rope / rope - 1.0) <= SAME_ROPE))
     left_out: LeftOut = "part" if known else "rope size"
     shape = loop_shape(height=height, width=width, bar=thickness, rope=rope)
-    stiffness = values.vibration["compression"] / (loops * RopeLoop(shape).stiffness()[1, 1])
+    stiffness = values["compression vibration"] / (loops * RopeLoop(shape).stiffness()[1, 1])
     rotation = rotational_stiffness(
         shape, bending_stiffness=stiffness, positions=loop_positions(loops, bar_length or 1.0),
-        axial=values.vibration["compression"], roll=values.vibration["shear"],
+        axial=values["compression vibration"], roll=values["shear vibration"],
     )  # fmt: skip
     return LoopEstimate(
         height=height, width=width, rope=rope, bar=thickness, loops=loops, bar_assumed=bar is None,
         bar_length=bar_length, values=values, bands=error_bands(left_out), left_out=left_out,
-        vibration_bending_stiffness=float(stiffness),
         rotation=rotation if bar_length is not None else np.array([math.nan, rotation[1], math.nan]),
     )  # fmt: skip
 
@@ -135,12 +134,10 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     values = estimate.values
     modes = {
         mode: ModeValues(
-            static_load=_rounded(values.static_load) if mode == "compression" else None,
-            travel=_rounded(values.travel[mode]),
-            vibration=_rounded(values.vibration[mode]),
-            shock=_rounded(values.shock[mode]),
+            static_load=_rounded(values["static load"]) if mode == "compression" else None,
+            **{quantity: _rounded(values[f"{mode} {quantity}"]) for quantity in QUANTITIES},
         )
-        for mode in values.travel
+        for mode in MODES
     }
     title = name or f"estimated, {estimate.loops} loops of {1e3 * estimate.rope:g} mm rope"
     part = VendorPart(
@@ -159,7 +156,7 @@ def estimated_isolator(estimate: LoopEstimate, name: str | None = None) -> Isola
     rotation = None
     if estimate.bar_length is not None and isinstance(fitted.axial, NiLaw) and isinstance(fitted.roll, NiLaw):
         # Their elastic part alone, as in a fitted file: what small vibration has beyond it is friction.
-        along, across = fitted.axial.k1 / values.vibration["compression"], fitted.roll.k1 / values.vibration["shear"]
+        along, across = fitted.axial.k1 / values["compression vibration"], fitted.roll.k1 / values["shear vibration"]
         about_roll, about_shear, about_axial = estimate.rotation.tolist()
         rotation = Rotation(
             roll=_rounded(along * about_roll), shear=_rounded(along * about_shear), axial=_rounded(across * about_axial)

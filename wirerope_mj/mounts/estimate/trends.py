@@ -1,8 +1,8 @@
 """The parts of a vendor's table beside the elastica of their loops, and trends over them from geometry to values."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cache
+from functools import cache, cached_property
 from typing import Literal
 
 import numpy as np
@@ -12,6 +12,15 @@ from wirerope_mj.mounts.rope_loop import LoopShape, RopeLoop, loop_shape
 from wirerope_mj.mounts.vendor_parts.parts import MODES, SERIES, Series, VendorPart, vendor_parts
 
 ENIDINE: Series = next(series for series in SERIES if series.file == "enidine_wr.csv")
+Values = dict[str, float]  # of an isolator in SI by mode and quantity, as "compression shock", and "static load" in compression
+QUANTITIES = ("travel", "vibration", "shock")
+
+
+def stated_values(part: VendorPart) -> Values:
+    """Return the values that a vendor states of a part, by name."""
+    values = {f"{mode} {name}": getattr(part.modes[mode], name) for name in QUANTITIES for mode in MODES}
+    stated = {"static load": part.modes["compression"].static_load} | values
+    return {name: value for name, value in stated.items() if value is not None}
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,17 +34,22 @@ class VendorLoop:
     width: float
     height: float
     bar: float  # thickness of one bar [m]
-    # largest static load [N], largest deflection [m], stiffness of small vibration and mean stiffness over the travel [N/m],
-    # by mode: compression, 45, and shear, which stands for roll as well
-    static_load: Mapping[str, float]
-    travel: Mapping[str, float]
-    vibration: Mapping[str, float]
-    shock: Mapping[str, float]
+    values: Values
 
-    @property
+    @cached_property
     def shape(self) -> LoopShape:
         """The half loop of its envelope."""
         return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
+
+    @cached_property
+    def bending_stiffness(self) -> float:
+        """EI of the rope [N m^2] that gives the catalogue's shock stiffness in compression."""
+        return self.values["compression shock"] / (self.loops * _secant(self.shape, self.values["compression travel"]))
+
+
+def _secant(shape: LoopShape, compression: float) -> float:
+    """Return force over deflection of one loop of EI = 1 N m^2 at a compression [m], in N/m."""
+    return -float(RopeLoop(shape).state(0.0, -compression).axial_force) / compression
 
 
 @cache
@@ -44,94 +58,19 @@ def vendor_loops() -> tuple[VendorLoop, ...]:
 
     ModelError: the table cannot be read.
     """
-    loops = (_loop(part) for part in vendor_parts() if part.series is ENIDINE)
-    return tuple(loop for loop in loops if loop is not None)
-
-
-def _loop(part: VendorPart) -> VendorLoop | None:
-    """Return a part's loops, None where the table leaves something out."""
-    rope, loops, width, height, bar = part.rope, part.loops, part.width, part.height, part.bar
-    if rope is None or loops is None or width is None or height is None or bar is None:
-        return None
-
-    names = ("static_load", "travel", "vibration", "shock")
-    values = {name: {mode: getattr(part.modes[mode], name) for mode in MODES} for name in names}
-    if any(value is None for by_mode in values.values() for value in by_mode.values()):
-        return None
-    return VendorLoop(name=part.name, rope=rope, loops=loops, width=width, height=height, bar=bar, **values)
-
-
-@dataclass(frozen=True, kw_only=True)
-class Secants:
-    """Force over deflection of a loop at three deflections from the unloaded position [N/m]."""
-
-    compression: float  # straight down
-    roll: float  # straight across the bars
-    diagonal: float  # straight at 45 degrees between both; the force is the component along that line
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoopCheck:
-    """One isolator of a vendor beside the elastica; errors are prediction over catalogue - 1."""
-
-    part: VendorLoop  # row of the table
-    bending_stiffness: float  # EI of the rope [N m^2] that gives the catalogue's shock stiffness in compression
-    roll_error: float  # of the shock stiffness in roll, which the catalogue has in one table with shear
-    diagonal_error: float  # of the shock stiffness at 45 degrees
-
-
-def loop_secants(shape: LoopShape, *, compression: float, roll: float, diagonal: float) -> Secants:
-    """Return the secants of one loop of EI = 1 N m^2 at three travels [m], each > 0."""
-    across = diagonal / np.sqrt(2.0)
-    state = RopeLoop(shape).state([0.0, roll, across], [-compression, 0.0, -across])
-    return Secants(
-        compression=float(-state.axial_force[0] / compression),
-        roll=float(state.roll_force[1] / roll),
-        diagonal=float((state.roll_force[2] - state.axial_force[2]) / np.sqrt(2.0) / diagonal),
-    )
-
-
-@cache
-def check_vendor_loops() -> tuple[LoopCheck, ...]:
-    """Return all 50 rows beside the elastica; nothing is fitted but one EI for each row, to its compression."""
-    return tuple(_check(part) for part in vendor_loops())
-
-
-def _check(part: VendorLoop) -> LoopCheck:
-    """Return one row beside the elastica."""
-    travel = part.travel
-    secants = loop_secants(part.shape, compression=travel["compression"], roll=travel["shear"], diagonal=travel["45"])
-    stiffness = part.shock["compression"] / (part.loops * secants.compression)
-    scale = stiffness * part.loops
-    return LoopCheck(
-        part=part, bending_stiffness=stiffness, roll_error=scale * secants.roll / part.shock["shear"] - 1.0,
-        diagonal_error=scale * secants.diagonal / part.shock["45"] - 1.0,
-    )  # fmt: skip
+    found = []
+    for part in vendor_parts():
+        measures = {name: getattr(part, name) for name in ("rope", "loops", "width", "height", "bar")}
+        values = stated_values(part)
+        if part.series is ENIDINE and None not in measures.values() and len(values) == 1 + len(QUANTITIES) * len(MODES):
+            found.append(VendorLoop(name=part.name, values=values, **measures))
+    return tuple(found)
 
 
 LeftOut = Literal["part", "rope size"]
 # Rope diameters of the table [m]; outside them nothing was compared and nothing is estimated.
 SMALLEST_ROPE, LARGEST_ROPE = 0.0016, 0.0222
 SAME_ROPE = 0.02  # Relative difference of two rope diameters that are one size in two units
-
-
-@dataclass(frozen=True, kw_only=True)
-class LoopValues:
-    """Estimated values of an isolator, in SI units; modes as in the vendor's table, shear standing for roll as well."""
-
-    bending_stiffness: float  # EI of the rope over the compression travel [N m^2]
-    travel: dict[str, float]  # largest deflection [m], by mode
-    # stiffness [N/m], by mode; the table's vibration stiffness in shear is its shock stiffness
-    vibration: dict[str, float]
-    shock: dict[str, float]
-    static_load: float  # largest static load in compression [N]
-
-    def flat(self) -> dict[str, float]:
-        """Return the values that a vendor states, by name."""
-        named = {"static load": self.static_load}
-        for name in ("travel", "vibration", "shock"):
-            named |= {f"{mode} {name}": value for mode, value in getattr(self, name).items()}
-        return named
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -150,71 +89,65 @@ class Trends:
     vibration_power: tuple[float, float]
     ratios: dict[str, float]
 
-    def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> LoopValues:
-        """Return the values of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel."""
+    def predict(self, *, height: float, width: float, rope: float, bar: float, loops: float) -> Values:
+        """Return the values of an isolator from its geometry [m]; ValueError if it leaves no loop or no travel.
+
+        The vibration stiffness in shear is the shock stiffness, as in the table.
+        """
         gap = height - 2.0 * bar
         if gap <= 0.0:
             raise ValueError(f"`height` of {height:g} m leaves no gap between two bars of {bar:g} m.")
         shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
         travel = self.gap_fraction * gap
         stiffness = float(np.exp(_interpolated(rope, self.rope, np.log(self.bending_stiffness))))
-        secant = -float(RopeLoop(shape).state(0.0, -travel).axial_force) / travel
-        shock = loops * stiffness * secant
+        shock = loops * stiffness * _secant(shape, travel)
         slope, offset = self.vibration_power
         vibration = shock * float(np.exp(offset + slope * np.log(height - bar)))
-        ratios, modes = self.ratios, ("45", "shear")
-        shocks = {"compression": shock, **{mode: ratios[f"{mode} shock"] * shock for mode in modes}}
-        return LoopValues(
-            bending_stiffness=stiffness,
-            travel={"compression": travel, **{mode: ratios[f"{mode} travel"] * travel for mode in modes}},
-            shock=shocks,
-            vibration={"compression": vibration, "45": ratios["45 vibration"] * vibration, "shear": shocks["shear"]},
-            static_load=ratios["static load"] * shock * travel,
-        )
+        values = {"compression travel": travel, "compression vibration": vibration, "compression shock": shock}
+        values |= {name: ratio * _of_compression(name, values) for name, ratio in self.ratios.items()}
+        return values | {"shear vibration": values["shear shock"]}
 
     def bar_of(self, rope: float) -> float:
         """Return the thickness of a bar [m] for a rope diameter [m], interpolated between the table's own."""
         return float(np.exp(_interpolated(rope, self.rope, np.log(self.bar))))
 
 
-def find_trends(parts: Sequence[int]) -> Trends:
-    """Return the trends over the rows of `vendor_loops` with these indices."""
-    checks = [check_vendor_loops()[index] for index in parts]
-    rows = [check.part for check in checks]
+# Values that are constant ratios to those of compression.
+_IN_RATIO = ("45 travel", "shear travel", "45 shock", "shear shock", "45 vibration", "static load")
+
+
+def _of_compression(name: str, values: Values) -> float:
+    """Return the value of compression to which another one has a constant ratio; that of the static load is travel x shock."""
+    if name == "static load":
+        return values["compression travel"] * values["compression shock"]
+    return values[f"compression {name.partition(' ')[2]}"]
+
+
+def find_trends(rows: Sequence[VendorLoop]) -> Trends:
+    """Return the trends over some parts of a table."""
     sizes = sorted({row.rope for row in rows})
-    travel = np.array([row.travel["compression"] for row in rows])
-    shock = np.array([row.shock["compression"] for row in rows])
-    vibration = np.array([row.vibration["compression"] for row in rows])
-
-    def mean(values: Array) -> float:
-        return float(np.exp(np.mean(np.log(values))))
-
-    def column(name: str, mode: str) -> Array:
-        return np.array([getattr(row, name)[mode] for row in rows])
-
-    stiffness = [mean(np.array([c.bending_stiffness for c in checks if c.part.rope == size])) for size in sizes]
-    slope, offset = np.polyfit(np.log([row.height - row.bar for row in rows]), np.log(vibration / shock), 1)
+    of_size = [[row for row in rows if row.rope == size] for size in sizes]
+    stiffer = [row.values["compression vibration"] / row.values["compression shock"] for row in rows]
+    slope, offset = np.polyfit(np.log([row.height - row.bar for row in rows]), np.log(stiffer), 1)
     return Trends(
         rope=np.array(sizes),
-        bending_stiffness=np.array(stiffness),
-        bar=np.array([mean(np.array([row.bar for row in rows if row.rope == size])) for size in sizes]),
-        gap_fraction=mean(travel / np.array([row.height - 2.0 * row.bar for row in rows])),
+        bending_stiffness=np.array([_mean([row.bending_stiffness for row in some]) for some in of_size]),
+        bar=np.array([_mean([row.bar for row in some]) for some in of_size]),
+        gap_fraction=_mean([row.values["compression travel"] / (row.height - 2.0 * row.bar) for row in rows]),
         vibration_power=(float(slope), float(offset)),
-        ratios={
-            "45 travel": mean(column("travel", "45") / travel),
-            "shear travel": mean(column("travel", "shear") / travel),
-            "45 shock": mean(column("shock", "45") / shock),
-            "shear shock": mean(column("shock", "shear") / shock),
-            "45 vibration": mean(column("vibration", "45") / vibration),
-            "static load": mean(column("static_load", "compression") / (shock * travel)),
-        },
+        ratios={name: _mean([row.values[name] / _of_compression(name, row.values) for row in rows]) for name in _IN_RATIO},
     )
+
+
+def _mean(values: Sequence[float]) -> float:
+    """Return the geometric mean."""
+    return float(np.exp(np.mean(np.log(values))))
 
 
 @cache
 def all_trends() -> Trends:
     """Return the trends over all 50 rows."""
-    return find_trends(range(len(check_vendor_loops())))
+    return find_trends(vendor_loops())
 
 
 @cache
@@ -224,18 +157,12 @@ def left_out_errors(left_out: LeftOut) -> dict[str, Array]:
     "part": without the row alone, as for a rope size that the table has; "rope size": without all rows with its rope, as for
     one that it has not (the smallest and the largest size are then extrapolated, which no estimate does).
     """
-    rows = [check.part for check in check_vendor_loops()]
     errors: dict[str, list[float]] = {}
-    for index, row in enumerate(rows):
-        others = [i for i, other in enumerate(rows) if (i != index if left_out == "part" else other.rope != row.rope)]
+    for row in vendor_loops():
+        others = [one for one in vendor_loops() if (one is not row if left_out == "part" else one.rope != row.rope)]
         measures = {name: getattr(row, name) for name in ("height", "width", "rope", "bar", "loops")}
-        predicted = find_trends(others).predict(**measures)
-        stated = LoopValues(
-            bending_stiffness=1.0, travel=dict(row.travel), vibration=dict(row.vibration), shock=dict(row.shock),
-            static_load=row.static_load["compression"],
-        )  # fmt: skip
-        for name, value in predicted.flat().items():
-            errors.setdefault(name, []).append(float(np.log(value / stated.flat()[name])))
+        for name, value in find_trends(others).predict(**measures).items():
+            errors.setdefault(name, []).append(float(np.log(value / row.values[name])))
     return {name: np.array(values) for name, values in errors.items()}
 
 
@@ -250,14 +177,9 @@ def other_vendor_errors() -> dict[str, Array]:
         if part.series is ENIDINE or None in (part.height, part.width, part.rope, part.loops):
             continue
         height, width, rope, loops = (float(v or 0.0) for v in (part.height, part.width, part.rope, part.loops))
-        predicted = trends.predict(height=height, width=width, rope=rope, bar=trends.bar_of(rope), loops=loops).flat()
-        for mode, values in part.modes.items():
-            stated = {f"{mode} {name}": getattr(values, name) for name in ("travel", "vibration", "shock")}
-            if mode == "compression":
-                stated["static load"] = values.static_load
-            for name, value in stated.items():
-                if value is not None:
-                    errors.setdefault(name, []).append(float(np.log(predicted[name] / value)))
+        predicted = trends.predict(height=height, width=width, rope=rope, bar=trends.bar_of(rope), loops=loops)
+        for name, value in stated_values(part).items():
+            errors.setdefault(name, []).append(float(np.log(predicted[name] / value)))
     return {name: np.array(values) for name, values in errors.items()}
 
 

@@ -152,8 +152,8 @@ def identified_isolator(
     whose axis is replaced: all else of it stays, too.
     """
     fits = fitted_loops(result)
-    sizes = ", ".join(f"{1e3 * fit.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
-    points = sorted({round(1e3 * fit.operating_point, 1) + 0.0 for fit in fits})
+    sizes = ", ".join(f"{1e3 * fit.measured.amplitude:.3g} ({100.0 * fit.error:.2g} %)" for fit in fits)
+    points = sorted({round(1e3 * fit.measured.operating_point, 1) + 0.0 for fit in fits})
     assumed = [*assumptions(result, given), *(f"the data do not identify: {text}" for text in result.non_identifiable)]
     if falling := result.falling or falling_in_rating(result, axis, whole or known):
         assumed.append(f"{falling}: the law does not hold there")

@@ -11,11 +11,11 @@ from wirerope_mj.foundation.summary import Summarised
 from wirerope_mj.mounts.identification.families import SEEN
 from wirerope_mj.mounts.identification.measured import MeasuredLoop
 from wirerope_mj.mounts.identification.scales import yield_deflection
-from wirerope_mj.mounts.identification.search import Stage
+from wirerope_mj.mounts.identification.search import Stage, rms
 from wirerope_mj.mounts.identification.uncertainty import Parameter, Uncertainty
 from wirerope_mj.mounts.isolator import MeasuredRange
 from wirerope_mj.mounts.isolator.travel import falling_text
-from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law
+from wirerope_mj.mounts.laws import AsymmetricBoucWen, Law, Loop
 from wirerope_mj.mounts.laws.hysteresis import Hysteresis
 
 _WINDOW = 0.1  # of a cycle, over which a rate is taken: a sine's is 1.6 % less than at an instant, noise hardly shows
@@ -185,41 +185,21 @@ class Identification(Summarised):
 
 @dataclass(frozen=True, kw_only=True)
 class FittedLoop:
-    """One measured loop and the law's."""
+    """One measured loop, without the zero of the load cell, and the law's on its path."""
 
-    deflection: Array  # path [m], (n_t,)
-    measured: Array  # force [N], (n_t,), without the zero of the load cell
-    fitted: Array  # force of the law [N], (n_t,)
+    measured: Loop
+    fitted: Loop
     zero: float  # of the load cell, taken out [N]: the mean of measured minus fitted
-
-    @property
-    def amplitude(self) -> float:
-        """Half the range of the deflection [m]."""
-        return 0.5 * float(np.ptp(self.deflection))
-
-    @property
-    def operating_point(self) -> float:
-        """Middle of the deflections [m]."""
-        return 0.5 * float(self.deflection.max() + self.deflection.min())
 
     @property
     def residual(self) -> Array:
         """Fitted minus measured force over half the measured range [-], (n_t,)."""
-        return (self.fitted - self.measured) / (0.5 * float(np.ptp(self.measured)))
+        return (self.fitted.force - self.measured.force) / (0.5 * float(np.ptp(self.measured.force)))
 
     @property
     def error(self) -> float:
         """Root mean square of the residual [-]."""
-        return float(np.sqrt(np.mean(self.residual**2)))
-
-    def energy(self, force: Array) -> float:
-        """Return the energy that a force dissipates over the loop [J]."""
-        return float(np.trapezoid(force, self.deflection))
-
-    def secant_stiffness(self, force: Array) -> float:
-        """Return a force's difference between the turning points over the stroke [N/m]."""
-        top, bottom = int(np.argmax(self.deflection)), int(np.argmin(self.deflection))
-        return float((force[top] - force[bottom]) / np.ptp(self.deflection))
+        return rms(self.residual)
 
 
 def neighbours_correlation(fits: Sequence[FittedLoop]) -> float:
@@ -232,7 +212,8 @@ def fitted_loops(result: Identification) -> list[FittedLoop]:
     """Return every loop of an identification beside the law's, smallest first."""
     fits = []
     for loop in result.loops:
-        fitted = loop.model_force(result.law)
-        zero = float(np.mean(loop.force - fitted))
-        fits.append(FittedLoop(deflection=loop.deflection, measured=loop.force - zero, fitted=fitted, zero=zero))
+        force = loop.model_force(result.law)
+        zero = float(np.mean(loop.force - force))
+        measured, fitted = (Loop.from_samples(loop.deflection, one) for one in (loop.force - zero, force))
+        fits.append(FittedLoop(measured=measured, fitted=fitted, zero=zero))
     return fits

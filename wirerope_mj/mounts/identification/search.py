@@ -41,22 +41,22 @@ def loop_residual(loops: Sequence[MeasuredLoop], data: Data = "loops") -> Residu
     return _of_each(loops, tips if data == "skeleton" else lambda loop, misfit: _centred(misfit / loop.weight))
 
 
-def harmonic_residual(loops: Sequence[MeasuredLoop], *, harmonics: int = 7) -> Residual:
-    """Return the residual in the frequency domain: the Fourier coefficients of the force over the cycle's phase.
+def harmonic_residual(loops: Sequence[MeasuredLoop]) -> Residual:
+    """Return the residual in the frequency domain: the first seven Fourier coefficients of the force over the cycle's phase.
 
     Samples count as uniform over the phase, as those of a sine sampled in time are.
     """
 
     def coefficients(loop: MeasuredLoop, misfit: Array) -> Array:
-        spectrum = np.fft.rfft(misfit[:-1])[1 : harmonics + 1] * np.sqrt(2.0 / (misfit.size - 1)) / loop.weight
+        spectrum = np.fft.rfft(misfit[:-1])[1:8] * np.sqrt(2.0 / (misfit.size - 1)) / loop.weight
         return np.concatenate([spectrum.real, spectrum.imag])
 
     return _of_each(loops, coefficients)
 
 
-def mid_line_residual(loops: Sequence[MeasuredLoop], *, points: int = 41) -> Residual:
+def mid_line_residual(loops: Sequence[MeasuredLoop]) -> Residual:
     """Return the residual of the loops' mid-lines (F_up + F_down) / 2, which show the elastic part: the first stage's."""
-    return _of_each(loops, lambda loop, misfit: _centred(loop.mid_line(misfit, points) / loop.weight))
+    return _of_each(loops, lambda loop, misfit: _centred(loop.mid_line(misfit, 41) / loop.weight))
 
 
 def area_residual(loops: Sequence[MeasuredLoop]) -> Residual:

@@ -12,7 +12,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.mounts.identification.families import SEEN, Coordinate, Family
+from wirerope_mj.mounts.identification.families import SEEN, Family
 from wirerope_mj.mounts.identification.measured import MeasuredLoop, ScaleLoop
 from wirerope_mj.mounts.identification.scales import APART
 from wirerope_mj.mounts.identification.search import Unknowns
@@ -28,9 +28,9 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
     the best points whatever their signs.
     """
     thin = [loop.thinned(SAMPLES) for loop in loops]
-    amplitudes = np.array([np.ptp(loop.deflection) / 2.0 for loop in loops])
     bending, fixed = [c for c in unknowns.coordinates if not c.linear], unknowns.fixed
-    axes = {c.name: [fixed[c.name]] if c.name in fixed else _grid_values(c, amplitudes) for c in bending}
+    within = {c.name: [min(max(float(value), c.lower), c.upper) for value in c.grid] for c in bending}
+    axes = {name: [fixed[name]] if name in fixed else values for name, values in within.items()}
     fits = []
     for point in product(*axes.values()):
         shape = dict(zip(axes, point, strict=True))
@@ -47,34 +47,6 @@ def grid_starts(unknowns: Unknowns, loops: Sequence[MeasuredLoop], *, count: int
             seen.add(pattern)
             chosen.append(values)
     return chosen
-
-
-def _grid_values(c: Coordinate, amplitudes: Array) -> list[float]:
-    """Return the values of the grid along one coordinate."""
-    smallest, largest = float(amplitudes.min()), float(amplitudes.max())
-    by_name: dict[str, Sequence[float]] = {
-        "sigma": (0.3, 0.6, 1.0, 1.5),
-        "n": (1.0, 2.0),  # the two with closed forms: the grid takes a tenth of the time
-        "exponent": (1.0, 2.0),
-        "rounding": (0.0, 0.3 * largest),
-        "loss": (0.1, 0.5),
-        "reversal": (0.03 * largest, 0.2 * largest),
-        "c_ln_b": (-1.0 / largest, 0.0, 1.0 / largest),
-        "b2": (-8.0 / largest, -3.0 / largest, 3.0 / largest, 8.0 / largest),
-        "g2": (2.0 / largest, 6.0 / largest, 20.0 / largest),
-        "g3": (-0.4 * largest, 0.0, 0.4 * largest),
-    }
-    if c.name in ("gap_below", "gap_above"):  # loops may close by little
-        return [float(v) for v in c.upper * np.array([0.0, 0.2, 0.4, 0.6, 0.75, 0.88, 0.96])]
-    if c.name == "x1":
-        return [float(v) for v in smallest * np.array([0.15, 0.5])]
-    if "/" in c.name:  # Jenkin elements slip one after the other up to the largest amplitude
-        return [2.0, 3.5]
-    if c.name == "alpha":
-        return [float(1.0 / v) for v in np.geomspace(0.1 * smallest, largest, 8)]
-    if c.name in ("x_y", "u_c"):
-        return [float(v) for v in np.geomspace(0.1 * smallest, largest, 8)]
-    return [min(max(float(v), c.lower), c.upper) for v in by_name[c.name]]
 
 
 def _stretched(unknowns: Unknowns, loops: Sequence[MeasuredLoop], shape: Mapping[str, float]) -> tuple[dict[str, float], float]:

@@ -40,11 +40,17 @@ class Uncertainty:
 
     parameters: dict[str, Parameter]  # all coordinates, by name
     covariance: Array  # of the free coordinates' values, (n, n)
-    correlation: Array  # the same without sizes, (n, n)
     free: tuple[str, ...]  # names of the free coordinates, in the order of the matrices
     # of the Jacobian over the noise, largest first, (n,): one over each is a combination's standard error
     singular_values: Array
     non_identifiable: tuple[str, ...]  # a message for each combination of parameters that the data do not identify
+
+    @property
+    def correlation(self) -> Array:
+        """The covariance without sizes, (n, n)."""
+        deviations = np.sqrt(np.diag(self.covariance))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.nan_to_num(self.covariance / np.outer(deviations, deviations), nan=0.0)
 
 
 def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = None) -> Uncertainty:
@@ -67,13 +73,10 @@ def uncertainty_of(unknowns: Unknowns, minimum: Minimum, noise: float | None = N
     slopes = np.array([c.slope(number) for c, number in zip(free, minimum.numbers, strict=True)])
     with np.errstate(over="ignore"):  # of what the data do not identify at all, which then is infinite
         covariance = numbers * np.outer(slopes, slopes)
-    deviations = np.sqrt(np.diag(covariance))
-    with np.errstate(divide="ignore", invalid="ignore"):
-        correlation = np.nan_to_num(covariance / np.outer(deviations, deviations), nan=0.0)
     names = tuple(c.name for c in free)
     loose = [(row, float(error)) for row, error in zip(combinations, errors, strict=True) if error > OPEN]
     return Uncertainty(
-        parameters=_parameters(unknowns, minimum, deviations), covariance=covariance, correlation=correlation, free=names,
+        parameters=_parameters(unknowns, minimum, np.sqrt(np.diag(covariance))), covariance=covariance, free=names,
         singular_values=singular / spread if spread > 0.0 else np.full(len(free), np.inf),
         non_identifiable=tuple(_message(names, row, error) for row, error in loose),
     )  # fmt: skip
@@ -143,11 +146,10 @@ def with_noise_of_each(uncertainty: Uncertainty, unknowns: Unknowns, minimum: Mi
     before, after = np.sqrt(variances), np.sqrt(np.diag(covariance))
     with np.errstate(divide="ignore", invalid="ignore"):
         grown = dict(zip(uncertainty.free, np.where(felt, after / before, 1.0), strict=True))
-        correlation = np.nan_to_num(covariance / np.outer(after, after), nan=0.0)
     parameters = {
         name: replace(p, standard_error=p.standard_error * grown.get(name, 1.0)) for name, p in uncertainty.parameters.items()
     }
-    return replace(uncertainty, parameters=parameters, covariance=covariance, correlation=correlation)
+    return replace(uncertainty, parameters=parameters, covariance=covariance)
 
 
 def _meat(residual: Array, bread: Array, basis: Array, sizes: Sequence[int], freedom: int) -> Array:

@@ -1,8 +1,9 @@
 """Parts of an isolator beside its laws: limits, geometry, provenance, spread, stiffening."""
 
 import math
+from collections.abc import Collection
 from dataclasses import dataclass, field, fields, replace
-from typing import Self
+from typing import ClassVar, Self
 
 from wirerope_mj.foundation.arguments import finite, not_negative, one_of, positive
 from wirerope_mj.foundation.arrays import Entries
@@ -18,21 +19,6 @@ LARGEST = 2.0
 HEIGHTS = {"compression": 1.0, "tension": 10.0, "shear": 10.0, "roll": 10.0}
 # Lengths of laws that a file states as they are measured.
 _LENGTHS = {"stop": ("gap_below", "gap_above", "depths", "rounding", "reversal"), "tabulated": ("deflection",)}
-
-
-def _require_positive(part: object, *names: str) -> None:
-    """Raise ValueError unless each named attribute is None or a finite number > 0."""
-    for name in names:
-        if getattr(part, name) is not None:
-            positive(name, getattr(part, name))
-
-
-def _require_metres(part: object, *names: str) -> None:
-    """Raise ValueError if a named attribute is so large that it is probably not in metres."""
-    for name in names:
-        value = getattr(part, name)
-        if value is not None and value > LARGEST:
-            raise ValueError(_too_large(name, value))
 
 
 def require_law_in_metres(axis: str, law: Law | None) -> None:
@@ -55,7 +41,16 @@ def _in_metres(value: float) -> str:
 
 
 class Part:
-    """A part of an isolator, a dataclass."""
+    """A part of an isolator, a dataclass; what is None is not stated."""
+
+    above_zero: ClassVar[Collection[str]] = ()  # attributes that must be finite numbers > 0
+    lengths: ClassVar[Collection[str]] = ()  # attributes that must be so, too, and not so large that they are no metres
+
+    def __post_init__(self) -> None:
+        for name in (*self.above_zero, *self.lengths):
+            value = getattr(self, name)
+            if value is not None and positive(name, value) > LARGEST and name in self.lengths:
+                raise ValueError(_too_large(name, value))
 
     @property
     def stated(self) -> Entries:
@@ -74,16 +69,24 @@ def _plain(value: object) -> object:
     return value.to_dict() if isinstance(value, Part) else list(value) if isinstance(value, tuple) else value
 
 
+def _texts(name: str, value: object) -> tuple[str, ...]:
+    if not isinstance(value, list | tuple) or not all(isinstance(item, str) for item in value):
+        raise ValueError(f"`{name}` must be a list of strings, got {value!r}.")
+    return tuple(value)
+
+
 @dataclass(frozen=True, kw_only=True)
 class Bracket(Part):
     """Stiffness of what an isolator is bolted to, in series with it, by axis [N/m]; it has no mass. None = rigid."""
+
+    above_zero: ClassVar[Collection[str]] = ("roll", "shear", "axial")
 
     roll: float | None = None
     shear: float | None = None
     axial: float | None = None
 
     def __post_init__(self) -> None:
-        _require_positive(self, "roll", "shear", "axial")
+        super().__post_init__()
         if not self.stated:
             raise ValueError("`bracket` must have a stiffness along roll, shear or axial.")
 
@@ -129,25 +132,25 @@ class Travel(Part):
     compression and tension limit the axial deflection below and above zero, shear and roll both directions of theirs.
     """
 
+    lengths: ClassVar[Collection[str]] = HEIGHTS
+
     compression: float | None = None
     tension: float | None = None
     shear: float | None = None
     roll: float | None = None
-
-    def __post_init__(self) -> None:
-        _require_positive(self, *HEIGHTS)
-        _require_metres(self, *HEIGHTS)
 
 
 @dataclass(frozen=True, kw_only=True)
 class Limits(Part):
     """Ratings of the isolator: static_load [N] in compression and travel [m]; None = not judged."""
 
+    above_zero: ClassVar[Collection[str]] = ("static_load",)
+
     static_load: float | None = None
     travel: Travel = Travel()
 
     def __post_init__(self) -> None:
-        _require_positive(self, "static_load")
+        super().__post_init__()
         if not isinstance(self.travel, Travel):
             raise ValueError(f"`travel` must be a Travel, got {self.travel!r}.")
 
@@ -162,6 +165,9 @@ class Geometry(Part):
     these axes [m]; None = not stated.
     """
 
+    above_zero: ClassVar[Collection[str]] = ("bolts",)
+    lengths: ClassVar[Collection[str]] = ("height", "width", "bar", "bolts_along_roll", "bolts_along_shear")
+
     height: float | None = None
     width: float | None = None
     bar: float | None = None
@@ -170,9 +176,7 @@ class Geometry(Part):
     bolts_along_shear: float | None = None
 
     def __post_init__(self) -> None:
-        lengths = ("height", "width", "bar", "bolts_along_roll", "bolts_along_shear")
-        _require_positive(self, "bolts", *lengths)
-        _require_metres(self, *lengths)
+        super().__post_init__()
         if self.bar is not None and (self.height is None or 2.0 * self.bar >= self.height):
             raise ValueError(f"`bar`, the thickness of one bar, must be less than half the `height`, got {self.bar:g} m.")
         if self.bolts not in (None, 1, 2, 4):
@@ -238,9 +242,7 @@ class Provenance(Part):
         for name in ("source", "fitted_to"):
             if not isinstance(getattr(self, name), str):
                 raise ValueError(f"`{name}` must be a string, got {getattr(self, name)!r}.")
-        if not isinstance(self.assumed, list | tuple) or not all(isinstance(item, str) for item in self.assumed):
-            raise ValueError(f"`assumed` must be a list of strings, got {self.assumed!r}.")
-        object.__setattr__(self, "assumed", tuple(self.assumed))
+        object.__setattr__(self, "assumed", _texts("assumed", self.assumed))
         if not isinstance(self.check_45, dict):
             raise ValueError(f"`check_45` must be a table of numbers, got {self.check_45!r}.")
         for key, value in self.check_45.items():
@@ -259,9 +261,7 @@ class Spread(Part):
     calibrated: bool = False
 
     def __post_init__(self) -> None:
-        if not isinstance(self.parameters, list | tuple) or not all(isinstance(name, str) for name in self.parameters):
-            raise ValueError(f"`parameters` must be a list of strings, got {self.parameters!r}.")
-        object.__setattr__(self, "parameters", tuple(self.parameters))
+        object.__setattr__(self, "parameters", _texts("parameters", self.parameters))
         matrix = self.covariance
         if not isinstance(matrix, list | tuple) or not all(isinstance(row, list | tuple) for row in matrix):
             raise ValueError(f"`covariance` must be rows of numbers, got {matrix!r}.")

@@ -12,7 +12,7 @@ import tomli_w
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_file
-from wirerope_mj.foundation.csv_units import Header, number_in, read_header, rows_below
+from wirerope_mj.foundation.csv_units import Header, read_header, rows_in_si
 from wirerope_mj.foundation.errors import ModelError, RecordError
 from wirerope_mj.foundation.units import FORCE_UNITS, LENGTH_UNITS, in_si
 from wirerope_mj.mounts.isolator.parts import Bracket, Geometry, Limits, Provenance, Rotation, Spread, Stiffening, Travel
@@ -61,17 +61,12 @@ def read_curve(path: Path) -> dict[str, list[float]]:
     The header is such as `deflection_mm,force_kN` or `deflection [mm], upper [N], lower [N]`. RecordError names file and line.
     """
     header = _with_units(read_header(path, kind="curve", example='"deflection_mm,force_N"'))
-    factors: dict[str, float] = {}
     for column, name in enumerate(header.names):
-        if name not in _COLUMNS or name in factors:
-            fault = "appears twice" if name in factors else "is not known"
+        if name not in _COLUMNS or name in header.names[:column]:
+            fault = "appears twice" if name in header.names[:column] else "is not known"
             raise RecordError(f'{header.location}: column "{name}" {fault}; a curve has {", ".join(_COLUMNS)}.')
-        factors[name] = header.factor(column, _UNITS[name])
-    columns: dict[str, list[float]] = {name: [] for name in factors}
-    for _, location, cells in rows_below(header):
-        for (name, factor), cell in zip(factors.items(), cells, strict=True):
-            columns[name].append(in_si(number_in(location, name, cell), factor))
-    return columns
+    rows = rows_in_si(header, [_UNITS[name] for name in header.names])
+    return {name: [row[column] for row in rows] for column, name in enumerate(header.names)}
 
 
 def _with_units(header: Header) -> Header:

@@ -2,7 +2,7 @@
 
 import math
 from abc import ABC
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, fields, replace
 from typing import Any, ClassVar, Self
 
@@ -14,6 +14,8 @@ from wirerope_mj.mounts.laws.loop import Loop
 
 # Of deflections [m]: less than that beyond the end of a law is none, positions being metres with 16 digits.
 ROUNDING = 1e-9
+# Factors on a law: on all its force, on that of friction, on the deflection over which it builds up to the same force.
+FACTORS = ("stiffness", "friction", "yield")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -142,38 +144,37 @@ class Law(ABC):
         except (ArithmeticError, TypeError, ValueError):
             return False
 
+    def powers_of(self, name: str) -> Mapping[str, float]:
+        """Return the parameters that a factor of `FACTORS` acts on, and its power in each."""
+        friction = {key: self.force_powers[key] for key in self.damping_parameters}
+        return {"stiffness": self.force_powers, "friction": friction, "yield": self.yield_powers}[name]
+
+    def multiplied(self, name: str, factor: float) -> Self:
+        """Return the law with a factor of `FACTORS`; one without such parameters stays as it is.
+
+        ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        """
+        positive("factor", factor)
+        values: Entries = {}
+        for key, power in self.powers_of(name).items():
+            value, ratio = getattr(self, key), factor**power
+            values[key] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
+        return replace(self, **values)
+
     def scaled(self, factor: float) -> Self:
         """Return the law whose force is `factor` times this one's along every path from the unloaded state.
 
-        It is the same law in another unit of force: every parameter is multiplied by the factor to its power of force.
-        ValueError: `factor` is not a finite number > 0, or takes a parameter out of the law's range.
+        It is the same law in another unit of force. ValueError as `multiplied`.
         """
-        return self._in_another_unit(factor, self.force_powers)
+        return self.multiplied("stiffness", factor)
 
     def with_damping(self, factor: float) -> Self:
         """Return the law whose hysteretic or viscous part is `factor` times this one's along every path, the rest the same.
 
-        A hysteretic part resists small deflections too: with it the stiffness of a rope at small amplitudes changes. A law
-        without `damping_parameters` stays as it is. ValueError as `scaled`.
+        A hysteretic part resists small deflections too: with it the stiffness of a rope at small amplitudes changes.
+        ValueError as `multiplied`.
         """
-        return self._in_another_unit(factor, self.damping_parameters)
-
-    def with_yield(self, factor: float) -> Self:
-        """Return the law whose friction builds up over `factor` times the deflection, to the same force.
-
-        A law without `yield_powers` stays as it is. ValueError as `scaled`.
-        """
-        return self._in_another_unit(factor, self.yield_powers, self.yield_powers)
-
-    def _in_another_unit(self, factor: float, names: Iterable[str], powers: Mapping[str, float] | None = None) -> Self:
-        """Return the law with some parameters multiplied by the factor to a power, that of force if none is given."""
-        positive("factor", factor)
-        powers = self.force_powers if powers is None else powers
-        values: Entries = {}
-        for name in names:
-            value, ratio = getattr(self, name), factor ** powers[name]
-            values[name] = tuple(ratio * one for one in value) if isinstance(value, tuple) else ratio * value
-        return replace(self, **values)
+        return self.multiplied("friction", factor)
 
     def parameter(self, name: str) -> Any:
         """Return a parameter by its name; "stiffness[0]" is the first entry of one that is several numbers."""

@@ -6,7 +6,6 @@ from functools import cached_property, lru_cache
 from typing import ClassVar, Self
 
 import numpy as np
-from numpy.polynomial.legendre import leggauss
 from numpy.polynomial.polynomial import polyder, polyval2d
 
 from wirerope_mj.foundation.arguments import finite, positive
@@ -14,7 +13,7 @@ from wirerope_mj.foundation.arrays import Array, ArrayLike, Entries
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.parallel import Parallel
-from wirerope_mj.mounts.laws.plane import ODD, SAME, PlaneLaw, asymmetry_of, elastic_of, require_alike, require_couplable
+from wirerope_mj.mounts.laws.plane import ODD, SAME, PlaneLaw, asymmetry_of, require_alike, require_couplable
 from wirerope_mj.mounts.laws.plane_kernels import LOOP
 
 LARGEST = 100.0  # Largest end of a box [m]: no loop of rope is larger, and powers of the ends stay numbers
@@ -114,10 +113,6 @@ def _derivative(coefficients: tuple[tuple[float, ...], ...], of_u: int, of_w: in
     return np.asarray(polyder(polyder(table, of_u, axis=0), of_w, axis=1))
 
 
-NODES, WEIGHTS = leggauss(32)  # of exp(lambda x) F1(x) to rounding up to lambda x = 20
-SMALL = 1e-2  # Exponent below which a power series is more exact than the closed form
-
-
 @dataclass(frozen=True, kw_only=True)
 class LoopBoucWen(PlaneLaw):
     """The laws of roll u and axial deflection w, coupled by an elastic energy U and by one bound of their hysteretic forces.
@@ -192,35 +187,3 @@ class LoopBoucWen(PlaneLaw):
         """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
         line, length = super().line_parameters(start, stop)
         return np.concatenate([line, [asymmetry_of(self.axial)], self.loop.kernel_parameters()]), length
-
-    def energy(self, deflection: ArrayLike, hysteretic_state: ArrayLike) -> Array:
-        """Return what is stored [J], (...): elastic, and what unloading without loss gives back of the hysteretic forces.
-
-        It is zero where undeflected and unloaded; deflections [m] are of roll and axial, (..., 2), and so are the hysteretic
-        states [N], (..., 2), of several scales (..., n_scales, 2).
-        """
-        d, z = np.asarray(deflection, dtype=np.float64), np.asarray(hysteretic_state, dtype=np.float64)
-        if len(self.scales) > 1:
-            return np.sum([scale.energy(d, z[..., number, :]) for number, scale in enumerate(self.scales)], axis=0)
-        total = self.loop.energy(d)
-        for axis, law in enumerate(self.laws):
-            total = total + _elastic_energy(law, d[..., axis]) + _given_back(law, d[..., axis], z[..., axis])
-        return np.asarray(total, dtype=np.float64)
-
-
-def _elastic_energy(law: Law, x: Array) -> Array:
-    """Return int_0^x F2 F1 [J]."""
-    (k1, k2, k3), exponent = elastic_of(law), asymmetry_of(law)
-    s = 0.5 * x[..., None] * (1.0 + NODES)
-    force = np.exp(exponent * s) * s * (k1 + k2 * np.abs(s) + k3 * s * s)
-    return np.asarray(0.5 * x * (force @ WEIGHTS), dtype=np.float64)
-
-
-def _given_back(law: Law, x: Array, z: Array) -> Array:
-    """Return S(x, z) [J] = (z^2 / alpha) F2(x) (exp(-t) - 1 + t) / t^2 with t = lambda z / alpha."""
-    alpha, exponent = float(law.kernel_parameters()[0]), asymmetry_of(law)
-    t = exponent * z / alpha
-    large = np.where(np.abs(t) < SMALL, 1.0, t)
-    series = 1 / 2 - t * (1 / 6 - t * (1 / 24 - t * (1 / 120 - t * (1 / 720 - t / 5040))))
-    ratio = np.where(np.abs(t) < SMALL, series, (np.expm1(-large) + large) / large**2)
-    return np.asarray(z * z / alpha * np.exp(exponent * x) * ratio, dtype=np.float64)

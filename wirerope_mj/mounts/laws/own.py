@@ -132,11 +132,11 @@ class OwnLaw(Law):
         forces = [self._tried(sign * TINY, sign, sign * TINY * slopes)[0] for sign in (1.0, -1.0)]
         return (forces[0] - forces[1]) / (2.0 * TINY)
 
-    def scaled(self, factor: float) -> Self:
-        """Return the law with `factor` times the force; ValueError if the class does not state `force_powers`."""
-        if factor != 1.0 and not self.force_powers:
+    def multiplied(self, name: str, factor: float) -> Self:
+        """Return the law with a factor of `FACTORS`; ValueError if it is on the force and `force_powers` are not stated."""
+        if name == "stiffness" and factor != 1.0 and not self.force_powers:
             raise ValueError(f"law {self.name!r}: `force_powers` must state each parameter's power of force.")
-        return super().scaled(factor)
+        return super().multiplied(name, factor)
 
     def to_dict(self) -> Entries:
         """Raise ValueError: a file cannot hold a program's own law."""

@@ -1,7 +1,7 @@
 """Several laws on one axis."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import accumulate
@@ -10,11 +10,9 @@ from typing import Any, ClassVar, Self
 import numpy as np
 
 from wirerope_mj.foundation.arrays import Array, Entries
-from wirerope_mj.mounts.laws.law import Law
+from wirerope_mj.mounts.laws.law import FACTORS, Law
 
 PARALLEL = 14
-# Factors on all laws of an axis: on all their forces, on those of friction, on the deflection over which it builds up.
-FACTORS = ("stiffness", "friction", "yield")
 
 
 def part_of(name: str) -> tuple[int, str]:
@@ -24,9 +22,14 @@ def part_of(name: str) -> tuple[int, str]:
     raise ValueError(f"a parameter of one of several laws is called laws[0].NAME, got {name!r}.")
 
 
-def _sum_of(name: str, doc: str) -> Any:
-    """Return a property that sums one of each law's."""
-    return property(lambda self: sum(getattr(law, name) for law in self.laws), doc=doc)
+def _of_laws(name: str, combine: Callable[[Iterator[Any]], Any], doc: str) -> Any:
+    """Make a property of what each law has by that name."""
+    return property(lambda self: combine(getattr(law, name) for law in self.laws), doc=doc)
+
+
+def _numbered(texts: Iterable[Iterable[str]]) -> tuple[str, ...]:
+    """Return texts of each law with its number counted from 1."""
+    return tuple(f"{text}_{number}" for number, own in enumerate(texts, 1) for text in own)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,11 +45,16 @@ class Parallel(Law):
 
     laws: tuple[Law, ...]
 
-    initial_stiffness = _sum_of("initial_stiffness", "Sum of the tangents at the unloaded state [N/m].")
-    closed_stiffness = _sum_of("closed_stiffness", "Sum of the tangents with all stops closed [N/m].")
-    damping_coefficient = _sum_of("damping_coefficient", "Sum of the derivatives by the rate [N s/m].")
-    closed_damping = _sum_of("closed_damping", "Sum of the derivatives by the rate with all stops closed [N s/m].")
-    largest_force = _sum_of("largest_force", "Sum of the forces at most [N]: finite if none has an elastic part.")
+    initial_stiffness = _of_laws("initial_stiffness", sum, "Sum of the tangents at the unloaded state [N/m].")
+    closed_stiffness = _of_laws("closed_stiffness", sum, "Sum of the tangents with all stops closed [N/m].")
+    damping_coefficient = _of_laws("damping_coefficient", sum, "Sum of the derivatives by the rate [N s/m].")
+    closed_damping = _of_laws("closed_damping", sum, "Sum of the derivatives by the rate with all stops closed [N s/m].")
+    largest_force = _of_laws("largest_force", sum, "Sum of the forces at most [N]: finite if none has an elastic part.")
+    rate_independent = _of_laws("rate_independent", all, "True if all of them are.")
+    remembers_slow_paths = _of_laws("remembers_slow_paths", any, "True if any of them does.")
+    relaxation_rate = _of_laws("relaxation_rate", max, "Fastest decay of an internal state at rest [1/s].")
+    damping_parameters = _of_laws("damping_parameters", _numbered, "Those of each law, with its number.")
+    state_names = _of_laws("state_names", _numbered, "Names of the states of each law, with its number.")
 
     def __post_init__(self) -> None:
         laws = tuple(self.laws) if isinstance(self.laws, list | tuple) else ()
@@ -68,42 +76,13 @@ class Parallel(Law):
         return self.laws
 
     @property
-    def rate_independent(self) -> bool:  # type: ignore[override]
-        """True if all of them are."""
-        return all(law.rate_independent for law in self.laws)
-
-    @property
-    def remembers_slow_paths(self) -> bool:
-        """True if any of them does."""
-        return any(law.remembers_slow_paths for law in self.laws)
-
-    @property
     def travel_rule(self) -> str:  # type: ignore[override]
         """Why the law does not hold beyond its finite travel."""
         return min(self.laws, key=lambda law: law.finite_travel).travel_rule
 
-    def scaled(self, factor: float) -> Self:
-        """Return the laws whose force is `factor` times these."""
-        return replace(self, laws=tuple(law.scaled(factor) for law in self.laws))
-
-    @property
-    def damping_parameters(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Those of each law, with its number counted from 1."""
-        return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.damping_parameters)
-
-    def with_damping(self, factor: float) -> Self:
-        """Return the laws with `factor` times the hysteretic or viscous part of each."""
-        return replace(self, laws=tuple(law.with_damping(factor) for law in self.laws))
-
-    @property
-    def state_names(self) -> tuple[str, ...]:  # type: ignore[override]
-        """Names of the states of each law, with its number counted from 1."""
-        return tuple(f"{name}_{number}" for number, law in enumerate(self.laws, 1) for name in law.state_names)
-
-    @property
-    def relaxation_rate(self) -> float:  # type: ignore[override]
-        """Fastest decay of an internal state at rest [1/s]."""
-        return max(law.relaxation_rate for law in self.laws)
+    def multiplied(self, name: str, factor: float) -> Self:
+        """Return the laws, each with a factor of `FACTORS`."""
+        return replace(self, laws=tuple(law.multiplied(name, factor) for law in self.laws))
 
     @property
     def travel_ends(self) -> tuple[float, float]:
@@ -127,23 +106,17 @@ class Parallel(Law):
             return False
         for law, own in zip(self.laws, self.composed(columns), strict=True):
             whole = law.completed(own)
-            friction = {name: law.force_powers[name] for name in law.damping_parameters}
-            acting = {"stiffness": law.force_powers, "friction": friction, "yield": law.yield_powers}
-            for name, powers in acting.items():
+            for name in FACTORS:
                 factor = np.asarray(columns.get(name, 1.0))
                 if not (np.isfinite(factor) & (factor > 0.0)).all():
                     return False
-                for key, power in powers.items() if name in columns else ():
+                for key, power in law.powers_of(name).items() if name in columns else ():
                     value = whole.get(key, getattr(law, key))
                     many = isinstance(value, tuple)
                     whole[key] = tuple(one * factor**power for one in value) if many else value * factor**power
             if not law.certainly_valid(whole):
                 return False
         return True
-
-    def with_yield(self, factor: float) -> Self:
-        """Return the laws whose friction builds up over `factor` times the deflection."""
-        return replace(self, laws=tuple(law.with_yield(factor) for law in self.laws))
 
     @cached_property
     def factors(self) -> tuple[str, ...]:
@@ -167,9 +140,8 @@ class Parallel(Law):
         own = self.composed(values)
         pairs = zip(self.laws, own, strict=True)
         varied = replace(self, laws=tuple(replace(law, **law.completed(mine)) for law, mine in pairs))
-        varied = varied.scaled(values["stiffness"]) if "stiffness" in values else varied
-        varied = varied.with_damping(values["friction"]) if "friction" in values else varied
-        varied = varied.with_yield(values["yield"]) if "yield" in values else varied
+        for name in FACTORS:
+            varied = varied.multiplied(name, values[name]) if name in values else varied
         return {"laws": varied.laws}
 
     def composed(self, values: Entries) -> list[Entries]:

@@ -46,17 +46,9 @@ class _Wrapped(Law):
         """Return whether there are no columns: each entry has to be tried."""
         return not columns
 
-    def scaled(self, factor: float) -> Self:
-        """Return the same around the law with `factor` times its force."""
-        return replace(self, law=self.law.scaled(factor))
-
-    def with_damping(self, factor: float) -> Self:
-        """Return the same around the law with `factor` times its hysteretic part."""
-        return replace(self, law=self.law.with_damping(factor))
-
-    def with_yield(self, factor: float) -> Self:
-        """Return the same around the law whose friction builds up over `factor` times the deflection."""
-        return replace(self, law=self.law.with_yield(factor))
+    def multiplied(self, name: str, factor: float) -> Self:
+        """Return the same around the law with a factor of `FACTORS`."""
+        return replace(self, law=self.law.multiplied(name, factor))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,9 +140,10 @@ class OnBracket(_Wrapped):
         own = self.law.initial_stiffness
         return own * self.stiffness / (own + self.stiffness)
 
-    def scaled(self, factor: float) -> Self:
-        """Return law and bracket with `factor` times their forces."""
-        return replace(super().scaled(factor), stiffness=factor * self.stiffness)
+    def multiplied(self, name: str, factor: float) -> Self:
+        """Return the law with a factor of `FACTORS`; that on all forces acts on the bracket, too."""
+        stiffness = factor * self.stiffness if name == "stiffness" else self.stiffness
+        return replace(super().multiplied(name, factor), stiffness=stiffness)
 
     def to_dict(self) -> Entries:
         """Raise ValueError: an isolator file holds the law itself."""

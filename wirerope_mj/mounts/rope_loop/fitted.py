@@ -11,7 +11,7 @@ from wirerope_mj.foundation.arguments import positive
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.mounts.laws import LoopCoupling
 from wirerope_mj.mounts.rope_loop.elastica import RopeLoop
-from wirerope_mj.mounts.rope_loop.half_loop import LoopShape, loop_shape
+from wirerope_mj.mounts.rope_loop.half_loop import LoopShape
 
 # Numbers of powers (u^2, u^4, u^6 and w to w^6): the fewest that keep the largest error of a force below 2 % of the largest
 # coupling force over the rated travels of all 50 parts of Enidine's table (1.8 %), with as much tension as compression where
@@ -25,25 +25,15 @@ ELEMENTS = 9
 _POINTS = 9
 
 
-@dataclass(frozen=True, kw_only=True)
-class CouplingFit:
-    """A coupling energy and how well it has the forces of the elastica."""
-
-    coupling: LoopCoupling  # the polynomial
-    force_error: float  # largest error of a coupling force over the box, over the largest coupling force there [-]
-    whole_force_error: float  # the same error over the largest force of the whole loop in the box [-]
-
-
 def fit_coupling(
     shape: LoopShape, *, bending_stiffness: float, loops: float, roll: float, compression: float, tension: float,
     terms: tuple[int, int] = (ROLL_TERMS, AXIAL_TERMS),
-) -> CouplingFit:  # fmt: skip
-    """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers, and its error.
+) -> LoopCoupling:  # fmt: skip
+    """Return the coupling energy U(u, w) - U(u, 0) - U(0, w) of an isolator's loops as I x J powers.
 
-    The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box; the error is
-    measured at 10 x 10 others, its edges included. The box ends at roll, compression and tension [m], where the rope of a
-    half loop at full roll would be stretched to more than 85 % of its length (`SLACK_REACH`) before; `bending_stiffness` is
-    EI [N m^2].
+    The coefficients are a least-squares fit of the two coupling forces at 9 x 9 Chebyshev points of the box. The box ends at
+    roll, compression and tension [m], where the rope of a half loop at full roll would be stretched to more than 85 % of its
+    length (`SLACK_REACH`) before; `bending_stiffness` is EI [N m^2].
 
     Raises:
         ValueError: an argument is not a finite number > 0, or full roll leaves no tension.
@@ -59,28 +49,20 @@ def fit_coupling(
         return LoopCoupling(roll=roll, compression=compression, tension=tension, coefficients=coefficients.tolist())
 
     knots = 0.5 * (1.0 - np.cos(np.pi * (np.arange(_POINTS) + 0.5) / _POINTS))
-    points, target, _ = _coupling_forces(loop, roll * knots, -compression + (compression + tension) * knots)
+    points, target = coupling_forces(loop, roll * knots, -compression + (compression + tension) * knots)
     units = np.eye(terms[0] * terms[1]).reshape(-1, *terms)
     columns = np.stack([polynomial(unit).force(points).ravel() for unit in units], axis=1)
     solution = np.linalg.lstsq(columns, target.ravel(), rcond=None)[0].reshape(terms)
-    between = np.linspace(0.0, 1.0, _POINTS + 1)
-    points, exact, whole = _coupling_forces(loop, roll * between, -compression + (compression + tension) * between)
-    miss = np.linalg.norm(polynomial(solution).force(points) - exact, axis=-1).max()
-    return CouplingFit(
-        coupling=polynomial(scale * solution),
-        force_error=float(miss / np.linalg.norm(exact, axis=-1).max()),
-        whole_force_error=float(miss / np.linalg.norm(whole, axis=-1).max()),
-    )
+    return polynomial(scale * solution)
 
 
-def _coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array, Array]:
-    """Return all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces beyond those of (u, 0) and (0, w), and the whole."""
+def coupling_forces(loop: RopeLoop, roll: Array, axial: Array) -> tuple[Array, Array]:
+    """Return all pairs (u, w) [m], (n, 2), and for EI = 1 N m^2 the forces there beyond those of (u, 0) and (0, w), (n, 2)."""
     u, w = (axis.ravel() for axis in np.meshgrid(roll, axial, indexing="ij"))
     state = loop.state(u, w)
-    across = np.repeat(loop.state(roll, 0.0).roll_force, len(axial))
-    along = np.tile(loop.state(0.0, axial).axial_force, len(roll))
-    whole = np.stack([state.roll_force, state.axial_force], axis=-1)
-    return np.stack([u, w], axis=-1), whole - np.stack([across, along], axis=-1), whole
+    across = state.roll_force - np.repeat(loop.state(roll, 0.0).roll_force, len(axial))
+    along = state.axial_force - np.tile(loop.state(0.0, axial).axial_force, len(roll))
+    return np.stack([u, w], axis=-1), np.stack([across, along], axis=-1)
 
 
 def _slack_tension(shape: LoopShape, roll: float) -> float:
@@ -121,13 +103,12 @@ class AxisCurves:
     roll_stiffness: float
 
 
-def axis_curves(*, height: float, width: float, bar: float, rope: float, compression: float, roll: float | None) -> AxisCurves:
-    """Return the curves of an isolator's loop from its envelope and its rated travels [m].
+def axis_curves(shape: LoopShape, *, bar: float, compression: float, roll: float | None) -> AxisCurves:
+    """Return the curves of an isolator's loop between bars of a thickness [m] from its rated travels [m].
 
     The axial curve is followed to the compression, in tension to `TENSION` of it, that of roll as far if its own is not
-    known. ValueError: no loop has these measures, or its rope is taut within the travel.
+    known. ValueError: its rope is taut within the travel.
     """
-    shape = loop_shape(height=height, width=width, bar=bar, rope=rope)
     loop = RopeLoop(shape, ELEMENTS)
     asymmetry, cubic, misfit = _axial(loop, compression)
     stiffness = loop.stiffness()

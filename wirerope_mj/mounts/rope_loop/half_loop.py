@@ -59,11 +59,6 @@ class LoopShape:
         rest = self.length**2 - (abs(across) + abs(roll)) ** 2
         return math.sqrt(rest) - along if rest >= 0.0 else math.nan
 
-    @classmethod
-    def ring(cls, radius: float) -> "LoopShape":
-        """Return the half of a circular ring [m] that is clamped in two points, the textbook case."""
-        return cls(segments=((math.pi * radius, 1.0 / radius),))
-
 
 def loop_shape(*, height: float, width: float, bar: float, rope: float) -> LoopShape:
     """Return the half loop of an isolator from its envelope [m]: unloaded height over both bars, width over the ropes.

@@ -26,10 +26,9 @@ _MOST_OF_THEM = 0.8
 
 @dataclass(frozen=True, kw_only=True)
 class Play:
-    """Way on which the force stands near zero behind a reversal, its spread over the strokes [m], and how many show it."""
+    """Way on which the force stands near zero behind a reversal [m], and how many strokes show it."""
 
     width: float
-    spread: float
     strokes: int
 
 
@@ -66,7 +65,7 @@ def play_in(time: Array, deflection: Array, force: Array) -> Play | None:
     # A spring that hardens is flat at one deflection, and with friction at two forces.
     if apart[1] < np.median(widths) or apart[2] > _ALIKE:
         return None
-    return Play(width=float(np.median(widths)), spread=float(widths.std()), strokes=int(widths.size))
+    return Play(width=float(np.median(widths)), strokes=int(widths.size))
 
 
 def _crossings(way: Array, falling: Array) -> Array | None:

@@ -8,7 +8,9 @@ from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import Law, LoopBoucWen
 from wirerope_mj.mounts.vendor_parts import law_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import curve_values, read_curve_sheet
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, read_datasheet
+
+DIAGONAL = "45 degrees"
 
 
 def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
@@ -32,21 +34,18 @@ def compare(path: str | Path, isolator: Isolator) -> list[ComparedValue]:
         law = isolator.roll if name == "roll" else isolator.shear
         if law is not None:
             rows += _axis_values(name.replace(" and", ","), values, law, sheet.damping_amplitude)
-    return rows + diagonal_values(sheet, isolator)
+    return rows + diagonal_values(sheet.diagonal, isolator)
 
 
-def diagonal_values(sheet: DataSheet, isolator: Isolator) -> list[ComparedValue]:
-    """Return the values at 45 degrees between compression and roll, which nothing was fitted to."""
+def diagonal_values(stated: AxisValues | None, isolator: Isolator) -> list[ComparedValue]:
+    """Return the values at 45 degrees between compression and roll, which nothing was fitted to, beside the coupled laws'."""
     law = isolator.coupled
-    if sheet.diagonal is None or not isinstance(law, LoopBoucWen):
+    if stated is None or not isinstance(law, LoopBoucWen):
         return []
-    rows = []
-    for stated in sheet.diagonal.stated:
-        if stated.unit == "Hz":
-            continue  # about a sag under a load that is not along an axis of the mount: nothing here follows that
-        secant = law_values.diagonal_secant(law, stated.secant.deflection, steady=stated.secant.steady)
-        rows.append(stated.beside("45 degrees", secant))
-    return rows
+    # A resonance is about a sag under a load that is not along an axis of the mount: nothing here follows that.
+    followed = [value for value in stated.stated if value.unit != "Hz"]
+    secants = [law_values.diagonal_secant(law, one.deflection, steady=one.steady) for one in followed]
+    return [value.beside(DIAGONAL, secant) for value, secant in zip(followed, secants, strict=True)]
 
 
 def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> list[ComparedValue]:
@@ -57,7 +56,7 @@ def _axis_values(axis: str, stated: AxisValues, law: Law, amplitude: float) -> l
         if value.unit == "Hz" and axis == "compression":
             load = value.mass * STANDARD_GRAVITY
             about = -law_values.compression_sag(law, load, stated.travel, relaxed=True)
-        rows.append(value.beside(axis, law_values.secant(law, value.secant, about)))
+        rows.append(value.beside(axis, law_values.secant(law, value, about)))
     for name, at in ((f"{1e3 * amplitude:.3g} mm", amplitude), ("D/2", stated.travel / 2.0)):
         ratio = law_values.damping_ratio(law, at)
         rows.append(ComparedValue(axis=axis, name=f"damping ratio at {name}", unit="-", vendor=None, fitted=ratio))

@@ -14,14 +14,14 @@ import numpy as np
 
 from wirerope_mj.foundation.resources import catalogue_folder
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.laws import LoopBoucWen
-from wirerope_mj.mounts.vendor_parts.comparison import compare
-from wirerope_mj.mounts.vendor_parts.law_values import diagonal_secant, secant
+from wirerope_mj.mounts.vendor_parts.by_name import shipped_file
+from wirerope_mj.mounts.vendor_parts.comparison import DIAGONAL, compare, diagonal_values
+from wirerope_mj.mounts.vendor_parts.law_values import secant
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart, vendor_parts
-from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet, two_stiffnesses
-from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_sheet
+from wirerope_mj.mounts.vendor_parts.sheet import AxisValues, ComparedValue, DataSheet, read_datasheet
+from wirerope_mj.mounts.vendor_parts.sheet_fit import axis_of, fit_sheet
 
-AXES, DIAGONAL = ("compression", "shear"), "45 degrees"
+AXES = ("compression", "shear")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,7 +42,7 @@ class Band:
 def left_out(name: str, isolator: Isolator) -> Band:
     """Return what the rest says of each value of a part, by the name of its file in the catalogue or in a vendor's table."""
     path = catalogue_folder() / "datasheets" / f"{name}.toml"
-    part = next((one for one in vendor_parts() if name.lower() in (one.name.lower(), *_file_of(one))), None)
+    part = next((one for one in vendor_parts() if name.lower() in (one.name.lower(), shipped_file(one))), None)
     values: list[ComparedValue] = []
     if path.is_file():
         sheet = read_datasheet(path)
@@ -51,14 +51,9 @@ def left_out(name: str, isolator: Isolator) -> Band:
     if part is not None:
         known = {row.axis for row in values}
         values += [row for axis in AXES if axis not in known for row in _of_table(part, axis)]
-        values += [] if DIAGONAL in known else _at_45_degrees(part, isolator)
+        values += [] if DIAGONAL in known else diagonal_values(axis_of(part, "45"), isolator)
     others = {} if part is None else {axis: _nine_in_ten(part.series.file, axis) for axis in AXES}
     return Band(values=tuple(values), others=others)
-
-
-def _file_of(part: VendorPart) -> tuple[str, ...]:
-    ending = part.name.lower().replace("-", "_")
-    return tuple(path.stem for path in catalogue_folder().glob(f"*_{ending}.toml"))
 
 
 def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
@@ -76,7 +71,7 @@ def _without_one(sheet: DataSheet, axis: str) -> list[ComparedValue]:
         fitted = fit_sheet(replace(sheet, compression=without) if along else replace(sheet, shear=without))
         law = fitted.axial if along else fitted.shear
         assert law is not None  # of an axis with values
-        rows.append(value.beside(axis, secant(law, value.secant)))
+        rows.append(value.beside(axis, secant(law, value)))
     return rows
 
 
@@ -92,17 +87,6 @@ def _of_table(part: VendorPart, axis: str) -> list[ComparedValue]:
             ("vibration stiffness", own.vibration, own.shock / ratio),
             ("shock stiffness", own.shock, own.vibration * ratio),
         )
-    ]
-
-
-def _at_45_degrees(part: VendorPart, isolator: Isolator) -> list[ComparedValue]:
-    """Return the stiffnesses at 45 degrees that a row states beside those of the coupled laws."""
-    own, law = part.modes["45"], isolator.coupled
-    if own.travel is None or own.vibration is None or own.shock is None or not isinstance(law, LoopBoucWen):
-        return []
-    return [
-        value.beside(DIAGONAL, diagonal_secant(law, value.secant.deflection, steady=value.secant.steady))
-        for value in two_stiffnesses(own.travel, own.vibration, own.shock)
     ]
 
 

@@ -1,20 +1,12 @@
 """Ni's laws from the secant stiffnesses that vendors state, by rules that are the same for all parts.
 
 What a sheet states fixes a bound d of the friction force, a spring k1 and, by a damping ratio or as it stands, a yield
-deflection x_y. All else of the axis' law is the same for the whole catalogue. The rule of two scales:
+deflection x_y. All else of the axis' law is the same for the whole catalogue. The rule of two scales, whose reasons are in
+docs/catalogue.md:
 
     friction       Bouc-Wen states in parallel, n = 2 and gamma = 0: d and x_y, d / 8 and x_y / 20
     axial          c ln b and k3 / k1 a third of the rope loop's
     shear, roll    x_y three quarters of the axial one; k3 / k1 in parts of the rope loop's, which the sheet may state
-
-The rule was found with one rack of 850 kg on one part (CB1400-15): its sag, modes and shocks in both senses together with its
-catalogue, no other rack. With the whole asymmetry of the rope loop the rack's acceleration along z is 20 % too large, without
-any that along x 16 % too small; from 0.3 to 0.5 all are within 10 %. The third is what the vendor's program says of that
-part, and no test has shown it: `[spread]` has the rope loop's own c two standard deviations above. A
-smaller n lets the rack sag more, by 27 % with n = 1 and 16 % with n = 2; a larger one has less damping in small cycles. The
-ratios hardly matter to it, from 1/10 to 1/5 of the force and 1/20 to 1/8 of the yield deflection: they are those with which
-the damping of the parts that ship stays at 6 to 22 % along the axis from 0.2 mm to half of the travel, and at 1 mm in their
-vendors' ranges.
 
 The curve of the elastic part comes from the rope loop, F1 = k1 (x + kappa x^3) and F2 = exp(lambda x). Friction is d v(a / x_y)
 on the virgin path and +-d s(a / x_y) at the ends of the steady loop of amplitude a, v and s those of the rule (`FitRule`): with
@@ -26,6 +18,7 @@ states of the loop's width gives x_y:
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -154,9 +147,7 @@ DAMPING_AMPLITUDE = 1e-3
 _REACH = (0.02, 20.0)
 
 
-def fit_secants(
-    secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, rule: FitRule = RULES[1]
-) -> NiLaw | Parallel:
+def fit_secants(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule = RULES[1]) -> NiLaw | Parallel:
     """Return the law whose secants are the stated ones; of more than two the largest relative error is as small as can be.
 
     `yielding` is the yield deflection x_y of friction [m]; all else of the law follows by the rule. ConvergenceError: the
@@ -166,7 +157,7 @@ def fit_secants(
     return rule.law(friction, yielding, spring, curve)
 
 
-def _sizes(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
+def _sizes(secants: Sequence[Secant], curve: ElasticShape, yielding: float, rule: FitRule) -> tuple[float, float]:
     """Return friction [N] and spring [N/m] of these secants; ConvergenceError unless both are positive."""
     friction, spring = _nearest(np.array([_row(secant, curve, yielding, rule) for secant in secants]))
     if friction <= 0.0 or spring <= 0.0:
@@ -180,7 +171,7 @@ def _sizes(secants: tuple[Secant, ...], curve: ElasticShape, yielding: float, ru
 
 
 def fit_damped(
-    secants: tuple[Secant, ...], curve: ElasticShape, *, damping: float, amplitude: float, rule: FitRule = RULES[1]
+    secants: Sequence[Secant], curve: ElasticShape, *, damping: float, amplitude: float, rule: FitRule = RULES[1]
 ) -> NiLaw | Parallel:
     """Return the law with these secants and this damping ratio of the steady loop of an amplitude [m].
 

@@ -21,38 +21,39 @@ that of the vibration stiffness' amplitude where `damping_amplitude` does not sa
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.mounts.rope_loop import LoopShape, loop_shape
 from wirerope_mj.mounts.vendor_parts.law_values import Secant
 from wirerope_mj.mounts.vendor_parts.secants import DAMPING_AMPLITUDE, RULES, VIBRATION_AMPLITUDE
 from wirerope_mj.mounts.vendor_parts.toml_table import FORCE, FREQUENCY, LENGTH, STIFFNESS, TomlTable
 
 
 @dataclass(frozen=True, kw_only=True)
-class StatedValue:
+class StatedValue(Secant):
     """One value of a data sheet as a secant stiffness."""
 
     name: str
-    unit: str  # that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load)
-    secant: Secant  # deflection, stiffness and whether of the steady loop
+    unit: str = "N/mm"  # that it is printed in: N/mm, N (the force at the deflection) or Hz (of the mass of the static load)
     fitted: bool = True  # whether the law is fitted to it
     mass: float = math.nan  # of a resonance [kg]
 
     def shown(self, stiffness: float) -> float:
         """Return the value that a secant stiffness [N/m] gives, in its unit."""
         if self.unit == "N":
-            return stiffness * self.secant.deflection
+            return stiffness * self.deflection
         if self.unit == "Hz":
             return math.sqrt(stiffness / self.mass) / (2.0 * math.pi)
         return 1e-3 * stiffness
 
     def beside(self, axis: str, stiffness: float) -> "ComparedValue":
         """Return the value of the sheet beside the secant stiffness [N/m] of a law."""
-        vendor, fitted = self.shown(self.secant.stiffness), self.shown(stiffness)
+        vendor, fitted = self.shown(self.stiffness), self.shown(stiffness)
         return ComparedValue(axis=axis, name=self.name, unit=self.unit, vendor=vendor, fitted=fitted)
 
 
@@ -82,9 +83,9 @@ class AxisValues:
     hardening: float = 1.0  # k3 / k1 in parts of that of the rope loop; 1 unless the sheet says otherwise
 
     @property
-    def fitted(self) -> tuple[Secant, ...]:
-        """The secants that the law is fitted to."""
-        return tuple(value.secant for value in self.stated if value.fitted)
+    def fitted(self) -> tuple[StatedValue, ...]:
+        """The values that the law is fitted to."""
+        return tuple(value for value in self.stated if value.fitted)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,6 +116,11 @@ class DataSheet:
     damping_range: tuple[float, float] | None = None
     assumed: tuple[str, ...] = ()  # what no source gives, one text each
 
+    @cached_property
+    def shape(self) -> LoopShape:
+        """The half loop of its envelope; ValueError if there is none."""
+        return loop_shape(height=self.height, width=self.width, bar=self.bar, rope=self.rope)
+
     @property
     def across(self) -> dict[str, AxisValues]:
         """Values across the axis, by the axes that they stand for."""
@@ -129,10 +135,8 @@ def two_stiffnesses(travel: float, vibration: float, shock: float, amplitude: fl
     virgin path at the travel.
     """
     small = VIBRATION_AMPLITUDE * travel if amplitude is None else amplitude
-    of_loop = Secant(deflection=small, stiffness=vibration, steady=True)
-    of_travel = Secant(deflection=travel, stiffness=shock, steady=False)
-    stated = (("vibration stiffness", of_loop), ("shock stiffness", of_travel))
-    return tuple(StatedValue(name=name, unit="N/mm", secant=secant) for name, secant in stated)
+    of_loop = StatedValue(name="vibration stiffness", deflection=small, stiffness=vibration, steady=True)
+    return of_loop, StatedValue(name="shock stiffness", deflection=travel, stiffness=shock, steady=False)
 
 
 def read_datasheet(path: str | Path) -> DataSheet:
@@ -172,7 +176,7 @@ def _damping_amplitude(compression: AxisValues, scales: int) -> float:
     """Return the amplitude of damping ratios where the sheet states none [m]."""
     if scales == 1:
         return DAMPING_AMPLITUDE
-    small = (value.secant.deflection for value in compression.stated if value.name == "vibration stiffness")
+    small = (value.deflection for value in compression.stated if value.name == "vibration stiffness")
     return next(small, VIBRATION_AMPLITUDE * compression.travel)
 
 
@@ -204,7 +208,7 @@ def _axis(table: TomlTable) -> AxisValues:
     amplitude = table.optional_quantity("vibration_amplitude", LENGTH)
     vibration, shock = (table.optional_quantity(f"{name}_stiffness", STIFFNESS) for name in ("vibration", "shock"))
     both = two_stiffnesses(travel, vibration or 0.0, shock or 0.0, amplitude)
-    stiffnesses = [value for value in both if value.secant.stiffness > 0.0]
+    stiffnesses = [value for value in both if value.stiffness > 0.0]
     stated = [*stiffnesses, *_loads(table, travel), *_curve_points(table)]
     table.require_empty()
     names = [value.name.replace(" ", "_") for value in stated]
@@ -230,8 +234,8 @@ def _loads(table: TomlTable, travel: float) -> list[StatedValue]:
         values.append(_force("static force", depth, load))
         if resonance is not None:
             mass = load / STANDARD_GRAVITY
-            secant = Secant(deflection=depth, stiffness=mass * (2.0 * math.pi * resonance) ** 2, steady=True)
-            values.append(StatedValue(name="resonance", unit="Hz", secant=secant, fitted=False, mass=mass))
+            size = {"deflection": depth, "stiffness": mass * (2.0 * math.pi * resonance) ** 2, "mass": mass}
+            values.append(StatedValue(name="resonance", unit="Hz", steady=True, fitted=False, **size))
     elif resonance is not None:
         raise ModelError(f"{table.location} `resonance_Hz` needs the static load whose mass it is of.")
     if shock is not None:
@@ -242,13 +246,12 @@ def _loads(table: TomlTable, travel: float) -> list[StatedValue]:
 def _curve_points(table: TomlTable) -> list[StatedValue]:
     """Take points of a force-deflection curve and secants of steady loops."""
     values = [_force(f"force at {x:g} mm", 1e-3 * x, force) for x, force in table.pairs("points_mm_N")]
-    for x, stiffness in table.pairs("cycles_mm_N_per_mm"):
-        secant = Secant(deflection=1e-3 * x, stiffness=1e3 * stiffness, steady=True)
-        values.append(StatedValue(name=f"cycles of {x:g} mm", unit="N/mm", secant=secant))
-    return values
+    return values + [
+        StatedValue(name=f"cycles of {x:g} mm", deflection=1e-3 * x, stiffness=1e3 * stiffness, steady=True)
+        for x, stiffness in table.pairs("cycles_mm_N_per_mm")
+    ]
 
 
 def _force(name: str, deflection: float, force: float) -> StatedValue:
     """Return a force on the virgin path as a stated value."""
-    secant = Secant(deflection=deflection, stiffness=force / deflection, steady=False)
-    return StatedValue(name=name, unit="N", secant=secant)
+    return StatedValue(name=name, unit="N", deflection=deflection, stiffness=force / deflection, steady=False)

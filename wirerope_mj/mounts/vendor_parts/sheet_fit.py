@@ -14,7 +14,7 @@ from wirerope_mj.foundation.errors import ConvergenceError, ModelError
 from wirerope_mj.foundation.toml_file import read_toml
 from wirerope_mj.mounts.isolator import Geometry, Isolator, Limits, Provenance, Rotation, Spread, Travel
 from wirerope_mj.mounts.laws import LoopCoupling, Parallel
-from wirerope_mj.mounts.rope_loop import AxisCurves, axis_curves, fit_coupling, loop_positions, loop_shape, rotational_stiffness
+from wirerope_mj.mounts.rope_loop import AxisCurves, axis_curves, fit_coupling, loop_positions, rotational_stiffness
 from wirerope_mj.mounts.vendor_parts.comparison import diagonal_values
 from wirerope_mj.mounts.vendor_parts.curve_fit import fit_curves
 from wirerope_mj.mounts.vendor_parts.parts import VendorPart
@@ -54,8 +54,8 @@ def fit_datasheet(path: str | Path) -> Isolator:
         raise ConvergenceError(f"{path}: {error}") from error
 
 
-def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
-    """Return the isolator that reproduces the values of a data sheet; `kind` is that of its provenance.
+def fit_sheet(sheet: DataSheet) -> Isolator:
+    """Return the isolator that reproduces the values of a data sheet.
 
     Raises:
         ValueError: no rope loop has the envelope of the sheet.
@@ -63,10 +63,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
     """
     compression, shear = sheet.compression, sheet.shear
     rated = {} if shear is None else {"shear": shear.travel, "roll": (sheet.roll or shear).travel}
-    curves = axis_curves(
-        height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope,
-        compression=compression.travel, roll=rated.get("roll"),
-    )  # fmt: skip
+    curves = axis_curves(sheet.shape, bar=sheet.bar, compression=compression.travel, roll=rated.get("roll"))
     rule = RULES[sheet.scales]
     cubic = rule.asymmetry * curves.axial_cubic * compression.hardening
     along = ElasticShape(asymmetry=rule.asymmetry * curves.asymmetry, cubic=cubic)
@@ -79,7 +76,7 @@ def fit_sheet(sheet: DataSheet, *, kind: str = "catalogue") -> Isolator:
         rotation=_rotation(sheet, axial, across.get("roll"), curves), **across,
     )  # fmt: skip
     provenance = Provenance(
-        kind=kind, source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
+        kind="catalogue", source=sheet.source, fitted_to=_fitted_to(sheet), assumed=_assumed(sheet, curves),
         check_45=_check_45(sheet, isolator),
     )  # fmt: skip
     return replace(isolator, provenance=provenance)
@@ -124,7 +121,7 @@ def _rotation(sheet: DataSheet, axial: NiLaw | Parallel, roll: NiLaw | Parallel 
     if sheet.bar_length is None or sheet.loops is None:
         return None
     stiffness = rotational_stiffness(
-        loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope),
+        sheet.shape,
         bending_stiffness=first_state(axial).k1 / (sheet.loops * curves.axial_stiffness),
         positions=loop_positions(sheet.loops, sheet.bar_length),
         axial=first_state(axial).k1,
@@ -139,11 +136,10 @@ def _coupling(
 ) -> LoopCoupling:
     """Return the loop's coupling energy with the geometric mean of both axes' EI, by which 45 degrees is nearest to Enidine."""
     sizes = first_state(axial).k1 / curves.axial_stiffness, first_state(roll).k1 / curves.roll_stiffness
-    shape = loop_shape(height=sheet.height, width=sheet.width, bar=sheet.bar, rope=sheet.rope)
     travel, size = sheet.compression.travel, math.sqrt(sizes[0] * sizes[1])
     coupling = fit_coupling(
-        shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel
-    ).coupling
+        sheet.shape, bending_stiffness=size, loops=1, roll=range_of_roll, compression=travel, tension=travel
+    )
     ends = {name: float(f"{getattr(coupling, name):.9g}") for name in ("roll", "compression", "tension")}
     return LoopCoupling(**ends, coefficients=[[float(f"{c:.9g}") for c in row] for row in coupling.coefficients])
 
@@ -161,11 +157,11 @@ def _fitted_to(sheet: DataSheet) -> str:
 
 
 def _stated(value: StatedValue) -> str:
-    path = "steady loop" if value.secant.steady else "virgin path"
-    shown = f"{value.shown(value.secant.stiffness):.5g} {value.unit}"
+    path = "steady loop" if value.steady else "virgin path"
+    shown = f"{value.shown(value.stiffness):.5g} {value.unit}"
     if value.unit == "N":
-        return f"{value.name} {shown} at {1e3 * value.secant.deflection:.4g} mm of the {path}"
-    return f"{value.name} {shown} = secant of the {path} of {1e3 * value.secant.deflection:.4g} mm"
+        return f"{value.name} {shown} at {1e3 * value.deflection:.4g} mm of the {path}"
+    return f"{value.name} {shown} = secant of the {path} of {1e3 * value.deflection:.4g} mm"
 
 
 def _assumed(sheet: DataSheet, curves: AxisCurves) -> tuple[str, ...]:
@@ -206,7 +202,7 @@ def _check_45(sheet: DataSheet, isolator: Isolator) -> dict[str, float]:
     """Return the comparison at 45 degrees for the provenance."""
     units = {"N/mm": "N_per_mm", "N": "N"}
     table: dict[str, float] = {}
-    for row in diagonal_values(sheet, isolator):
+    for row in diagonal_values(sheet.diagonal, isolator):
         name = row.name.replace(" ", "_")
         if row.vendor is None or row.error is None:
             continue
@@ -230,7 +226,7 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
         ModelError: the row lacks travel or stiffnesses in compression, or the envelope.
         ConvergenceError: no law has all its values.
     """
-    compression = _axis(part, "compression", part.series.damping)
+    compression = axis_of(part, "compression", part.series.damping)
     if compression is None:
         raise ModelError(f"{part.name}: the table does not state travel and stiffnesses in compression; nothing to fit.")
     measures = {"height": part.height, "width": part.width, "rope": part.rope}
@@ -243,14 +239,14 @@ def fit_part(part: VendorPart, *, scales: int = 2) -> Isolator:
         DataSheet(
             name=part.name, source=part.series.source, height=height, width=width, rope=rope,
             bar=BAR * rope if part.bar is None else part.bar, bar_assumed=part.bar is None, compression=compression,
-            shear=_axis(part, "shear", None), static_load=part.modes["compression"].static_load,
+            shear=axis_of(part, "shear"), static_load=part.modes["compression"].static_load,
             damping_amplitude=DAMPING_AMPLITUDE if scales == 1 else VIBRATION_AMPLITUDE * compression.travel,
             scales=scales, damping_range=part.series.damping_range, assumed=assumed,
         )
     )  # fmt: skip
 
 
-def _axis(part: VendorPart, mode: str, damping: float | None) -> AxisValues | None:
+def axis_of(part: VendorPart, mode: str, damping: float | None = None) -> AxisValues | None:
     """Return the values of one mode; None where they are not stated."""
     values = part.modes[mode]
     if values.travel is None or values.vibration is None or values.shock is None:

@@ -27,8 +27,7 @@ from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.laws import Parallel
-from wirerope_mj.mounts.laws.law import ROUNDING, Law
-from wirerope_mj.mounts.laws.parallel import FACTORS
+from wirerope_mj.mounts.laws.law import FACTORS, ROUNDING, Law
 from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
 from wirerope_mj.studies.inputs.column import Draft
 from wirerope_mj.studies.inputs.variants import Maker, Work, systems_valid

@@ -12,7 +12,7 @@ from wirerope_mj.engine.system.varied import centre_of_mass, sprung_joints
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.laws import Law, Parallel
-from wirerope_mj.mounts.laws.parallel import FACTORS
+from wirerope_mj.mounts.laws.law import FACTORS
 from wirerope_mj.studies.inputs.body_columns import bodies_of
 from wirerope_mj.studies.inputs.column import WORLD
 from wirerope_mj.studies.inputs.distributions import Distribution
