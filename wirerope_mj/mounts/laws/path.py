@@ -16,6 +16,7 @@ from wirerope_mj.mounts.laws.kernels import (
     has_closed_form,
 )
 from wirerope_mj.mounts.laws.ni import polynomial
+from wirerope_mj.mounts.laws.plane_brackets import LINE, ON_BRACKETS, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
 from wirerope_mj.mounts.laws.power import advance_power
 
@@ -78,23 +79,28 @@ def follow_path(law, p, deflection, z, n_states):
 
 
 @njit
-def follow_plane(law, p, path):
-    """Return force (n_t, 2), states (n_t, 2) and cumulated work (n_t,) of a kernel in the plane along straight lines.
+def follow_plane(law, p, at, path, n_states):
+    """Return force (n_t, 2), states (n_t, n_states) and cumulated work (n_t,) of a kernel in the plane along straight lines.
 
-    `law` is BIAXIAL or LOOP, `p` holds the kernel's parameters; start and direction of the line are written to it.
+    `law` is BIAXIAL or LOOP, or ON_BRACKETS, `p` holds the kernel's parameters; start and direction of the line are written to
+    `p[at:]`.
     """
     n_t = path.shape[0]
-    force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, 2)), np.zeros(n_t), np.zeros(2)
-    slopes, trial = np.empty(21), np.empty(3)
+    force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, n_states)), np.zeros(n_t), np.zeros(n_states)
+    slopes, trial = np.empty(7 * (n_states + 1)), np.empty(n_states + 1)
     for t in range(n_t):
         if t > 0:
             dx, dy = path[t, 0] - path[t - 1, 0], path[t, 1] - path[t - 1, 1]
             length = math.sqrt(dx * dx + dy * dy)
             work[t] = work[t - 1]
             if length > 0.0:
-                p[12], p[13], p[14], p[15] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
-                work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, 2, slopes, trial)
+                p[at], p[at + 1], p[at + 2], p[at + 3] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
+                work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, n_states, slopes, trial)
         states[t] = z
+        if law == ON_BRACKETS:
+            n = n_states // 2
+            force[t, 0], force[t, 1] = on_brackets(p, LINE, n, path[t, 0], path[t, 1], 0.0, 0.0, z, 0, n, trial, 0, n)
+            continue
         if law == LOOP:
             force[t, 0], force[t, 1] = loop_plane_force(p, 0, path[t, 0], path[t, 1], z[0], z[1])
             continue
