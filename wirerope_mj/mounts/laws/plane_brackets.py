@@ -52,10 +52,10 @@ def held(p, i, n, u, w, z, j, k):
 def series_slopes(p, i, n, u, w, z, j, k):
     """Return 1 + C dF/dd, hysteretic forces held, row by row."""
     b, each = stand(p, i, n), 0.5 / _NUDGE
-    (au, aw), (bu, bw) = held(p, i, n, u + _NUDGE, w, z, j, k), held(p, i, n, u - _NUDGE, w, z, j, k)
-    (cu, cw), (du, dw) = held(p, i, n, u, w + _NUDGE, z, j, k), held(p, i, n, u, w - _NUDGE, z, j, k)
+    (u1, w1), (u2, w2) = held(p, i, n, u + _NUDGE, w, z, j, k), held(p, i, n, u - _NUDGE, w, z, j, k)
+    (u3, w3), (u4, w4) = held(p, i, n, u, w + _NUDGE, z, j, k), held(p, i, n, u, w - _NUDGE, z, j, k)
     roll, other = each * p[b], each * p[b + 1]
-    return 1.0 + roll * (au - bu), roll * (cu - du), other * (aw - bw), 1.0 + other * (cw - dw)
+    return 1.0 + roll * (u1 - u2), roll * (u3 - u4), other * (w1 - w2), 1.0 + other * (w3 - w4)
 
 
 @njit
