@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from house import deck, hysteresis, mjcf
 from laws_for_tests import path_through
+from table_study import PULSE, table_study
 
 import wirerope_mj as wr
 from wirerope_mj.dynamics.modes.axis import closed_cycle
@@ -19,6 +20,8 @@ from wirerope_mj.engine.statics.find import equilibrium_solver
 from wirerope_mj.engine.system.varied import Changes
 from wirerope_mj.mounts import laws
 from wirerope_mj.mounts.laws import OnBracket
+from wirerope_mj.mounts.laws.plane_brackets import held
+from wirerope_mj.studies.measures import measures
 
 G = wr.STANDARD_GRAVITY
 ROPE = wr.load_isolator("enidine_wr12_400")
@@ -30,15 +33,16 @@ SOFT = {  # of the mounts' own stiffness, so that they take a good part of the d
 PATH = 1e-3 * np.array([[0.0, 0.0], [4.0, -6.0], [-5.0, 3.0], [2.0, 8.0], [0.0, -9.0], [4.0, -6.0]])
 
 
-def mass_on(isolator, mass=60.0, tilt=35.0):
-    """Return a system of a mass on one tilted mount, which slides along the world's axes."""
-    sites, slides = (
-        {"b": f'euler="0 {tilt} 10"'},
-        "".join(f'<joint type="slide" axis="{a}"/>' for a in ("1 0 0", "0 1 0", "0 0 1")),
-    )
-    own = f'<geom size=".1" mass="{mass}"/><site name="p" euler="0 {tilt} 10"/>'
-    world = deck(sites) + f'<body name="mass" pos="0 0 0">{slides}{own}</body>'
-    return wr.load_system(mjcf(world, [("m", "p", "b", "i")], gravity=G), isolators={"i": isolator})
+def text_of(mass=60.0, tilt=35.0):
+    """Return a model of a mass on one tilted mount, which slides along the world's axes."""
+    turn, slides = f'euler="0 {tilt} 10"', "".join(f'<joint type="slide" axis="{a}"/>' for a in ("1 0 0", "0 1 0", "0 0 1"))
+    own = f'<geom size=".1" mass="{mass}"/><site name="p" {turn}/>'
+    world = deck({"b": turn}) + f'<body name="mass" pos="0 0 0">{slides}{own}</body>'
+    return mjcf(world, [("m", "p", "b", "i")], gravity=G)
+
+
+def mass_on(isolator, **given):
+    return wr.load_system(text_of(**given), isolators={"i": isolator})
 
 
 def on(isolator=ROPE, **bracket):
@@ -90,6 +94,27 @@ def test_linear_mounts_and_brackets_are_springs_in_series():
     np.testing.assert_allclose(found.force, series * PATH, rtol=0, atol=1e-9 * np.abs(series * PATH).max())
 
 
+@pytest.mark.quick
+@pytest.mark.parametrize("name", ["enidine_wr12_400", "CB1400-10", "WR16-850"])
+def test_own_deflections_are_found_or_there_is_none(name):
+    """Any states, deflections and brackets: within the rating always; a loop pressed beyond it may buckle on a soft bracket."""
+    device, rng = wr.load_isolator(name), np.random.default_rng(5)
+    law, rated = device.coupled, device.limits.travel.compression
+    n, bounds = len(law.scales), law.rate_parameters().reshape(-1, 6)[:, 2:4]
+    for reach, softest in ((2.0, 2.0), (1.0, 5.5)):
+        for _ in range(300):
+            stiffness, angle = 10.0 ** rng.uniform(softest, 10.0, 2), rng.uniform(0.0, 2.0 * np.pi, n)
+            x, z = (
+                rng.uniform(-reach, reach, 2) * rated,
+                np.stack([np.cos(angle), np.sin(angle)]) * rng.uniform(size=n) * bounds.T,
+            )
+            soft = replace(law, brackets=tuple(stiffness))
+            own = soft.own_deflection(x, z.ravel())
+            force = np.array(held(soft.mount_parameters(), 0, n, *own.tolist(), z.ravel(), 0, n))
+            assert np.isfinite(own).all() or reach > 1.0
+            assert not np.abs(own + force / stiffness - x).max() > 1e-8 * np.abs(x).max()
+
+
 @pytest.mark.parametrize(
     "device",
     [on(axial=8e5), on(axial=8e5, roll=5e5, shear=4e5), on(BIAXIAL, roll=4e5, axial=9e5)],
@@ -130,6 +155,19 @@ def test_rests_that_are_found_together_are_those_of_one_model(device):
     for row, mass in enumerate((60.0, 90.0)):
         own = wr.equilibrium(mass_on(device, mass=mass)).mounts["m"].deflection
         np.testing.assert_allclose(rests.mounts[row, 0, 0], own, rtol=0, atol=1e-6 * np.abs(own).max())
+
+
+@pytest.mark.parametrize("key", ["axial/stiffness", "shear/friction"])
+def test_a_study_varies_what_stands_on_brackets_and_what_stands_beside_them(key, tmp_path):
+    device, name = on(axial=8e5, roll=5e5), f"mount/m/{key}"
+    study = table_study(model=text_of(), isolators={"i": device}, variants=3, vary={name: wr.Uniform(0.7, 1.3)})
+    axis, factor = key.split("/")
+    for row in study.run(tmp_path / "study", workers=1).table.to_pylist():
+        law = getattr(device, axis)
+        alone = mass_on(replace(device, **{axis: replace(law, **law.completed({factor: row[name]}))}))
+        response = wr.simulate(alone, PULSE, duration=0.05, timestep=1e-3)
+        found = measures(alone, response.peaks, response.initial_state)
+        assert {one: row[one] for one in found} == pytest.approx(found, rel=1e-6, nan_ok=True)  # rests are found to 1e-8
 
 
 @pytest.mark.quick

@@ -26,6 +26,8 @@ ELASTIC = 7  # of every scale: k1, k2, k3 of both axes, lambda of the other one'
 _NUDGE = 1e-7
 _FOUND = 1e-13  # of the deflections: a step that Newton's method, which is quadratic there, need not take
 _STEPS = 40  # five are usual; a step that does not lead nearer is halved
+# Of the deflections, left of the equation: a mount that buckles on a bracket softer than itself jumps, and there is no answer.
+_LOST = 1e-6
 _SIGNS = 8  # two are usual
 
 
@@ -60,7 +62,10 @@ def series_slopes(p, i, n, u, w, z, j, k):
 
 @njit
 def own_deflections(p, i, n, x, y, z, j, k):
-    """Return the mount's own deflections u and w [m] of x and y of mount and brackets together, and 1 + C dF/dd there (4)."""
+    """Return the mount's own deflections u and w [m] of x and y of mount and brackets together, and 1 + C dF/dd there (4).
+
+    NaN where there are none.
+    """
     b = stand(p, i, n)
     u, w, du, dw, left = x, y, 0.0 * x, 0.0 * y, 1e300 + 0.0 * x
     a = f = g = d = left
@@ -78,7 +83,8 @@ def own_deflections(p, i, n, x, y, z, j, k):
         dw = where(nearer, (g * ru - a * rw) / det, 0.5 * dw)
         if not some(abs(du) + abs(dw) > _FOUND * (abs(x) + abs(y) + abs(u) + abs(w))):
             break
-    return u, w, a, f, g, d
+    lost = left > _LOST * (abs(x) + abs(y))
+    return where(lost, math.nan, u), where(lost, math.nan, w), a, f, g, d
 
 
 @njit
