@@ -345,6 +345,33 @@ def test_the_command_says_how_much_of_the_mass_the_modes_bring_along(folder, tmp
     assert "are the units those that --units says?" in " ".join(capsys.readouterr().out.split())
 
 
+@pytest.mark.parametrize("highest", [60.0, 200.0])
+def test_residual_vectors_keep_the_static_compliance_of_the_modes_that_are_left_out(highest, folder, tmp_path, capsys):
+    whole, _ = import_part([folder / "cb.op4"], folder / "boundary.csv", UNITS, damping=ZETA)
+    few, residual = whole.below(highest), whole.below(highest, residual=True)
+    n, added = len(few.frequencies), len(residual.frequencies) - len(few.frequencies)
+    assert 0 < added <= 5  # four feet along z, and a motion of the base
+    np.testing.assert_array_equal(residual.frequencies[:n], few.frequencies)
+    assert (residual.frequencies[n:] > highest).all()
+    np.testing.assert_allclose(residual.damping, ZETA, rtol=1e-12)
+
+    def stacked(part):
+        return np.array([part.shapes[name][:, 2] for name in FEET]) / part.frequencies
+
+    def held(part):  # what a unit acceleration of the base deflects the feet by
+        return stacked(part) @ (part.participation[:, 2] / part.frequencies)
+
+    exact = stacked(whole) @ stacked(whole).T
+    np.testing.assert_allclose(stacked(residual) @ stacked(residual).T, exact, rtol=0, atol=1e-3 * exact.max())
+    np.testing.assert_allclose(held(residual), held(whole), rtol=1e-3)
+    share = float(np.diag(stacked(few) @ stacked(few).T / exact).min())
+    command = ["flexible", str(folder / "cb.op4"), "--points", str(folder / "boundary.csv"), "--units", "mm,t,s"]
+    assert main([*command, "--out", str(tmp_path / "few"), "--highest-hz", str(highest)]) == 0
+    assert f"along z the modes have {100.0 * share:.1f} % of the static compliance" in " ".join(capsys.readouterr().out.split())
+    assert main([*command, "--out", str(tmp_path / "residual"), "--highest-hz", str(highest), "--residual"]) == 0
+    assert "compliance" not in capsys.readouterr().out
+
+
 def test_a_mass_that_nothing_has_is_refused(folder, tmp_path, capsys):
     command = ["flexible", str(folder / "cb.op4"), "--points", str(folder / "boundary.csv"), "--units", "mm,t,s"]
     assert main([*command, "--mass-kg", "5e-324", "--out", str(tmp_path / "part")]) == 2

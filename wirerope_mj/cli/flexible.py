@@ -7,7 +7,8 @@ from wirerope_mj.cli.options import Flag
 
 def flexible(
     files: list[Path], *, units: str, out: Path, points: Path | None = None, mass_kg: float | None = None, damping: float = 2.0,
-    highest_hz: float | None = None, force: Flag = False,
+    highest_hz: float | None = None, residual: Flag = False,
+    force: Flag = False,
 ) -> int:  # fmt: skip
     """Read the modes of a deck or of equipment, check them, and write them as a part that models bend by.
 
@@ -20,7 +21,7 @@ def flexible(
 
     A deck's modes are those with its edge held, and its participations Phi^T M r; equipment has free-free modes without the
     six rigid ones, and no participation. Residual vectors of the mounts' points and of a motion of the base are modes like
-    others. wirerope shock MODEL --deck PART puts a model on the part.
+    others; --residual makes them from what --highest-hz leaves out. wirerope shock MODEL --deck PART puts a model on the part.
 
     Args:
         files: OP4 or OP2 files of matrices; eigenvectors and perhaps a table of modes; table of modes, then of shapes; or a
@@ -32,6 +33,7 @@ def flexible(
         mass_kg: of the whole part, of which the modes should bring along 90 %; matrices say it.
         damping: damping ratio of modes without one [%].
         highest_hz: leave out modes above this frequency, which ask for small steps.
+        residual: keep the static compliance of the modes that are left out, as a few residual vectors.
         force: replace a part that is there.
     """
     from wirerope_mj.content.flexible import flexible_content
@@ -43,10 +45,11 @@ def flexible(
 
     mass = None if mass_kg is None else between("--mass-kg", mass_kg, 1e-3, 1e9)
     part, own_mass = import_part(files, points, units_in(units), damping=0.01 * damping)
+    whole = part
     if highest_hz is not None:
-        part = part.below(positive("--highest-hz", highest_hz, unit="Hz"))
+        part = part.below(positive("--highest-hz", highest_hz, unit="Hz"), residual=residual)
     save_flexible(part, out, force=force)
-    content = flexible_content(out.name, part, mass=own_mass if mass is None else mass)
+    content = flexible_content(out.name, part, mass=own_mass if mass is None else mass, whole=whole)
     show(content)
     print_headline(content.verdict)
     print(plain(f"  written to {out}/"))

@@ -11,12 +11,20 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.tables import Cell, Column, Table
 
 CAPTURED = 0.9  # of the mass along an axis below which modes that are left out matter: usual in seismic rules
+# Share of a point's static compliance that may be missing unsaid, and of its largest one that the axes have which count.
+_SOFTER, _STIFF = 0.01, 0.01
 # Effective mass that decks and machines have [kg]; beyond it units are perhaps other ones.
 _LIGHTEST, _HEAVIEST = 1.0, 1e6
 
 
-def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | None = None) -> Content:
-    """Describe a flexible part; with its mass [kg], perhaps along x, y, z, how much of it the modes bring along."""
+def flexible_content(
+    name: str, part: FlexiblePart, *, mass: float | Array | None = None, whole: FlexiblePart | None = None
+) -> Content:
+    """Describe a flexible part.
+
+    With its mass [kg], perhaps along x, y, z, how much of it the modes bring along; with the `whole` part, of which modes were
+    left out, how much of its static compliance is left.
+    """
     headline = Statement(
         id="part",
         text=f"{several(len(part.frequencies), 'mode')} from {with_unit(float(part.frequencies.min()), 'Hz')} to "
@@ -25,7 +33,7 @@ def flexible_content(name: str, part: FlexiblePart, *, mass: float | Array | Non
     )
     sections = (
         Section("modes", "", lambda: [_table(part, mass)], "summary"),
-        Section("checks", "", lambda: _doubts(part, mass), "summary"),
+        Section("checks", "", lambda: _doubts(part, mass, whole or part), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 
@@ -54,7 +62,7 @@ def _shares(total: Array, mass: float | Array) -> Array:
     return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
 
 
-def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statement]:
+def _doubts(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart) -> Iterator[Statement]:
     """Yield a sentence on each thing that is perhaps not meant."""
 
     def doubt(name: str, text: str) -> Statement:
@@ -72,6 +80,16 @@ def _doubts(part: FlexiblePart, mass: float | Array | None) -> Iterator[Statemen
             yield doubt("mass", f"{text} more than there is.")
         elif 0.01 < share < CAPTURED:
             yield doubt("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
+    missing = [
+        (1.0 - float(own / full), name, axis)
+        for name in part.points
+        for axis, own, full in zip("xyz", part.compliance(name), whole.compliance(name), strict=True)
+        if full > _STIFF * whole.compliance(name).max()
+    ]
+    lacks, point, axis = max(missing, default=(0.0, "", ""))
+    if lacks > _SOFTER:
+        text = f"At {point} along {axis} the modes have {100 * (1 - lacks):.1f} % of the static compliance of all modes read"
+        yield doubt("compliance", f"{text}, and no point has less: --residual keeps it, or take more modes.")
     if np.unique(np.round(part.frequencies, 9)).size < part.frequencies.size:
         yield doubt("twice", "Two modes have one frequency: right where the part is symmetric; else one stands there twice.")
     if max(float(np.abs(shape).max(initial=0.0)) for shape in part.shapes.values()) == 0.0:

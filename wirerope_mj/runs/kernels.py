@@ -2,6 +2,7 @@
 
 import shutil
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from signal import SIGTERM, default_int_handler, signal
 
@@ -60,6 +61,7 @@ def _use_laws() -> None:
     deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
     identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
     plane.trace([[0.0, 0.0], [0.001, 0.001]])
+    replace(plane, brackets=(1e6, 1e6)).own_deflection(np.zeros(2), np.zeros(4))
     for one in (law, Zener(k0=2e4, k1=4e4, c=50.0)):
         equivalent_linear(one, mass=100.0, frequencies=[5.0], acceleration=1.0)
         harmonic_balance(one, mass=100.0, frequency=5.0, acceleration=1.0)

@@ -81,9 +81,7 @@ def _values(system: System, modes: Modes, rest: AtRest, plan: ColumnPlan, amplit
 
     values = np.zeros((modes.frequencies.size * PERIODS * ROWS, len(plan.names)))
     none = np.zeros(3)
-    stiffness = {
-        name: np.diag(mount.stiffness(none, 1.0).real) + mount.loop_stiffness(none) for name, mount in rest.mounts.items()
-    }
+    stiffness = {name: mount.cycles(none, 1.0).real for name, mount in rest.mounts.items()}
     for row, line in enumerate(values):
         mode, phase = divmod(row, PERIODS * ROWS)
         swing = amplitude * np.cos(2.0 * np.pi * phase / ROWS)

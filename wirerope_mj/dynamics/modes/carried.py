@@ -19,7 +19,7 @@ from wirerope_mj.engine.statics import MountLoad
 from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.mounts.isolator import Isolator, travel
-from wirerope_mj.mounts.laws import Law
+from wirerope_mj.mounts.laws import Law, LoopBoucWen
 
 # Relative difference of the frequencies about rest and about where the weight is carried, from which on they are apart.
 APART = 0.01
@@ -49,11 +49,11 @@ def carried(system: System, modes: Modes) -> Carried:
         stiffness, largest, name = 0.0, 0.0, ""
         for mount, load in modes.equilibrium.mounts.items():
             sizes = modes.amplitude * np.abs(modes.mounts[mount][mode])
-            forces = _of_the_laws(system.mounts[mount].isolator, load)
+            deflections, forces = _of_the_laws(system.mounts[mount].isolator, load)
             for axis, law in enumerate(system.mounts[mount].isolator.axes.values()):
                 if law is None or is_neutral(law) or sizes[axis] < SMALL or not math.isfinite(frequency):
                     continue
-                rest, force = float(load.deflection[axis]), float(forces[axis])
+                rest, force = float(deflections[axis]), float(forces[axis])
                 if law.initial_stiffness == 0.0 and force == 0.0:
                     continue  # an open stop carries nothing, and where it would go is up to the others
                 there = _carrying(law, rest, force, float(sizes[axis]), frequency)
@@ -70,13 +70,15 @@ def carried(system: System, modes: Modes) -> Carried:
     return Carried(frequencies=frequencies, shift=shifts, mounts=tuple(names), apart=np.flatnonzero(apart))
 
 
-def _of_the_laws(isolator: Isolator, load: MountLoad) -> Array:
-    """Return the force at rest that the axes' own laws have [N], (3,): a loop's elastic energy is not theirs."""
-    forces = load.force.copy()
-    if isolator.loop is not None:
-        axes = list(isolator.coupled_axes)
-        forces[axes] -= isolator.loop.force(load.deflection[axes])
-    return forces
+def _of_the_laws(isolator: Isolator, load: MountLoad) -> tuple[Array, Array]:
+    """Return deflection and force at rest that the axes' own laws have, (3,) each: a loop's elastic energy is not theirs."""
+    deflections, forces = load.deflection.copy(), load.force.copy()
+    if isinstance(coupled := isolator.coupled, LoopBoucWen):
+        axes, brackets = list(isolator.coupled_axes), np.array(coupled.brackets or (np.inf, np.inf))
+        of_loop = coupled.loop.force(load.deflection[axes] - load.force[axes] / brackets)
+        forces[axes] -= of_loop
+        deflections[axes] -= of_loop / brackets
+    return deflections, forces
 
 
 def _stiffness(law: Law, deflection: float, amplitude: float, frequency: float) -> float:

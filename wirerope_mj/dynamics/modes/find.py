@@ -207,8 +207,7 @@ class _Springs:
     def _of(self, name: str, moved: Array, frequency: float) -> ComplexArray:
         """Return the complex stiffness that a mount adds in cycles of amplitudes with signs [m], (3,)."""
         mount = self.rest.mounts[name]
-        stiffness = np.diag(_finite(name, mount.stiffness(np.abs(moved), frequency)))
-        return np.asarray(mount.jacobian.T @ (stiffness + mount.loop_stiffness(moved)) @ mount.jacobian)
+        return np.asarray(mount.jacobian.T @ _finite(name, mount.cycles(moved, frequency)) @ mount.jacobian)
 
     def at(self, amplitude: float, shape: Array, value: float) -> ComplexArray:
         """Evaluate the complex stiffness in a shape whose largest mount deflection is `amplitude` [m], at its eigenvalue."""

@@ -15,7 +15,7 @@ from wirerope_mj.dynamics.modes.axis import (
     loading_and_unloading,
     vanishing_cycle,
 )
-from wirerope_mj.foundation.arrays import Array, ComplexArray
+from wirerope_mj.foundation.arrays import AnyArray, Array, ComplexArray
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws import BiaxialBoucWen, BoucWen, Law, LoopBoucWen, LoopCoupling
 from wirerope_mj.mounts.laws.plane import asymmetry_of, elastic_of
@@ -25,6 +25,8 @@ Coupled = BiaxialBoucWen | LoopBoucWen
 SMALL = 1e-8
 # Samples of a cycle of the loop's energy, whose stiffness jumps at the ends of its box: a few parts in ten thousand there.
 FINE = 2048
+# Iterations of a cycle on brackets, and the change of its amplitudes, relative to those of both, that ends them.
+ROUNDS, ALIKE = 100, 1e-10
 
 
 def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
@@ -35,11 +37,15 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
     or F2 differ it is not symmetric, and its symmetric part is taken. Scales add up. `z` are the hysteretic forces [N], those
     of roll on every scale, then those of the other axis, (2 n_scales,).
     """
-    if len(coupled.scales) > 1:
-        each = z.reshape(2, -1).T  # of both axes, scale by scale
-        scales: Sequence[Coupled] = coupled.scales
-        pairs = [plane_tangents(scale, deflection, each[number]) for number, scale in enumerate(scales)]
-        return sum(on for on, _ in pairs), sum(back for _, back in pairs)  # type: ignore[return-value]
+    own, each = coupled.own_deflection(deflection, z), z.reshape(2, -1).T  # of both axes, scale by scale
+    scales: Sequence[Coupled] = coupled.scales
+    pairs = [_own_tangents(scale, own, part) for scale, part in zip(scales, each, strict=True)]
+    on, back = (in_series(sum(parts[1:], start=parts[0]), coupled.brackets) for parts in zip(*pairs, strict=True))
+    return 0.5 * (on + on.T), 0.5 * (back + back.T)
+
+
+def _own_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array, Array]:
+    """Return the same of one scale, not symmetric, at the mount's own deflection."""
     parameters = coupled.rate_parameters()
     sigma, n, bound, yields = parameters[0], parameters[1], parameters[2:4], parameters[4:6]
     w = z / bound
@@ -49,11 +55,11 @@ def plane_tangents(coupled: Coupled, deflection: Array, z: Array) -> tuple[Array
     held = np.diag([_held_slope(law, x, force) for law, x, force in at])
     factor = np.array([math.exp(asymmetry_of(law) * x) for law, x, _ in at])
     loop = coupled.loop.stiffness(deflection) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
-    tangents = []
-    for factor_of_z in (1.0, 1.0 - 2.0 * sigma):
-        slope = factor[:, None] * (bound[:, None] * (np.eye(2) - factor_of_z * size**n * along) / yields)
-        tangents.append(0.5 * (slope + slope.T) + held + loop)
-    return tangents[0], tangents[1]
+    loading, unloading = (
+        factor[:, None] * (bound[:, None] * (np.eye(2) - factor_of_z * size**n * along) / yields) + held + loop
+        for factor_of_z in (1.0, 1.0 - 2.0 * sigma)
+    )
+    return loading, unloading
 
 
 def plane_cycle(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
@@ -89,6 +95,42 @@ def loop_cycle(loop: LoopCoupling, deflection: Array, amplitude: Array) -> Array
     angle = np.pi * (np.arange(FINE) + 0.5) / FINE  # the way back passes the same deflections
     there = loop.stiffness(deflection + np.cos(angle)[:, None] * amplitude)
     return np.asarray(np.einsum("t,tij->ij", 2.0 / FINE * np.sin(angle) ** 2, there))
+
+
+def plane_stiffness(coupled: Coupled, deflection: Array, amplitude: Array) -> ComplexArray:
+    """Evaluate stiffness + i * loss of both axes in a closed cycle [N/m], (2, 2), amplitudes with signs [m], (2,).
+
+    On brackets the mount's own cycle is taken for a straight line, too, of the amplitudes that its stiffness leaves it.
+    """
+    x = coupled.own_deflection(deflection, np.zeros(2 * len(coupled.scales)))
+    own, found = amplitude, _own_plane_stiffness(coupled, x, amplitude)
+    if coupled.brackets is None:
+        return found
+    for _ in range(ROUNDS):
+        before, share = own, np.linalg.solve(np.eye(2) + found / np.array(coupled.brackets)[:, None], amplitude)
+        own = np.copysign(np.abs(share), share.real)
+        if np.abs(own - before).max() <= ALIKE * np.abs(amplitude).max():
+            break
+        found = _own_plane_stiffness(coupled, x, own)
+    return in_series(found, coupled.brackets)
+
+
+def _own_plane_stiffness(coupled: Coupled, x: Array, amplitude: Array) -> ComplexArray:
+    small = float(np.hypot(*amplitude)) < SMALL
+    if small:
+        at = zip(coupled.laws, x.tolist(), strict=True)
+        axes = np.array([vanishing_cycle(law, place, np.zeros(law.n_states), frequency=1.0) for law, place in at])
+    else:
+        axes = plane_cycle(coupled, x, np.abs(amplitude))
+    loop = loop_cycle(coupled.loop, x, amplitude) if isinstance(coupled, LoopBoucWen) else np.zeros((2, 2))
+    return np.asarray(np.diag(axes) + loop)
+
+
+def in_series(stiffness: AnyArray, brackets: tuple[float, float] | None) -> AnyArray:
+    """Return the stiffness of two axes on brackets [N/m], (2, 2): F = T d and x = d + F / K give T (1 + T / K)^-1."""
+    if brackets is None:
+        return stiffness
+    return np.asarray(stiffness @ np.linalg.inv(np.eye(2) + stiffness / np.array(brackets)[:, None]))
 
 
 @lru_cache(maxsize=64)
@@ -147,9 +189,8 @@ class MountAtRest:
             if law is not None:
                 slopes = loading_and_unloading(law, float(self.deflection[axis]), self.states[axis])
                 loading[axis, axis], unloading[axis, axis] = slopes
-        coupled = self.isolator.coupled
+        coupled, axes = self.isolator.coupled, list(self.isolator.coupled_axes)
         if coupled is not None:
-            axes = list(self.isolator.coupled_axes)
             z = np.concatenate([self.states[axis] for axis in axes])
             both = np.ix_(axes, axes)
             loading[both], unloading[both] = plane_tangents(coupled, self.deflection[axes], z)
@@ -157,34 +198,34 @@ class MountAtRest:
 
     def lasting(self) -> Array:
         """Return the stiffness of every axis that is left after long vibration [N/m], (3, 3)."""
-        laws = self.isolator.axes.values()
-        slopes = [
-            0.0 if law is None else elastic_slope(law, x, np.zeros(law.n_states))
-            for law, x in zip(laws, self.deflection.tolist(), strict=True)
-        ]
-        return np.diag(slopes) + self.loop_stiffness(np.zeros(3))
-
-    def loop_stiffness(self, amplitude: Array) -> Array:
-        """Evaluate what a loop's energy adds to the stiffness of the axes in cycles of amplitudes with signs [N/m], (3, 3)."""
-        stiffness, axes, loop = np.zeros((3, 3)), list(self.isolator.coupled_axes), self.isolator.loop
-        if loop is not None:
-            stiffness[np.ix_(axes, axes)] = loop_cycle(loop, self.deflection[axes], amplitude[axes])
+        stiffness, coupled, axes = np.zeros((3, 3)), self.isolator.coupled, list(self.isolator.coupled_axes)
+        for axis, law in enumerate(self.isolator.axes.values()):
+            if law is not None:
+                stiffness[axis, axis] = elastic_slope(law, float(self.deflection[axis]), np.zeros(law.n_states))
+        if coupled is not None:
+            own = coupled.own_deflection(self.deflection[axes], np.zeros(2 * len(coupled.scales)))
+            pairs = zip(coupled.laws, own.tolist(), strict=True)
+            elastic = np.diag([elastic_slope(law, x, np.zeros(law.n_states)) for law, x in pairs])
+            if isinstance(coupled, LoopBoucWen):
+                elastic += coupled.loop.stiffness(own)
+            stiffness[np.ix_(axes, axes)] = in_series(elastic, coupled.brackets)
         return stiffness
 
-    def stiffness(self, amplitude: Array, frequency: float) -> ComplexArray:
-        """Evaluate stiffness + i * loss of closed cycles about the deflection at rest [N/m], (3,), without a loop's energy."""
-        complex_stiffness = np.zeros(3, dtype=np.complex128)
-        coupled, axes = self.isolator.coupled, list(self.isolator.coupled_axes)
-        if coupled is not None and float(np.hypot(*amplitude[axes])) >= SMALL:
-            complex_stiffness[axes] = plane_cycle(coupled, self.deflection[axes], amplitude[axes])
-        else:
-            axes = []
+    def cycles(self, amplitude: Array, frequency: float) -> ComplexArray:
+        """Evaluate stiffness + i * loss of closed cycles about rest of amplitudes with signs [m], (3,), as [N/m], (3, 3)."""
+        stiffness, coupled, axes = (
+            np.zeros((3, 3), dtype=np.complex128),
+            self.isolator.coupled,
+            list(self.isolator.coupled_axes),
+        )
         for axis, law in enumerate(self.isolator.axes.values()):
             if law is None or axis in axes:
                 continue
-            x, size = float(self.deflection[axis]), float(amplitude[axis])
+            x, size = float(self.deflection[axis]), abs(float(amplitude[axis]))
             if size < SMALL:
-                complex_stiffness[axis] = vanishing_cycle(law, x, self.states[axis], frequency=frequency)
+                stiffness[axis, axis] = vanishing_cycle(law, x, self.states[axis], frequency=frequency)
             else:
-                complex_stiffness[axis] = closed_cycle(law, x, size, frequency=frequency)
-        return complex_stiffness
+                stiffness[axis, axis] = closed_cycle(law, x, size, frequency=frequency)
+        if coupled is not None:
+            stiffness[np.ix_(axes, axes)] = plane_stiffness(coupled, self.deflection[axes], amplitude[axes])
+        return stiffness

@@ -250,8 +250,7 @@ class KernelFlow(Flow):
     def _records(self, states: Integers) -> tuple[Integers, Integers]:
         """Return for some states where the deflection of their axis is recorded, and where its parameters begin, (n,) each."""
         lay, axes = self._equations.lay, self._axes
-        sizes = np.where(axes[:, 0] >= 0, axes[:, 3], 0)
-        owner, firsts = np.repeat(np.arange(len(axes)), sizes), np.repeat(axes[:, 2], sizes)
+        owner, firsts = np.repeat(np.arange(len(axes)), axes[:, 3]), np.repeat(axes[:, 2], axes[:, 3])
         within = np.arange(owner.size) - np.searchsorted(owner, owner)
         row = np.empty(owner.size, dtype=np.int64)
         row[firsts + within] = owner

@@ -35,7 +35,9 @@ TRAVEL = 16  # one over the square of the rated travel along roll, shear, in com
 # where the shapes at the payload's and at the base's site stand, from the layout's begin on; here and elsewhere 0 of what is
 # on no flexible part
 SHAPES = 20
-AXIS_COLUMNS = 4  # law number (-1: none), first parameter, first state, number of states; three rows per mount
+# law number (-1: none, `WITH_ANOTHER`: on brackets with the axis that it is coupled to), first parameter, first state, number
+# of states; three rows per mount
+AXIS_COLUMNS = 4
 DRIVEN_COLUMNS = 5  # dof, effective mass, row of the map from base acceleration to slide acceleration
 BODY_COLUMNS = 2  # body, root
 POINT_COLUMNS = 8  # site, body, root, base body, point from the base body's centre of mass as modelled (3), shapes

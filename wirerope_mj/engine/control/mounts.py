@@ -24,6 +24,7 @@ orientations need no branch. The torque is -dU for a small turn dtheta of the pa
 from wirerope_mj.engine.control import layout as at
 from wirerope_mj.foundation.jit import index, inlined, njit
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL, evaluate, hold_slips
+from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
 AXIAL = 2  # index of the axial axis
@@ -132,26 +133,31 @@ def add_force(xfrc, body, xipos, px, py, pz, fx, fy, fz):
 def couple_axes(lay, m, axis, par, q, act, a, u, record, rates, site_xmat, ux, uy, uz):
     """Give roll and another axis of the mount in row `m` a hysteretic vector on every scale, whose rates replace theirs.
 
-    Returns what the elastic energy of a loop adds to the mount's force [N], world axes. `axis` is the row behind the mount's
-    axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
+    Returns what that adds to the mount's force [N], world axes: of a loop its elastic energy, on brackets all of both. `axis`
+    is the row behind the mount's axes, `u[record:]` its deflection and force, (ux, uy, uz) the rate of the deflection.
     """
     first, other, r = q + index(lay[m + at.COUPLING]), index(lay[m + at.PARTNER]), 9 * index(lay[m + 1])
     state = axis - 3 * at.AXIS_COLUMNS + 2
     j, k = index(lay[state]), index(lay[state + at.AXIS_COLUMNS * other])
     roll = site_xmat[r] * ux + site_xmat[r + 3] * uy + site_xmat[r + 6] * uz
     along = site_xmat[r + other] * ux + site_xmat[r + 3 + other] * uy + site_xmat[r + 6 + other] * uz
-    for _ in range(index(lay[state + 1])):
-        biaxial_rates(par, first, roll, along, act, a + j, a + k, u, rates + j, rates + k)
-        first, j, k = first + RATE_NUMBERS, j + 1, k + 1
-    if other != AXIAL:
-        return 0.0, 0.0, 0.0
-    fu, fw = loop_force(par, first, u[record], u[record + AXIAL])
+    n = index(lay[state + 1])
+    if lay[state - 2] == WITH_ANOTHER:
+        x, y = u[record], u[record + other]
+        fu, fw = on_brackets(par, first, n, x, y, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+    else:
+        for _ in range(n):
+            biaxial_rates(par, first, roll, along, act, a + j, a + k, u, rates + j, rates + k)
+            first, j, k = first + RATE_NUMBERS, j + 1, k + 1
+        if other != AXIAL:
+            return 0.0, 0.0, 0.0
+        fu, fw = loop_force(par, first, u[record], u[record + AXIAL])
     u[record + 3] += fu
-    u[record + 3 + AXIAL] += fw
+    u[record + 3 + other] += fw
     return (
-        fu * site_xmat[r] + fw * site_xmat[r + 2],
-        fu * site_xmat[r + 3] + fw * site_xmat[r + 5],
-        fu * site_xmat[r + 6] + fw * site_xmat[r + 8],
+        fu * site_xmat[r] + fw * site_xmat[r + other],
+        fu * site_xmat[r + 3] + fw * site_xmat[r + 3 + other],
+        fu * site_xmat[r + 6] + fw * site_xmat[r + 6 + other],
     )
 
 

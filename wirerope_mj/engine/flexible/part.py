@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import ModelError
 
 NEAR = 1e-3  # distance from a mount's site within which a point of the part is meant [m]
+LEFT_OUT = 1e-3  # share of the compliance by forces at the points that a residual vector must have
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -64,15 +65,32 @@ class FlexiblePart:
         """What it is, in a few words."""
         return f"flexible part of {len(self.frequencies)} modes from {self.frequencies.min():.4g} Hz"
 
-    def below(self, frequency: float) -> Self:
-        """Return the part without its modes above a frequency [Hz]; ValueError if none is left."""
-        kept = self.frequencies <= frequency
+    def below(self, frequency: float, *, residual: bool = False) -> Self:
+        """Return the part without its modes above a frequency [Hz]; ValueError if none is left.
+
+        With `residual` vectors their static compliance stays: what unit forces at the points, and a motion of the base, deflect
+        them by, orthogonal to each other, as modes of their own; those by which no compliance changes by 0.1 % are left out.
+        """
+        kept, omega = self.frequencies <= frequency, 2.0 * np.pi * self.frequencies
         if not kept.any():
             raise ValueError(f"the modes begin at {self.frequencies.min():.4g} Hz, and none is below {frequency:.4g} Hz.")
+        modes = np.eye(kept.size)[kept]
+        if residual and not kept.all():
+            loads = [np.hstack(list(self.shapes.values())) / omega[:, None], self.participation / omega[:, None]]
+            sized = np.hstack([load / max(float(np.linalg.norm(load, 2)), 1e-300) for load in loads])[~kept]
+            directions, sizes, _ = np.linalg.svd(sized, full_matrices=False)
+            vectors, _ = np.linalg.qr(directions[:, sizes**2 > LEFT_OUT] / omega[~kept, None])
+            _, turns = np.linalg.eigh(vectors.T @ (omega[~kept, None] ** 2 * vectors))
+            modes = np.vstack([modes, np.zeros((turns.shape[1], kept.size))])
+            modes[kept.sum() :, ~kept] = (vectors @ turns).T
         return replace(
-            self, frequencies=self.frequencies[kept], damping=self.damping[kept], participation=self.participation[kept],
-            shapes={name: shape[kept] for name, shape in self.shapes.items()},
+            self, frequencies=np.sqrt(modes**2 @ self.frequencies**2), damping=modes**2 @ self.damping,
+            participation=modes @ self.participation, shapes={name: modes @ shape for name, shape in self.shapes.items()},
         )  # fmt: skip
+
+    def compliance(self, point: str) -> Array:
+        """Return the static compliance of a point along x, y, z [m/N], (3,): the sum of Phi^2 / omega^2."""
+        return np.asarray((self.shapes[point] ** 2).T @ (2.0 * np.pi * self.frequencies) ** -2.0)
 
     def nearest(self, place: Array) -> str:
         """Return the name of the point at a place in the part's axes [m]; ValueError if there is none within 1 mm."""

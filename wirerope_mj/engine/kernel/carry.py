@@ -17,6 +17,8 @@ from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.foundation.lanes import WIDTH, lane, power, rows, some, table, where
 from wirerope_mj.mounts.laws.kernels import ASYMMETRIC_BOUC_WEN, BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.path import advance
+from wirerope_mj.mounts.laws.plane_brackets import ELASTIC, ON_BRACKETS, WITH_ANOTHER
+from wirerope_mj.mounts.laws.plane_brackets import LINE as LINE_ON_BRACKETS
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, RATE_NUMBERS
 
 NEVER = 1e300  # length after which a state comes to zero that never does [m]
@@ -180,6 +182,25 @@ def carry_line(numbers, number, first, dx, dy, states, j, k, zx, zy, scratch):
 
 
 @njit
+def carry_on_brackets(numbers, number, first, n, line, states, first_state, carried, j, k, scratch):
+    """Carry the states of one lane's axes on brackets, n of each, over a line: its start (2), and how far it goes (2)."""
+    p, slopes, trial, z = scratch[0], scratch[1], scratch[2], scratch[3]
+    length = math.sqrt(line[2] * line[2] + line[3] * line[3])
+    divisor = length if length > 0.0 else 1.0
+    loop = first + RATE_NUMBERS * n
+    size = (RATE_NUMBERS + ELASTIC) * n + 8 + int(numbers[loop + 4, number]) * int(numbers[loop + 5, number])
+    for i in range(size):
+        p[LINE_ON_BRACKETS + i] = numbers[first + i, number]
+    p[0], p[1], p[2], p[3], p[4] = n, line[0], line[1], line[2] / divisor, line[3] / divisor
+    for scale in range(n):
+        z[scale], z[n + scale] = carried[j + scale, number], carried[k + scale, number]
+    if length > 0.0:
+        advance(ON_BRACKETS, p, 0, 0.0, length, z, 0, 2 * n, slopes, trial)
+    for scale in range(n):
+        states[first_state + j + scale, number], states[first_state + k + scale, number] = z[scale], z[n + scale]
+
+
+@njit
 def carry_coupled(structure, numbers, states, memory, before, carried, scratch):
     """Carry the states of all coupled axes; the arguments are those of `carry.carry_states`."""
     lay, num, y, work = table(structure), rows(numbers), rows(states), rows(memory)
@@ -190,7 +211,14 @@ def carry_coupled(structure, numbers, states, memory, before, carried, scratch):
             p, other = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER]
             j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
             dx, dy = work[record] - start[3 * mount], work[record + other] - start[3 * mount + other]
-            for _ in range(lay[axis + 3]):
+            n = lay[axis + 3]
+            if lay[axis] == WITH_ANOTHER:
+                for number in range(WIDTH):
+                    here, there = before[3 * mount, number], before[3 * mount + other, number]
+                    line = (here, there, lane(dx, number), lane(dy, number))
+                    carry_on_brackets(numbers, number, p, n, line, states, first_state, carried, j, k, scratch)
+                n = 0
+            for _ in range(n):
                 late = carry_lanes(num, p, dx, dy, y, first_state + j, first_state + k, z0[j], z0[k])
                 if some(late > 0.0):
                     for number in range(WIDTH):

@@ -18,6 +18,7 @@ from wirerope_mj.engine.kernel.links import (
 )
 from wirerope_mj.foundation.jit import inlined, njit
 from wirerope_mj.mounts.laws.kernels import evaluate
+from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, loop_force
 
 
@@ -25,12 +26,17 @@ from wirerope_mj.mounts.laws.plane_kernels import RATE_NUMBERS, biaxial_rates, l
 def couple_axes(lay, m, axis, num, y, work, record):
     """Give roll and another axis of the mount in row `m` one hysteretic force on every scale: its rates replace the axes'.
 
-    What the elastic energy of a loop adds to the mount's force goes to its record.
+    What that adds to the mount's force goes to its record: of a loop its elastic energy, on brackets all of both axes.
     """
     rates = lay[at.RATES]
     first, other, z = lay[at.PARAMETERS] + lay[m + at.COUPLING], lay[m + at.PARTNER], lay[at.NQ] + lay[at.NV]
     j, k = lay[axis + 2], lay[axis + 2 + at.AXIS_COLUMNS * other]
     roll, along = work[record + 6], work[record + 6 + other]
+    if lay[axis] == WITH_ANOTHER:
+        here, there, n = work[record], work[record + other], lay[axis + 3]
+        fu, fw = on_brackets(num, first, n, here, there, roll, along, y, z + j, z + k, work, rates + j, rates + k)
+        work[record + 3], work[record + 3 + other] = fu, fw
+        return
     for _ in range(lay[axis + 3]):
         biaxial_rates(num, first, roll, along, y, z + j, z + k, work, rates + j, rates + k)
         first, j, k = first + RATE_NUMBERS, j + 1, k + 1

@@ -66,7 +66,7 @@ MOVED, POINTS, AXES_IN, COUPLING, PARTNER, RESISTS, ALIGNED, BENT, BENT_BASE = r
 # of the memory: deflection, force, rate of the deflection, arm (3 each)
 RECORD_SIZE = 12
 
-AXIS_COLUMNS = 4  # law number (-1), first parameter in `num`, first state, number of states; three rows per mount
+AXIS_COLUMNS = 4  # law number as in the callback's, first parameter in `num`, first state, number of states; three rows a mount
 
 # link, point in the link in `num` (3), orientation in the link in `fix` (4), whether it is a point, base's link and its point
 # in `num` (3), displacement from there as modelled in `fix` (3), whether its peaks are tracked, shapes (0: on no flexible part)

@@ -15,6 +15,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.path import SCRATCH, advance
+from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 
 ITERATIONS = 60  # iterations for one root: ten times what a smooth one takes
@@ -121,10 +122,11 @@ def follow(lay, par, single, coupled, partners, scales, planes, before, after, s
     """Carry `states` in place on straight lines from deflections `before` to `after`, (n_mounts, 3).
 
     `single` (n_mounts, 3) says which axes follow a law of their own; `coupled` names the mounts whose roll and another axis,
-    the partner, share a law of one or more scales, `scales` counts them, `planes` (n_coupled, 16) holds their parameters.
+    the partner, share a law of one or more scales, `scales` counts them, `planes` (n_coupled, n) holds their parameters. On
+    brackets `scales` is -1, and all go together.
     """
     slopes, trial = np.empty(SCRATCH * (states.size + 1)), np.empty(states.size + 1)  # enough for any of the laws
-    axes, z = int(lay[at.AXES]), np.empty(2)
+    axes, z = int(lay[at.AXES]), np.empty(states.size + 2)
     for mount in range(before.shape[0]):
         for axis in range(3):
             row = axes + at.AXIS_COLUMNS * (3 * mount + axis)
@@ -137,13 +139,14 @@ def follow(lay, par, single, coupled, partners, scales, planes, before, after, s
         dx, dy = after[mount, 0] - before[mount, 0], after[mount, other] - before[mount, other]
         length = math.sqrt(dx * dx + dy * dy)
         if length > 0.0:
-            p[LINE], p[LINE + 1] = before[mount, 0], before[mount, other]
-            p[LINE + 2], p[LINE + 3] = dx / length, dy / length
-            row = axes + 3 * at.AXIS_COLUMNS * mount + 2
-            j, k = int(lay[row]) + scales[number], int(lay[row + at.AXIS_COLUMNS * other]) + scales[number]
-            z[0], z[1] = states[j], states[k]
-            advance(BIAXIAL, p, 0, 0.0, length, z, 0, 2, slopes, trial)
-            states[j], states[k] = z[0], z[1]
+            alone, row = scales[number] >= 0, axes + 3 * at.AXIS_COLUMNS * mount + 2
+            law, line, n, first = (BIAXIAL, LINE, 1, scales[number]) if alone else (ON_BRACKETS, 1, int(lay[row + 1]), 0)
+            p[line], p[line + 1] = before[mount, 0], before[mount, other]
+            p[line + 2], p[line + 3] = dx / length, dy / length
+            j, k = int(lay[row]) + first, int(lay[row + at.AXIS_COLUMNS * other]) + first
+            z[:n], z[n : 2 * n] = states[j : j + n], states[k : k + n]
+            advance(law, p, 0, 0.0, length, z, 0, 2 * n, slopes, trial)
+            states[j : j + n], states[k : k + n] = z[:n], z[n : 2 * n]
 
 
 class SlowPath:
@@ -159,12 +162,18 @@ class SlowPath:
         ]  # fmt: skip
         self.single = np.array(alone, dtype=bool).reshape(len(mounts), 3)
         coupled = [(row, isolator.coupled) for row, isolator in enumerate(mounts)]
-        pairs = [(row, scale, law) for row, one in coupled if one is not None for scale, law in enumerate(one.scales)]
+        pairs = [
+            (row, scale, law)
+            for row, one in coupled if one is not None
+            for scale, law in ([(-1, one)] if one.brackets is not None else enumerate(one.scales))
+        ]  # fmt: skip
         self.coupled = np.array([row for row, _, _ in pairs], dtype=np.int64)
         self.scales = np.array([scale for _, scale, _ in pairs], dtype=np.int64)
         self.partners = np.array([mounts[row].coupled_axes[1] for row, _, _ in pairs], dtype=np.int64)
-        lines = [law.line_parameters(np.zeros(2), np.zeros(2))[0][: LINE + 4] for _, _, law in pairs]
-        self.planes = np.array(lines).reshape(len(pairs), LINE + 4)
+        lines = [law.line_parameters(np.zeros(2), np.zeros(2))[0] for _, _, law in pairs]
+        self.planes = np.zeros((len(pairs), max(map(len, lines), default=0)))
+        for row, line in zip(self.planes, lines, strict=True):
+            row[: line.size] = line
         self.rest_deflection = np.zeros((len(mounts), 3))
         self.rest_states = np.zeros(self.tables.user.n_states)
 

@@ -15,6 +15,7 @@ from wirerope_mj.foundation.arrays import Array, Integers
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.kernels import MASING, PARALLEL
+from wirerope_mj.mounts.laws.plane_brackets import WITH_ANOTHER
 
 MOST = 32  # rows for contacts that no `pair` declares: more seldom touch in one run, and each row is part of a state
 # inertia of a driven slide [kg]: what pushes back on the base, say 1 MN, changes its acceleration by 1e-4 m/s^2
@@ -285,11 +286,13 @@ def _axis_rows(isolators: Mapping[str, Isolator]) -> tuple[list[list[int]], list
     states: dict[str, tuple[slice, slice, slice]] = {}
     n_states = n_parameters = 0
     for mount, isolator in isolators.items():
-        slices = []
-        for law in isolator.axes.values():
+        slices, coupled = [], isolator.coupled
+        together = isolator.coupled_axes if coupled is not None and coupled.brackets is not None else ()
+        for axis, law in enumerate(isolator.axes.values()):
             size = law.n_states if law is not None else 0
             slices.append(slice(n_states, n_states + size))
-            rows.append([law.kernel if law is not None else -1, n_parameters, n_states, size])
+            number = WITH_ANOTHER if axis in together else law.kernel if law is not None else -1
+            rows.append([number, n_parameters, n_states, size])
             if law is not None:
                 parameters.append(law.kernel_parameters())
                 n_parameters += parameters[-1].size

@@ -24,7 +24,7 @@ from wirerope_mj.mounts.isolator.parts import (
 from wirerope_mj.mounts.isolator.tables import AXES, PARTS, read_tables, write_toml
 from wirerope_mj.mounts.isolator.travel import SIDES
 from wirerope_mj.mounts.isolator.validity import Validity
-from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, Stop, Tabulated, on_bracket
+from wirerope_mj.mounts.laws import BiaxialBoucWen, Law, LoopBoucWen, LoopCoupling, OnBracket, Stop, Tabulated, on_bracket
 from wirerope_mj.mounts.laws.stop import largest_gap
 
 COUPLINGS = {"biaxial": ("roll", "shear"), "loop": ("roll", "axial")}  # The axes that a coupling couples, by its name
@@ -125,11 +125,13 @@ class Isolator(Brief):
     @cached_property
     def coupled(self) -> BiaxialBoucWen | LoopBoucWen | None:
         """The laws of the coupled axes as one, or None if the axes are independent."""
-        if self.loop is not None and self.roll is not None and self.axial is not None:
-            return LoopBoucWen(roll=self.roll, axial=self.axial, loop=self.loop)
-        if self.coupling is None or self.roll is None or self.shear is None:
+        if self.coupling is None:
             return None
-        return BiaxialBoucWen(roll=self.roll, shear=self.shear)
+        both = {axis: self.axes[axis] for axis in COUPLINGS[self.coupling]}
+        stiff = [law.stiffness if isinstance(law, OnBracket) else math.inf for law in both.values()]
+        laws: Entries = {axis: law.law if isinstance(law, OnBracket) else law for axis, law in both.items()}
+        laws["brackets"] = None if min(stiff) == math.inf else tuple(stiff)
+        return BiaxialBoucWen(**laws) if self.loop is None else LoopBoucWen(**laws, loop=self.loop)
 
     @property
     def coupled_axes(self) -> tuple[int, ...]:
@@ -168,10 +170,8 @@ class Isolator(Brief):
         laws: dict[str, Law] = {}
         for axis, stiffness in bracket.stated.items():
             law = self.axes[axis]
-            if law is None or AXES.index(axis) in self.coupled_axes:
-                coupled = f"is coupled ({self.coupling}); leave the coupling out of its file"
-                why = "has no law" if law is None else coupled
-                raise ValueError(f"`bracket` holds {axis}, along which {self.name} {why}.")
+            if law is None:
+                raise ValueError(f"`bracket` holds {axis}, along which {self.name} has no law.")
             laws[axis] = on_bracket(law, stiffness)
         return replace(self, spread=None, **laws)  # type: ignore[arg-type]
 

@@ -12,6 +12,7 @@ import numpy as np
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, WORN_OUT, baber_noori
 from wirerope_mj.mounts.laws.kernels import evaluate_rarer
+from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS, on_brackets_along
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL, LOOP, biaxial, loop_plane
 from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
 
@@ -36,7 +37,7 @@ def switch(law, p, i, z, j):
     """Return the quantity whose change of sign is a kink of the law: z, or its part along the path."""
     if law in (BIAXIAL, LOOP):
         return z[j] * p[i + 14] / (p[i + 2] * p[i + 4]) + z[j + 1] * p[i + 15] / (p[i + 3] * p[i + 5])
-    return z[j]
+    return 1.0 if law == ON_BRACKETS else z[j]  # of the others several scales turn, each at its own place
 
 
 @njit
@@ -74,6 +75,8 @@ def slope_at(law, p, i, x, direction, z, j, n, k, stage):
         k[row + n] = direction * biaxial(p, i, x, direction, z, j, k, row)
     elif law == LOOP:
         k[row + n] = direction * loop_plane(p, i, x, direction, z, j, k, row)
+    elif law == ON_BRACKETS:
+        k[row + n] = direction * on_brackets_along(p, i, x, direction, z, j, k, row)
     else:
         k[row + n] = direction * evaluate_rarer(law, p, i, x, direction, z, j, k, row)
 

@@ -179,11 +179,13 @@ class LoopBoucWen(PlaneLaw):
             for scale, (roll, axial) in enumerate(pairs)
         )
 
-    def mount_parameters(self) -> Array:
-        """Return what the kernel of a mount takes: those of the rates, then those of the elastic energy."""
-        return np.concatenate([self.rate_parameters(), self.loop.kernel_parameters()])
+    def coupling_parameters(self) -> Array:
+        """Return those of the loop's elastic energy."""
+        return self.loop.kernel_parameters()
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
         """Return the kernel's parameters for a straight line in the plane, and its length [m]."""
         line, length = super().line_parameters(start, stop)
+        if self.brackets is not None:
+            return line, length
         return np.concatenate([line, [asymmetry_of(self.axial)], self.loop.kernel_parameters()]), length

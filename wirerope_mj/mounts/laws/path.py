@@ -8,19 +8,25 @@ from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
 from wirerope_mj.mounts.laws.kernels import (
     BOUC_WEN_LAWS,
+    HEAD,
+    ON_BRACKET,
     PARALLEL,
     RATE_DEPENDENT,
     advance_exactly,
+    behind_bracket,
     component,
     evaluate,
     has_closed_form,
+    on_bracket,
 )
 from wirerope_mj.mounts.laws.ni import polynomial
+from wirerope_mj.mounts.laws.plane_brackets import LINE, ON_BRACKETS, on_brackets
 from wirerope_mj.mounts.laws.plane_kernels import LOOP, loop_plane_force
 from wirerope_mj.mounts.laws.power import advance_power
 
 # Scratch numbers for each state and the work: seven slopes of a step, or the series of a Bouc-Wen law and one more.
 SCRATCH = 18
+_SECANTS, _ROUNDED = 60, 1e-15  # of a law's deflection on a bracket: ten are usual; what rounding leaves of it
 
 
 @njit
@@ -54,12 +60,52 @@ def segment_of_one(law, p, i, x0, x1, z, j, n_states, slopes, trial):
     """Do the same for a law that is not made of several."""
     if x0 == x1:
         return 0.0
+    if law == ON_BRACKET:
+        return segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial)
     if has_closed_form(law, p, i):
         return advance_exactly(law, p, i, x0, x1, z, j, trial, slopes)
     if law in BOUC_WEN_LAWS:
         return advance_power(law, p, i, x0, x1, z, j, slopes, trial)
     direction = 1.0 if x1 > x0 else -1.0
     return integrate(law, p, i, x0, direction, abs(x1 - x0), z, j, n_states, slopes, trial)
+
+
+@njit
+def segment_behind(p, i, d0, d1, z, n_states, slopes, trial):
+    """Do the same for the laws on a bracket, whose states stand alone in `z`, on a path d of their own that may cross zero."""
+    work = 0.0
+    for part in range(int(p[i + HEAD])):
+        law, first, state, count = component(p, i + HEAD, part, n_states)
+        for start, end in ((d0, 0.0), (0.0, d1)) if d0 * d1 < 0.0 else ((d0, d1), (d1, d1)):
+            if start == end:
+                continue
+            if has_closed_form(law, p, first):
+                work += advance_exactly(law, p, first, start, end, z, state, trial, slopes)
+            else:  # Bouc-Wen's: all others that may stand there have one
+                work += advance_power(law, p, first, start, end, z, state, slopes, trial)
+    return work
+
+
+@njit
+def segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial):
+    """Do the same for a law in series with a spring: its own deflection goes one way, too, and only where it ends matters.
+
+    With the states that it has there d + F / K = x1, by secants.
+    """
+    own, unused, stiffness = z[j : j + n_states].copy(), np.empty(n_states), p[i]
+    force = on_bracket(p, i, x0, 0.0, z, j, unused, 0)
+    d0 = x0 - force / stiffness
+    before, last, d, work, f = d0, x0 - x1, d0 + 0.5 * (x1 - x0), 0.0, force
+    for _ in range(_SECANTS):
+        own[:] = z[j : j + n_states]
+        work = segment_behind(p, i, d0, d, own, n_states, slopes, trial)
+        f = behind_bracket(p, i, d, 0.0, own, 0, unused, 0)
+        left = d - x1 + f / stiffness
+        if abs(left) <= _ROUNDED * (abs(x1) + abs(d)) or d == before or left == last:
+            break
+        before, last, d = d, left, d - left * (d - before) / (left - last)
+    z[j : j + n_states] = own
+    return work + 0.5 * (f * f - force * force) / stiffness
 
 
 @njit
@@ -78,23 +124,28 @@ def follow_path(law, p, deflection, z, n_states):
 
 
 @njit
-def follow_plane(law, p, path):
-    """Return force (n_t, 2), states (n_t, 2) and cumulated work (n_t,) of a kernel in the plane along straight lines.
+def follow_plane(law, p, at, path, n_states):
+    """Return force (n_t, 2), states (n_t, n_states) and cumulated work (n_t,) of a kernel in the plane along straight lines.
 
-    `law` is BIAXIAL or LOOP, `p` holds the kernel's parameters; start and direction of the line are written to it.
+    `law` is BIAXIAL or LOOP, or ON_BRACKETS, `p` holds the kernel's parameters; start and direction of the line are written to
+    `p[at:]`.
     """
     n_t = path.shape[0]
-    force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, 2)), np.zeros(n_t), np.zeros(2)
-    slopes, trial = np.empty(21), np.empty(3)
+    force, states, work, z = np.empty((n_t, 2)), np.empty((n_t, n_states)), np.zeros(n_t), np.zeros(n_states)
+    slopes, trial = np.empty(7 * (n_states + 1)), np.empty(n_states + 1)
     for t in range(n_t):
         if t > 0:
             dx, dy = path[t, 0] - path[t - 1, 0], path[t, 1] - path[t - 1, 1]
             length = math.sqrt(dx * dx + dy * dy)
             work[t] = work[t - 1]
             if length > 0.0:
-                p[12], p[13], p[14], p[15] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
-                work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, 2, slopes, trial)
+                p[at], p[at + 1], p[at + 2], p[at + 3] = path[t - 1, 0], path[t - 1, 1], dx / length, dy / length
+                work[t] += integrate(law, p, 0, 0.0, 1.0, length, z, 0, n_states, slopes, trial)
         states[t] = z
+        if law == ON_BRACKETS:
+            n = n_states // 2
+            force[t, 0], force[t, 1] = on_brackets(p, LINE, n, path[t, 0], path[t, 1], 0.0, 0.0, z, 0, n, trial, 0, n)
+            continue
         if law == LOOP:
             force[t, 0], force[t, 1] = loop_plane_force(p, 0, path[t, 0], path[t, 1], z[0], z[1])
             continue

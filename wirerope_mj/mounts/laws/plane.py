@@ -13,6 +13,7 @@ from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN
 from wirerope_mj.mounts.laws.path import follow_plane
+from wirerope_mj.mounts.laws.plane_brackets import ON_BRACKETS, own_deflections
 from wirerope_mj.mounts.laws.plane_kernels import BIAXIAL
 from wirerope_mj.mounts.laws.stop import STOP
 
@@ -30,8 +31,15 @@ class PlaneTrace:
     work: Array  # work done on the isolator since the first sample [J], (n_t,)
 
 
+@dataclass(frozen=True, kw_only=True)
 class PlaneLaw(ABC):
-    """Two laws, of roll and of another axis, whose hysteretic forces are the components of one vector."""
+    """Two laws, of roll and of another axis, whose hysteretic forces are the components of one vector.
+
+    `brackets` are springs in series with both laws [N/m], infinite on an axis that stands on none; then deflections are those
+    of both together, see `wirerope_mj.mounts.laws.plane_brackets`.
+    """
+
+    brackets: tuple[float, float] | None = None
 
     kernel: ClassVar[int]  # number of the kernel along a line in the plane, in `wirerope_mj.mounts.laws.plane_kernels`
 
@@ -40,9 +48,25 @@ class PlaneLaw(ABC):
     def laws(self) -> tuple[Law, Law]:
         """The two laws."""
 
-    @abstractmethod
+    def coupling_parameters(self) -> Array:
+        """Return those of an elastic energy between the axes, as a loop has them: of none."""
+        return np.array([1.0, 1.0, 1.0, 1.0, 0.0, 0.0])
+
     def mount_parameters(self) -> Array:
-        """Return what the kernel of a mount takes, first those of the rates."""
+        """Return what the kernel of a mount takes: those of the rates, of the energy, and of what stands on brackets."""
+        own = [self.rate_parameters(), self.coupling_parameters()]
+        if self.brackets is not None:
+            pairs = zip(*(law.components for law in self.laws), strict=True)
+            own += [1.0 / np.array(self.brackets)]
+            own += [np.array([*elastic_of(one), *elastic_of(other), asymmetry_of(other)]) for one, other in pairs]
+        return np.concatenate(own)
+
+    def own_deflection(self, deflection: Array, states: Array) -> Array:
+        """Find the laws' share of deflections [m], (2,), in hysteretic states [N], those of roll, then the other's."""
+        if self.brackets is None:
+            return deflection
+        n = len(self.scales)
+        return np.array(own_deflections(self.mount_parameters(), 0, n, *deflection.tolist(), states, 0, n)[:2])
 
     @property
     def scales(self) -> Sequence[Self]:
@@ -54,9 +78,14 @@ class PlaneLaw(ABC):
         return np.array([value for scale in self.scales for value in rates_in_plane(*map(form_of, scale.laws))])
 
     def line_parameters(self, start: Array, stop: Array) -> tuple[Array, float]:
-        """Return the kernel's parameters for a straight line in the plane, and its length [m]; of a law of one scale."""
+        """Return the kernel's parameters for a straight line in the plane, and its length [m]; of a law of one scale.
+
+        On brackets it is a law of any number of scales, and the kernel `ON_BRACKETS`.
+        """
         length = float(np.hypot(*(stop - start)))
         direction = (stop - start) / length if length else np.zeros(2)
+        if self.brackets is not None:
+            return np.concatenate([[len(self.scales)], start, direction, self.mount_parameters()]), length
         return np.concatenate([self.rate_parameters(), *map(elastic_of, self.laws), start, direction]), length
 
     def trace(self, deflection: ArrayLike) -> PlaneTrace:
@@ -67,9 +96,14 @@ class PlaneLaw(ABC):
         path = np.asarray(deflection, dtype=np.float64)
         if path.ndim != 2 or path.shape[0] < 2 or path.shape[1] != 2 or not np.isfinite(path).all():
             raise ValueError(f"`deflection` must be at least 2 finite points of the plane, got shape {path.shape}.")
-        of_scales = [(scale.kernel, scale.line_parameters(path[0], path[0])[0]) for scale in self.scales]
-        followed = [follow_plane(kernel, parameters, path) for kernel, parameters in of_scales]
-        force, states, work = (sum(parts[1:], start=parts[0]) for parts in zip(*followed, strict=True))
+        if self.brackets is not None:
+            parameters, _ = self.line_parameters(path[0], path[0])
+            force, states, work = follow_plane(ON_BRACKETS, parameters, 1, path, 2 * len(self.scales))
+            states = states.reshape(len(path), 2, -1).sum(axis=2)
+        else:
+            of_scales = [(scale.kernel, scale.line_parameters(path[0], path[0])[0]) for scale in self.scales]
+            followed = [follow_plane(kernel, parameters, 12, path, 2) for kernel, parameters in of_scales]
+            force, states, work = (sum(parts[1:], start=parts[0]) for parts in zip(*followed, strict=True))
         finite = np.isfinite(force).all(axis=1) & np.isfinite(work)
         if not finite.all():
             raise ValueError(f"the force of {self} leaves the finite numbers at {path[np.argmin(finite)]} m.")
@@ -163,7 +197,3 @@ class BiaxialBoucWen(PlaneLaw):
     def laws(self) -> tuple[Law, Law]:
         """The two laws."""
         return self.roll, self.shear
-
-    def mount_parameters(self) -> Array:
-        """Return what the kernel of a mount takes: those of the rates."""
-        return self.rate_parameters()

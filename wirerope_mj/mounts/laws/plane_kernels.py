@@ -3,7 +3,7 @@
 import math
 
 from wirerope_mj.foundation.jit import njit
-from wirerope_mj.foundation.lanes import count, raised, some, where
+from wirerope_mj.foundation.lanes import count, raised, where
 from wirerope_mj.mounts.laws.hysteresis import FAR, OVERSHOOT
 from wirerope_mj.mounts.laws.ni import polynomial
 
@@ -61,6 +61,16 @@ def loop_plane(p, i, x, v, z, j, zdot, k):
 
 
 @njit
+def reached(p, i, z, jx, jy):
+    """Return the direction of w, a unit vector or 0, and |w|^n of two coupled hysteretic forces, see `biaxial_rates`."""
+    wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
+    size = math.sqrt(wx * wx + wy * wy)
+    length = where(size > 0.0, size, 1.0)
+    reach = raised(size, p[i + 1])
+    return wx / length, wy / length, where(reach > FAR, reach, min(reach, OVERSHOOT))
+
+
+@njit
 def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
     """Write the rates of two coupled hysteretic forces; p = sigma, n, bounds z_m (2), yield deflections x_y (2).
 
@@ -70,19 +80,12 @@ def biaxial_rates(p, i, vx, vy, z, jx, jy, zdot, kx, ky):
 
     From `OVERSHOOT` of the bound, where no solution is, up to `FAR`, |w|^n counts as that, as in `bouc_wen_rate`.
     """
-    sigma, n = p[i], p[i + 1]
-    wx, wy = z[jx] / p[i + 2], z[jy] / p[i + 3]
+    sigma = p[i]
+    wx, wy, reach = reached(p, i, z, jx, jy)
     ux, uy = vx / p[i + 4], vy / p[i + 5]
-    size = math.sqrt(wx * wx + wy * wy)
-    if some(size > 0.0):
-        length = where(size > 0.0, size, 1.0)
-        wx, wy = wx / length, wy / length
-        along = ux * wx + uy * wy
-        reach = raised(size, n)
-        reach = where(reach > FAR, reach, min(reach, OVERSHOOT))
-        pull = reach * (sigma * abs(along) + (1.0 - sigma) * along)
-        ux, uy = where(size > 0.0, ux - pull * wx, ux), where(size > 0.0, uy - pull * wy, uy)
-    zdot[kx], zdot[ky] = p[i + 2] * ux, p[i + 3] * uy
+    along = ux * wx + uy * wy
+    pull = reach * (sigma * abs(along) + (1.0 - sigma) * along)
+    zdot[kx], zdot[ky] = p[i + 2] * (ux - pull * wx), p[i + 3] * (uy - pull * wy)
 
 
 @njit

@@ -9,7 +9,16 @@ import numpy as np
 
 from wirerope_mj.foundation.jit import njit
 from wirerope_mj.mounts.laws.adaptive import integrate
-from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, PARALLEL, carry_exactly, component, evaluate, has_closed_form
+from wirerope_mj.mounts.laws.kernels import (
+    BOUC_WEN_LAWS,
+    ON_BRACKET,
+    PARALLEL,
+    carry_exactly,
+    component,
+    evaluate,
+    has_closed_form,
+)
+from wirerope_mj.mounts.laws.path import SCRATCH, segment_on_bracket
 from wirerope_mj.mounts.laws.power import ORDER, carry_power, follow_power
 
 
@@ -42,7 +51,10 @@ def carry_one(law, p, i, x0, x1, z, j, n_states, c, a):
     elif law in BOUC_WEN_LAWS:
         carry_power(p, i, x0, x1, z, j, c, a)
     else:
-        slopes, trial = np.empty(7 * (n_states + 1)), np.empty(n_states + 1)
+        slopes, trial = np.empty(SCRATCH * (n_states + 1)), np.empty(n_states + 1)
+        if law == ON_BRACKET:
+            segment_on_bracket(p, i, x0, x1, z, j, n_states, slopes, trial)
+            return
         integrate(law, p, i, x0, 1.0 if x1 > x0 else -1.0, abs(x1 - x0), z, j, n_states, slopes, trial)
 
 

@@ -126,7 +126,10 @@ class OnBracket(_Wrapped):
     def __post_init__(self) -> None:
         refused = [one.name for one in self.law.components if one.kernel not in _BEHIND]
         if refused:
-            raise ValueError(f"a bracket can hold a linear law, Bouc-Wen's, Ni's, a tabulated one, not {refused[0]}.")
+            raise ValueError(
+                f"a bracket can hold a linear law, Bouc-Wen's, Ni's, a tabulated one, not {refused[0]}: make that a mount of "
+                "its own, without a bracket."
+            )
         object.__setattr__(self, "stiffness", positive("stiffness", self.stiffness, unit="N/m"))
 
     def kernel_parameters(self) -> Array:
