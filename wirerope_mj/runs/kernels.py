@@ -24,7 +24,7 @@ from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import HalfSine, Sweep
 from wirerope_mj.motions.spectra import shock_response_spectrum
 from wirerope_mj.mounts.identification.identify import identify
-from wirerope_mj.mounts.laws import BoucWen, Stop, Tabulated, VaianaRosati, Zener
+from wirerope_mj.mounts.laws import BoucWen, Law, Stop, Tabulated, VaianaRosati, Zener
 from wirerope_mj.mounts.test_rig import steady_loops
 from wirerope_mj.mounts.vendor_parts import load_isolator
 
@@ -40,6 +40,7 @@ def compile_beside_a_command() -> None:
     signal(SIGTERM, default_int_handler)  # no half-written file is left behind
     with suppress(KeyboardInterrupt):
         native_callbacks()
+        _law().trace([0.0, 0.001])
         _step_through_nothing()
         use_all_kernels()
 
@@ -53,10 +54,14 @@ def _step_through_nothing() -> None:
     group.finish(0.0, drive, drive, np.zeros((1, 1, 3)), NOTHING, -1)
 
 
-def _use_laws() -> None:
-    isolator = load_isolator("enidine_wr16_400")
-    law, plane = isolator.axial, isolator.coupled
+def _law() -> Law:
+    law = load_isolator("enidine_wr16_400").axial
     assert law is not None
+    return law
+
+
+def _use_laws() -> None:
+    law, plane = _law(), load_isolator("enidine_wr16_400").coupled
     assert plane is not None
     deflection = np.repeat([0.005, 0.01], 800) * np.sin(np.linspace(0.0, 8.0 * np.pi, 1600))
     identify(steady_loops(deflection, law.trace(deflection).force), law=BoucWen)
