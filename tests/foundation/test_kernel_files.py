@@ -5,6 +5,7 @@ import os
 import subprocess
 import sys
 
+import numba
 import pytest
 
 from wirerope_mj.foundation import kernel_files
@@ -272,3 +273,18 @@ def test_only_what_python_calls_becomes_machine_code_and_what_it_calls_raises_as
     assert root_of(4.0) == 2.0
     with pytest.raises(ValueError, match="no root of a negative number"):
         root_of(-1.0)
+
+
+@numba.njit
+def even(n):
+    return n == 0 or odd(n - 1)
+
+
+@numba.njit
+def odd(n):
+    return n != 0 and even(n - 1)
+
+
+def test_functions_of_others_that_call_each_other_are_compiled_as_ever():
+    assert even(10)
+    assert not even(11)

@@ -6,8 +6,9 @@ could call, although most of our functions are called by kernels alone. That too
 
 from typing import Any
 
-from numba.core.codegen import JITCodeLibrary, JITCPUCodegen
+from numba.core.codegen import JITCodeLibrary, JITCPUCodegen, RuntimeLinker
 from numba.core.compiler import lookup_environment
+from numba.core.runtime import rtsys
 
 _ENVIRONMENT = "_ZN08NumbaEnv"  # begins the names under which code finds what a function raises
 _set_env = JITCPUCodegen.set_env
@@ -42,12 +43,14 @@ class LinkedCode(JITCodeLibrary):
         return tuple(super().serialize_using_object_code() if self._translated else self.serialize_using_bitcode())
 
     def _translate(self) -> None:
-        names = [variable.name for variable in self._final_module.global_variables if variable.name.startswith(_ENVIRONMENT)]
+        names = [variable.name for variable in self._final_module.global_variables]
+        if any(name.startswith(RuntimeLinker.PREFIX) for name in names):  # functions that call each other, one not there yet
+            rtsys.library.get_pointer_to_function("nrt_unresolved_abort")  # stands for it, and may not be translated meanwhile
         self._translated = True
         super()._optimize_final_module()
         super()._finalize_final_module()
         for name in names:
-            environment = lookup_environment(name)
+            environment = lookup_environment(name) if name.startswith(_ENVIRONMENT) else None
             if environment is not None:
                 self._codegen.set_env(name, environment)
 
