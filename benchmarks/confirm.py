@@ -86,7 +86,7 @@ def mounts() -> Iterator[Measured]:
 
 def engine() -> Iterator[Measured]:
     """`wr.simulate` over a Runge-Kutta loop by hand, at equal error."""
-    for problem, given, chosen in ((equal_error.floor_problem(), 14.0, 49.0), (equal_error.sdof_problem(), 7.6, 25.0)):
+    for problem, given, chosen in ((equal_error.floor_problem(), 11.0, 42.0), (equal_error.sdof_problem(), 7.7, 26.0)):
         rivals = {one.name: one.work for one in equal_error.contenders(problem) if not one.name.startswith("SciPy")}
         t = least(rivals)
         for name, claimed in (("wr.simulate", given), ("wr.simulate, step chosen", chosen)):
