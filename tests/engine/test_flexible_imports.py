@@ -369,7 +369,12 @@ def test_residual_vectors_keep_the_static_compliance_of_the_modes_that_are_left_
     assert main([*command, "--out", str(tmp_path / "few"), "--highest-hz", str(highest)]) == 0
     assert f"along z the modes have {100.0 * share:.1f} % of the static compliance" in " ".join(capsys.readouterr().out.split())
     assert main([*command, "--out", str(tmp_path / "residual"), "--highest-hz", str(highest), "--residual"]) == 0
-    assert "compliance" not in capsys.readouterr().out
+    said = " ".join(capsys.readouterr().out.split())
+    assert "% of the static compliance" not in said
+    assert f"{n} mode" in said
+    assert f"and {added} residual vector" in said
+    assert main([*command, "--out", str(tmp_path / "whole"), "--residual"]) == 2
+    assert "say --highest-hz, too" in capsys.readouterr().err
 
 
 def test_a_mass_that_nothing_has_is_refused(folder, tmp_path, capsys):

@@ -43,6 +43,8 @@ def flexible(
     from wirerope_mj.foundation.plain_text import plain
     from wirerope_mj.views.terminal import print_headline, show
 
+    if residual and highest_hz is None:
+        raise ValueError("--residual keeps what --highest-hz leaves out; say --highest-hz, too.")
     mass = None if mass_kg is None else between("--mass-kg", mass_kg, 1e-3, 1e9)
     part, own_mass = import_part(files, points, units_in(units), damping=0.01 * damping)
     whole = part

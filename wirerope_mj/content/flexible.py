@@ -7,7 +7,7 @@ import numpy as np
 from wirerope_mj.content.blocks import Content, Section, Statement
 from wirerope_mj.content.numbers import several, with_unit
 from wirerope_mj.engine.flexible import FlexiblePart
-from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.tables import Cell, Column, Table
 
 CAPTURED = 0.9  # of the mass along an axis below which modes that are left out matter: usual in seismic rules
@@ -25,24 +25,30 @@ def flexible_content(
     With its mass [kg], perhaps along x, y, z, how much of it the modes bring along; with the `whole` part, of which modes were
     left out, how much of its static compliance is left.
     """
-    headline = Statement(
-        id="part",
-        text=f"{several(len(part.frequencies), 'mode')} from {with_unit(float(part.frequencies.min()), 'Hz')} to "
-        f"{with_unit(float(part.frequencies.max()), 'Hz')} at {several(len(part.points), 'point')}.",
-        tone="strong",
-    )
+    modes = _modes_among(part, whole or part)
+    frequencies, added = part.frequencies[modes], int((~modes).sum())
+    text = f"{several(frequencies.size, 'mode')} from {with_unit(float(frequencies.min()), 'Hz')} to "
+    text += with_unit(float(frequencies.max()), "Hz") + (f" and {several(added, 'residual vector')}" if added else "")
+    headline = Statement(id="part", text=f"{text} at {several(len(part.points), 'point')}.", tone="strong")
     sections = (
-        Section("modes", "", lambda: [_table(part, mass)], "summary"),
+        Section("modes", "", lambda: [_table(part, mass, modes)], "summary"),
         Section("checks", "", lambda: _doubts(part, mass, whole or part), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
 
 
-def _table(part: FlexiblePart, mass: float | Array | None) -> Table:
+def _modes_among(part: FlexiblePart, whole: FlexiblePart) -> Booleans:
+    """Return which modes of a part are those of the whole one, (n,); others are residual vectors."""
+    near = np.isclose(part.frequencies[:, np.newaxis], whole.frequencies, rtol=1e-9, atol=0.0)
+    return np.asarray(near.any(axis=1))
+
+
+def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> Table:
     effective = part.participation**2
+    names = [f"{number}" if mode else f"{number} residual" for number, mode in enumerate(modes, 1)]
     rows: list[list[Cell]] = [
-        [str(number), float(frequency), float(damping), *map(float, row)]
-        for number, (frequency, damping, row) in enumerate(zip(part.frequencies, part.damping, effective, strict=True), 1)
+        [name, float(frequency), float(damping), *map(float, row)]
+        for name, frequency, damping, row in zip(names, part.frequencies, part.damping, effective, strict=True)
     ]
     rows.append(["all", None, None, *map(float, effective.sum(axis=0))])
     if mass is not None:
@@ -52,10 +58,10 @@ def _table(part: FlexiblePart, mass: float | Array | None) -> Table:
         Column("mode", align="left"), Column("frequency", "Hz", "z.3f"), Column("damping", "%", "z.2f"),
         *(Column(f"mass\n{axis}", "kg", "z.2f") for axis in "xyz"),
     )  # fmt: skip
-    return Table(
-        id="flexible-modes", title="Modes and the mass that takes part", columns=columns, rows=rows,
-        note="The square of the participation: what a motion of the base along the axis shakes in that mode.",
-    )  # fmt: skip
+    note = "The square of the participation: what a motion of the base along the axis shakes in that mode."
+    if not modes.all():
+        note += " Residual vectors keep the static compliance of modes left out; their frequencies are no resonances."
+    return Table(id="flexible-modes", title="Modes and the mass that takes part", columns=columns, rows=rows, note=note)
 
 
 def _shares(total: Array, mass: float | Array) -> Array:
