@@ -149,10 +149,10 @@ def _arrow(panel: Axes, start: tuple[float, float], end: tuple[float, float], le
     panel.annotate("", end, start, arrowprops={"arrowstyle": "<->", "linewidth": 0.7, "shrinkA": 0, "shrinkB": 0})
     panel.plot(*zip(start, end, strict=True), marker="|" if turned == 0 else "_", color="black", linewidth=0)
     middle = (0.5 * (start[0] + end[0]), 0.5 * (start[1] + end[1]))
-    offset = (0, 3) if turned == 0 else (-3, 0)
+    offset = (0, 3) if turned == 0 else (3, 0)  # towards the drawing: beyond the line the panel may end
     panel.annotate(
         f"{length:.0f}", middle, xytext=offset, textcoords="offset points", fontsize=7, rotation=turned,
-        ha="center" if turned == 0 else "right", va="bottom" if turned == 0 else "center",
+        ha="center" if turned == 0 else "left", va="bottom" if turned == 0 else "center",
     )  # fmt: skip
 
 
