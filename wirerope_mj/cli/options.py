@@ -84,7 +84,7 @@ def with_numerics(simulate: Mapping[str, Any], *, accuracy: float | None, timest
 
 
 def dated(name: str) -> Path:
-    """Return where a result stands for which no place was named: runs/NAME-DATE-TIME."""
+    """Return the folder of a result without `--out`: runs/NAME-DATE-TIME."""
     return Path("runs") / f"{name}-{datetime.now():%Y%m%d-%H%M%S}"
 
 

@@ -103,7 +103,7 @@ class Statement:
             raise ValueError(f"`tone` must be one of {', '.join(TONES)}, got {self.tone!r}.")
 
     def to_dict(self) -> Entries:
-        """Return what it says as plain values; what is empty is left out."""
+        """Return text, items, tone and values as plain values, without those that are empty."""
         parts = {"text": self.text, "items": list(self.items), "tone": self.tone, "values": dict(self.values)}
         return {name: part for name, part in parts.items() if part}
 

@@ -1,4 +1,4 @@
-"""What a run does: its events on the timeline, and its worst mounts and accelerations at an instant or over an interval."""
+"""Events of a run on the timeline, and its worst mounts and accelerations at an instant or over an interval."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

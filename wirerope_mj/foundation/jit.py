@@ -94,6 +94,7 @@ def _compiled(function: Callable[..., Any], *, forceinline: bool) -> Callable[..
     if numba.config.DISABLE_JIT:
         return function
     options = {"error_model": "numpy", "forceinline": forceinline, "nogil": True}
+    # one that Python calls, and one that kernels call
     compiled, linked = _dispatcher(function, options), _dispatcher(function, {**options, **_UNWRAPPED})
     template = linked.get_call_template
     # Numba would make a function of its own for each number that is written out in a call: 589 of them instead of 427.

@@ -15,7 +15,7 @@ _set_env = JITCPUCodegen.set_env
 
 
 class LinkedCode(JITCodeLibrary):
-    """A function and all that it calls, which is linked as Numba wrote it until somebody asks for an address in it."""
+    """Code of a function and of all that it calls: it is optimised and translated when the address of one is asked for."""
 
     _translated = False
 

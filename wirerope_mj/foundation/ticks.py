@@ -7,7 +7,6 @@ import numpy as np
 from wirerope_mj.foundation.arrays import Array
 
 # First digits of the numbers on a logarithmic axis; 10, 100, .. are always among them.
-# First digits of the numbers on a logarithmic axis; 10, 100, .. are always among them.
 _DIGITS = ((1.0, 2.0, 3.0, 5.0, 7.0), (1.0, 2.0, 5.0), (1.0, 2.0, 4.0), (1.0, 3.0), (1.0,))
 _CLOSER = 0.9  # of what each of the numbers would have: by so much two of them may stand closer
 

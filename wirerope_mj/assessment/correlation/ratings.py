@@ -1,4 +1,4 @@
-"""How far a computed history agrees with a measured one: after ISO/TS 18571, and by size and timing apart."""
+"""Ratings of a computed history against a measured one: of ISO/TS 18571, and of amplitude and timing separately."""
 
 import math
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What of a run is judged: sampled histories, their extremes, also between samples, and where a base is steady.
+"""Histories of a run as they are judged: samples, extremes at and between them, and where a base is steady.
 
 Between two samples stands the cubic that has the values and rates of both (Hermite). Where a cubic over two intervals misses
 the sample in between, by m, those over single intervals miss the history by m / 16 where it is smooth, and by m / 4 where its

@@ -170,7 +170,7 @@ _NAMED = 3  # mounts and axes that a sentence names
 
 
 def untested(isolators: Mapping[str, Isolator], ends: Mapping[str, tuple[Array, Array]]) -> str:
-    """Return which mounts move how far outside their isolators' tested ranges, in part of a sentence; "" where none does.
+    """List the mounts that move outside their isolators' tested ranges, and how far, as part of a sentence; "" if none does.
 
     `ends` are the lowest and highest deflections along roll, shear and axial [m], (3,) each, by mount.
     """

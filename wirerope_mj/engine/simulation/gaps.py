@@ -4,12 +4,12 @@ import mujoco
 import numpy as np
 
 from wirerope_mj.engine.control import layout as at
+from wirerope_mj.engine.kernel.bodies import FARTHEST
 from wirerope_mj.engine.system import System, once_per_system
 from wirerope_mj.engine.system.tables import declared_pairs
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.directions import rotation_matrices
 
-FARTHEST = 1e3  # gap that is as good as any larger one [m]
 _TOUCHING = 1e-15  # distance of a sphere's centre from a box within which it counts as inside [m], as MuJoCo has it
 _PLANE, _SPHERE, _BOX = (
     int(kind) for kind in (mujoco.mjtGeom.mjGEOM_PLANE, mujoco.mjtGeom.mjGEOM_SPHERE, mujoco.mjtGeom.mjGEOM_BOX)
