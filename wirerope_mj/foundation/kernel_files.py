@@ -25,6 +25,7 @@ import numba
 from numba.core.bytecode import FunctionIdentity
 from numba.core.caching import _Cache
 from numba.core.compiler import CompileResult
+from numba.core.runtime import rtsys
 from numba.core.serialize import dumps
 
 from wirerope_mj.foundation.atomic_files import atomic_file
@@ -155,7 +156,7 @@ class KernelFiles(_Cache):
 
     def load_overload(self, sig: Any, target_context: Any) -> CompileResult | None:
         """Return the code for the types `sig`, or None if no file holds it whole."""
-        target_context.refresh()
+        rtsys.initialize(target_context)  # that code allocates; all else that a compiler needs is loaded where one is
         for processor in _processors(target_context.codegen()):
             name = self._name(sig, processor)
             for path, own in ((SHIPPED / name, False), (cache_folder() / name, True)):

@@ -10,7 +10,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.dynamics.modes.rest import AtRest, description_of, linearise, participation_of, payload_shapes
-from wirerope_mj.dynamics.modes.result import Modes, TippingStability
+from wirerope_mj.dynamics.modes.result import Modes, TippingStability, paired
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.statics.payloads import movers_of
 from wirerope_mj.engine.system import System
@@ -50,8 +50,7 @@ def follow(values: Array, shapes: Array, mass: Array, known: Array, mode: int) -
     frequencies come close do not become the same one. Modes of one frequency are turned to be as like it as they can be.
     """
     likeness = shapes.T @ mass @ known
-    indices, owners = scipy.optimize.linear_sum_assignment(-(likeness**2))
-    best = int(indices[owners == mode][0])
+    best = int(np.flatnonzero(paired(likeness**2) == mode)[0])
     close = np.abs(values - values[best]) <= CLOSE * np.abs(values).max()
     shape = shapes[:, close] @ likeness[close, mode]
     return float(values[best]), np.asarray(shape / np.sqrt(shape @ mass @ shape))
@@ -248,9 +247,7 @@ def _finite(name: str, stiffness: AnyArray) -> AnyArray:
 def _matched(rest: AtRest, shapes: Array, stiffness: Array) -> Array:
     """Return the frequencies of another stiffness [Hz], each for the shape that its own is most like, (n_modes,)."""
     values, others = solve(stiffness, rest.mass)
-    likeness = (shapes.T @ rest.mass @ others) ** 2
-    _, matched = scipy.optimize.linear_sum_assignment(-likeness)
-    return frequency_of(values[matched])
+    return frequency_of(values[paired((shapes.T @ rest.mass @ others) ** 2)])
 
 
 def _damping(shape: Array, value: float, stiffness: ComplexArray, rest: AtRest) -> float:

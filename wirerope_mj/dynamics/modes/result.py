@@ -13,6 +13,13 @@ _FAR = 20.0  # gravity factor, and rise [m], from which both say no more than: f
 AMPLE = 3.0  # gravity factor from which a payload stands safely; less is called slender
 
 
+def paired(likeness: Array) -> Integers:
+    """Pair modes with others so that the sum of their likeness (n, n) is largest: the column of each row, (n,)."""
+    # not `scipy.optimize`, which takes five times as long to import; weights of 0 would be pairs that cannot be
+    matched = scipy.sparse.csgraph.min_weight_full_bipartite_matching(scipy.sparse.csr_array(2.0 - likeness))
+    return np.asarray(matched[1])
+
+
 @dataclass(frozen=True, kw_only=True)
 class TippingStability:
     """Distance of the stiffness from being indefinite, with the tangents of the mounts as they are at rest.
@@ -134,8 +141,7 @@ class Modes(Summarised):
         """Return for each of these modes the index of the one that it is in `other`: all of the same system."""
         free = (modes.shapes[self.free] for modes in (self, other))
         ours, theirs = (x / np.sqrt(np.einsum("nj,nk,kj->j", x, self.mass, x)) for x in free)
-        _, indices = scipy.optimize.linear_sum_assignment(-((ours.T @ self.mass @ theirs) ** 2))
-        return [int(index) for index in indices]
+        return [int(index) for index in paired((ours.T @ self.mass @ theirs) ** 2)]
 
     def to_dict(self) -> Entries:
         """Return the modes as plain values, SI; what is not finite is None."""
