@@ -63,6 +63,20 @@ def test_the_scatter_of_the_stiffness_moves_peaks_by_half_of_it(identified):
     assert sum(shares) == pytest.approx(1.0)
 
 
+def test_the_scatter_of_an_asymmetry_moves_peaks_by_its_stiffness_at_half_the_travel():
+    """A catalogue part states the scatter of c alone, which leaves the slope at rest as it is."""
+    part = wr.load_isolator("enidine_wr16_400")
+    law, half = part.axial, -0.5 * part.limits.travel.compression
+    changes = [
+        wr.Parallel(laws=[replace(one, c=one.c + sign * 21.0076**0.5) for one in law.laws]).trace([0.0, half]).force[-1]
+        for sign in (-1.0, 1.0)
+    ]
+    scatter = abs(changes[1] - changes[0]) / 2.0 / abs(law.trace([0.0, half]).force[-1])
+    _, rows = told(part)
+    assert "no file states a scatter" not in rows["isolator data"][2]
+    assert rows["isolator data"][3] == pytest.approx(1.645 * 0.5 * scatter, rel=0.02)  # the other is the slope at c
+
+
 def test_beyond_what_was_tested_the_form_says_how_far(identified):
     small = replace(TESTED, amplitude=(1e-4, 1e-3), deflection=(-1e-3, 1e-3))
     _, rows = told(replace(identified, validity=Validity(axial=small)))

@@ -315,6 +315,6 @@ def test_every_distribution_is_said_in_words():
         wr.Uniform(0.0, 1.0): "uniform, from 0 to 1",
         wr.Isotropic(low=0.0): "directions equally likely over the sphere, from 0 to 90 above the horizon",
         wr.Choice(1.0, 2.0): "one of 1, 2",
-        wr.Specimens(): "scatter of the specimens that the isolator was identified from",
+        wr.Specimens(): "scatter that the isolator's file states",
     }
     assert {one: distribution_text(one) for one in drawn} == drawn

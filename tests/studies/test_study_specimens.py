@@ -152,6 +152,12 @@ def test_a_calibrated_spread_is_called_so_and_no_scatter_of_specimens(twins, tmp
     assert "come from" not in text
 
 
+def test_the_assumed_scatter_of_a_catalogue_part_is_no_scatter_of_specimens():
+    system = wr.load_system("floating_floor")
+    (text,) = specimen_messages(quantities({"mount/m01/spread": wr.Specimens()}, system, []))
+    assert text.startswith("Specimens of Enidine WR16-400 (catalogue): none were tested")
+
+
 def test_the_floor_takes_the_users_own_specimens(twins, tmp_path):
     spread = wr.Spread(parameters=("axial.alpha",), covariance=((1e8,),))
     own = dataclasses.replace(twins, name="ours", spread=spread)

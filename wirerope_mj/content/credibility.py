@@ -17,8 +17,9 @@ from wirerope_mj.foundation.tables import Column, Mark, Table
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.motions.records.record import record_warnings, records_in
 from wirerope_mj.mounts.isolator import Isolator
-from wirerope_mj.mounts.isolator.travel import RATINGS
+from wirerope_mj.mounts.isolator.travel import RATINGS, SIDES
 from wirerope_mj.mounts.isolator.validity import MOVING
+from wirerope_mj.mounts.laws.law import Law
 
 if TYPE_CHECKING:
     from wirerope_mj.studies.result import StudyResult  # of tables: a run says its verdict without them
@@ -199,7 +200,7 @@ def _isolators(system: System) -> _Part:
         return _Part(name="isolator data", grade=4, text="there are no isolators")
     kinds = sorted({one.provenance.kind for one in devices.values()}, key=_KINDS.__getitem__)
     assumed = sum(len(one.provenance.assumed) for one in devices.values())
-    scatter = [size for one in devices.values() if (size := _scatter(one)) > 0.0]
+    scatter = [_scatter(one) for one in devices.values() if one.spread is not None]
     grade = _KINDS[kinds[0]] + (len(scatter) == len(devices) and kinds[0] == "identified")
     text = f"{several(len(devices), 'isolator')}: {listed(kinds)}"
     text += f"; {several(assumed, 'value')} assumed" if assumed else ""
@@ -211,24 +212,30 @@ def _isolators(system: System) -> _Part:
 
 
 def _scatter(isolator: Isolator) -> float:
-    """Return the largest relative standard deviation of an axis' initial stiffness that the stated scatter makes; 0 without."""
-    spread = isolator.spread
-    if spread is None:
-        return 0.0
+    """Return the largest relative standard deviation of a secant stiffness that the stated scatter makes.
+
+    Secants are those from rest to half of each rated travel, and of vanishing deflections where none is rated.
+    """
+    assert isolator.spread is not None
     found = [0.0]
     for axis, law in isolator.axes.items():
-        if law is None or law.initial_stiffness <= 0.0:
-            continue
-        slopes = []
-        for name in spread.parameters:
-            first, _, parameter = name.partition(".")
-            value = law.parameter(parameter) if first == axis else 0.0
-            if first != axis or not isinstance(value, float) or value == 0.0:
-                slopes.append(0.0)
+        rated = [getattr(isolator.limits.travel, rating) for rating in SIDES[axis]] if law and law.rate_independent else []
+        ends = [0.5 * sign * travel for sign, travel in zip((-1.0, 1.0), rated, strict=False) if travel]
+        for end in ends or [0.0]:
+            if law is None or (stiffness := _secant(law, end)) <= 0.0:
                 continue
-            step = _STEP * value
-            moved = replace(law, **law.completed({parameter: value + step}))
-            slopes.append((moved.initial_stiffness - law.initial_stiffness) / step)
-        variance = float(np.array(slopes) @ np.array(spread.covariance) @ np.array(slopes))
-        found.append(math.sqrt(max(variance, 0.0)) / law.initial_stiffness)
+            slopes = []
+            for name in isolator.spread.parameters:
+                first, _, parameter = name.partition(".")
+                value = law.parameter(parameter) if first == axis else 0.0
+                step = _STEP * value if isinstance(value, float) else 0.0
+                moved = replace(law, **law.completed({parameter: value + step})) if step else law
+                slopes.append((_secant(moved, end) - stiffness) / step if step else 0.0)
+            variance = float(np.array(slopes) @ np.array(isolator.spread.covariance) @ np.array(slopes))
+            found.append(math.sqrt(max(variance, 0.0)) / stiffness)
     return max(found)
+
+
+def _secant(law: Law, deflection: float) -> float:
+    """Return the stiffness of an unloaded law from rest to a deflection, at 0 its slope [N/m]."""
+    return float(law.trace([0.0, deflection]).force[-1]) / deflection if deflection else law.initial_stiffness

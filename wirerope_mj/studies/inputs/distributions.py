@@ -134,7 +134,7 @@ class Choice:
 
 @dataclass(frozen=True, kw_only=True)
 class Specimens:
-    """The scatter of the specimens that an isolator was identified from: the joint normal distribution of its `spread`."""
+    """The scatter of specimens that an isolator's file states: the joint normal distribution of its `spread`."""
 
     each: bool = True  #: whether every mount has specimens of its own; else those that the name matches share one
     group: str | None = None  #: as for `Normal`

@@ -13,6 +13,8 @@ from wirerope_mj.studies.inputs.column import Quantity
 from wirerope_mj.studies.inputs.distributions import Specimens
 from wirerope_mj.studies.inputs.sampling import RANK, sampled
 
+_UNTESTED = ("catalogue", "estimated")  # kinds of isolators whose scatter is no specimens'
+
 
 def rank(spread: Spread) -> int:
     """Return in how many independent directions the parameters scatter; of n specimens that is n - 1 at most."""
@@ -45,12 +47,15 @@ def specimen_messages(quantities: Sequence[Quantity]) -> list[str]:
     isolators = {
         one.name: one for quantity in quantities if isinstance(quantity.distribution, Specimens) for one in quantity.isolators
     }
-    return [text for one in isolators.values() if one.spread is not None and (text := _message(one.name, one.spread))]
+    return [text for one in isolators.values() if one.spread is not None and (text := _message(one, one.spread))]
 
 
-def _message(name: str, spread: Spread) -> str:
+def _message(isolator: Isolator, spread: Spread) -> str:
+    name, kind = isolator.name, isolator.provenance.kind
     if spread.calibrated:
         return f"Specimens of {name}: drawn from what its calibration leaves open; specimens of one make scatter besides."
+    if kind in _UNTESTED:
+        return f"Specimens of {name} ({kind}): none were tested; they are drawn from the scatter that its file assumes."
     specimens = known_specimens(spread)
     if specimens is None or specimens < 2:
         return ""

@@ -95,7 +95,7 @@ def distribution_text(distribution: Distribution) -> str:
         return f"directions equally likely over the sphere, {between} above the horizon"
     if isinstance(distribution, Choice):
         return _choices(distribution.choices)
-    return "scatter of the specimens that the isolator was identified from"
+    return "scatter that the isolator's file states"
 
 
 def _choices(values: Sequence[Any]) -> str:
