@@ -136,6 +136,7 @@ def test_isolators_lists_the_catalogue_and_draws_one(tmp_path, capsys):
         ),
         ("explore", ["SCENARIO-OR-MODEL [OPTIONS]", "--port", "Ctrl-C ends it"]),
         ("replay", ["Compared are all stored numbers"]),
+        ("export", ["mounts/*/force/*"]),
     ],
 )  # fmt: skip
 def test_help_of_a_command_says_all_before_a_file_is_named(command, words, capsys):

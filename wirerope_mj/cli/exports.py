@@ -43,7 +43,7 @@ def export(
     Args:
         folder: folder of a run or a study; for .xlsx of a job, too.
         out: file to write.
-        channels: which columns, a pattern with * and ?, such as "mounts/*/force/*" or "bodies/rack/acceleration/z"; again for
+        channels: which columns, a pattern with * and ?, such as `mounts/*/force/*` or `bodies/rack/acceleration/z`; again for
             further ones; all by default, of .xlsx none.
         at: instant of the picture, such as "120 ms"; that of the most critical verdict by default.
         spectrum: name of a body, a point or "base": its shock response spectra along x, y and z in place of the samples. They

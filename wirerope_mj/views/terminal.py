@@ -2,12 +2,13 @@
 
 import os
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import singledispatch
 from typing import Any
 
 from rich import box
 from rich.console import Console
+from rich.measure import Measurement
 from rich.padding import Padding
 from rich.table import Table as RichTable
 from rich.text import Text
@@ -18,6 +19,7 @@ from wirerope_mj.foundation.tables import Table
 
 WIDTH = 120  # Width of tables where there is no terminal to fit them into [characters]
 _ROOMY = 100  # characters below which columns have no padding
+_UNBOUNDED = 10_000  # characters of a line that holds every table
 _LONG = 16  # characters of a heading above numbers that stands on several lines
 _STYLES = {"exceeded": "bold red", "near": "yellow", "quiet": "dim", "strong": "bold", "unjudged": "yellow", "within": "green"}
 
@@ -94,27 +96,44 @@ def show_answer(content: Content, *sections: str, last: str = "answer") -> None:
 
 
 def print_table(table: Table) -> None:
-    """Print a table with its title and note; in a narrow terminal its columns move together."""
+    """Print a table with its title and note; columns for which a line is too short stand below, the first beside them again."""
     screen = console()
     if table.title:
         print_lines([Text(plain_lines(table.title), style="bold")], indent="")
+    rows = table.marks()[: table.shown]
+    beside = [0]
+    for column in range(1, len(table.columns)):
+        if len(beside) > 1 and _least_width(screen, _columns(screen, table, rows, [*beside, column])) > screen.width:
+            screen.print(_columns(screen, table, rows, beside))
+            print()
+            beside = [0]
+        beside.append(column)
+    screen.print(_columns(screen, table, rows, beside))
+    if len(rows) < len(table.rows):
+        print_lines([f"{len(rows)} of {len(table.rows)} rows"])
+    if table.note:
+        print_lines([table.note])
+
+
+def _columns(screen: Console, table: Table, rows: Sequence[Sequence[tuple[str, str]]], chosen: Sequence[int]) -> RichTable:
+    """Make some columns of a table; in a narrow terminal they move together."""
     shown = RichTable(box=box.SIMPLE_HEAD, show_edge=False)
     shown.padding = (0, 1, 0, 0) if screen.width >= _ROOMY else 0
-    for column in table.columns:
+    for column in (table.columns[index] for index in chosen):
         shown.add_column(
             _text(column.title("\n")),
             justify="right" if column.align == "right" else "left",
             no_wrap=column.align == "left" or (column.align == "right" and max(map(len, column.heading.split("\n"))) <= _LONG),
             overflow="fold",
         )
-    rows = table.marks()[: table.shown]
     for row in rows:
-        shown.add_row(*(_text(text, tone) for text, tone in row))
-    screen.print(shown)
-    if len(rows) < len(table.rows):
-        print_lines([f"{len(rows)} of {len(table.rows)} rows"])
-    if table.note:
-        print_lines([table.note])
+        shown.add_row(*(_text(*row[index]) for index in chosen))
+    return shown
+
+
+def _least_width(screen: Console, shown: RichTable) -> int:
+    """Return the width of a table none of whose words is cut [characters]."""
+    return Measurement.get(screen, screen.options.update_width(_UNBOUNDED), shown).minimum
 
 
 def print_lines(lines: Iterable[str | Text], indent: str = "  ") -> None:
