@@ -25,7 +25,9 @@ def flexible_content(
     With its mass [kg], perhaps along x, y, z, how much of it the modes bring along; with the `whole` part, of which modes were
     left out, how much of its static compliance is left.
     """
-    modes = _modes_among(part, whole or part)
+    # those of the whole part; others are residual vectors
+    near = np.isclose(part.frequencies[:, np.newaxis], (whole or part).frequencies, rtol=1e-9, atol=0.0)
+    modes = np.asarray(near.any(axis=1))
     frequencies, added = part.frequencies[modes], int((~modes).sum())
     text = f"{several(frequencies.size, 'mode')} from {with_unit(float(frequencies.min()), 'Hz')} to "
     text += with_unit(float(frequencies.max()), "Hz") + (f" and {several(added, 'residual vector')}" if added else "")
@@ -35,12 +37,6 @@ def flexible_content(
         Section("checks", "", lambda: _checks(part, mass, whole or part, modes), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
-
-
-def _modes_among(part: FlexiblePart, whole: FlexiblePart) -> Booleans:
-    """Return which modes of a part are those of the whole one, (n,); others are residual vectors."""
-    near = np.isclose(part.frequencies[:, np.newaxis], whole.frequencies, rtol=1e-9, atol=0.0)
-    return np.asarray(near.any(axis=1))
 
 
 def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> Table:

@@ -11,7 +11,7 @@ from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
 from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisation
@@ -153,7 +153,8 @@ def body_acceleration(system: System, track: Track, body: str) -> Array:
 
 def mount_deflections(system: System, track: Track) -> Array:
     """Return the deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
-    channels = _mount_channels(system)
+    channels = system.assembly.tables.channels
+    channels = channels[channels.size - 2 * len(system.mounts) :: 2]  # every other of the last
     return np.asarray(track.sensors[:, channels[:, None] + np.arange(3)])
 
 
@@ -164,12 +165,6 @@ def _kinds(system: System) -> list[str]:
         for states, law in zip(mount.states, mount.isolator.axes.values(), strict=True):
             kinds[states] = [name[0] for name in law.state_names] if law is not None else []
     return kinds
-
-
-def _mount_channels(system: System) -> Integers:
-    """Return the sensor at which each mount's values begin: the deflections are every other of the last channels."""
-    channels = system.assembly.tables.channels
-    return channels[channels.size - 2 * len(system.mounts) :: 2]
 
 
 def ranges(system: System, track: Track) -> Ranges:
