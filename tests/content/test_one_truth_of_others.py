@@ -44,7 +44,7 @@ WORKSHEETS = {
 @pytest.fixture(scope="module", params=sorted(shipped_studies()))
 def study(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("study") / "out"
-    command = [Path(sys.executable).with_name("wirerope"), "study", request.param, *SHORT[request.param]]
+    command = [Path(sys.executable).with_name("wirerope"), "study", request.param, *SHORT[request.param], "--workers", "1"]
     done = subprocess.run(
         [*command, "--out", folder], capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "200"}
     )
