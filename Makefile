@@ -1,7 +1,7 @@
 # The five things that people do; each works in an environment with `pip install -e ".[dev]"`.
 .PHONY: quick test lint docs ci
 
-quick: ## every room in a minute and a half
+quick: ## every room in a minute
 	python -m pytest -q -n 2 -m "quick and not slow"
 
 test: ## what the README's test command runs

@@ -10,6 +10,8 @@ import pytest
 
 # Commands that tests start read compiled modules, which the first of them writes: a start takes half the time.
 os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+# Tests run side by side: threads of linear algebra would wait for each other, three times as long as one needs.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 PACKAGE = Path(__file__).parents[1] / "wirerope_mj"
 COMPILE = "from wirerope_mj.cli import main; main()"
 
@@ -26,6 +28,14 @@ def pytest_sessionstart(session):
     if cache.get("wirerope/compiled", "") != digest.hexdigest():
         subprocess.run([sys.executable, "-c", COMPILE, "compile"], check=True, stdout=subprocess.DEVNULL)
         cache.set("wirerope/compiled", digest.hexdigest())
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """Give each worker one half of the tests as they stand: fewer files are cut, whose fixtures both would make."""
+    from xdist.scheduler import WorkStealingScheduling
+
+    return WorkStealingScheduling(config, log) if config.getvalue("dist") == "load" else None
 
 
 @pytest.fixture

@@ -22,7 +22,7 @@ def row(value=1.0, limit=2.0, **changes):
 
 @pytest.mark.slow
 def test_terminal_summary_report_recording_and_comparison_say_the_same_sentence(tmp_path):
-    done = wirerope("run", "floating_floor_shock", "--level-g", "18", "--duration", "0.4", "--out", "here", cwd=tmp_path)
+    done = wirerope("run", "shock_table", "--level-g", "60", "--duration", "0.2", "--out", "here", cwd=tmp_path)
     sentence = json.loads((tmp_path / "here" / "summary.json").read_text(encoding="utf-8"))["headline"]
     assert re.match(r"FAIL: \d+ of \d+ checks exceeded; worst \w+, \d+ % of .*\.$", sentence)
     assert sentence in [line.strip() for line in done.stdout.splitlines()]

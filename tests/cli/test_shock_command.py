@@ -263,7 +263,7 @@ def test_a_run_on_a_deck_that_bends_says_so_replays_and_becomes_a_study(tmp_path
     vary = ["--vary", "joint/deck_panel/frequency = Uniform(12, 25)", "--variants", "4", "--workers", "1"]
     assert main(["study", "run", *vary, "--out", "study"]) == 0
     levels = ["--vary", "motion/level = Uniform(0.5, 1)", "--variants", "2"]
-    assert main(["study", "shock_table", *deck, *levels, "--out", "of"]) == 0
+    assert main(["study", "shock_table", *deck, *levels, "--workers", "1", "--out", "of"]) == 0
 
 
 @pytest.mark.parametrize("command", ["shock", "modes", "statics", "frf"])

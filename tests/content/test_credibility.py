@@ -104,7 +104,7 @@ def test_a_study_is_graded_as_its_runs_are_by_the_largest_of_its_deflections(ide
         model=sdof_text(mass=20.0), isolators={"a": known}, motion=SHOCK, duration=0.3, variants=4, timestep=2e-4,
         vary={"motion/level": wr.Uniform(0.5, 2.0)},
     )  # fmt: skip
-    result = study.run(tmp_path / "study")
+    result = study.run(tmp_path / "study", workers=1)
     statement, table = study_credibility_blocks(result)
     rows = {row[0]: row for row in table.rows}
     deepest = [np.max(result.table[f"deflection/m1/{side}"]) for side in ("compression", "tension")]

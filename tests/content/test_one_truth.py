@@ -19,7 +19,13 @@ from wirerope_mj.views.markdown import markdown_statement, markdown_table
 
 pytestmark = pytest.mark.slow
 
-SHORT = {"floating_floor_sweep": ["--rate", "120"], "sdof_sweep": ["--rate", "60"]}
+SHORT = {
+    "cabinet_shock": ["--duration", "0.5"],
+    "floating_floor_double_pulse": ["--duration", "0.5"],
+    "floating_floor_shock": ["--duration", "0.5"],
+    "floating_floor_sweep": ["--rate", "120"],
+    "sdof_sweep": ["--rate", "60"],
+}
 """Options with which the long ones last seconds."""
 
 RECORDED = ("peak-accelerations", "random", "mounts", "contacts", "all-verdicts")

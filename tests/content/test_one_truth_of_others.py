@@ -22,13 +22,13 @@ from wirerope_mj.studies.study import load_study
 from wirerope_mj.views import terminal
 
 SHORT = {
-    "floor_directions": ["--step-deg", "90"],
-    "floor_failed_mount": ["--direction", "z"],
-    "floor_levels": ["--levels", "4"],
-    "floor_placement": ["--population", "8", "--generations", "2"],
-    "floor_sensitivity": ["--rows", "8"],
+    "floor_directions": ["--step-deg", "90", "--duration", "0.25"],
+    "floor_failed_mount": ["--direction", "z", "--duration", "0.25"],
+    "floor_levels": ["--levels", "4", "--duration", "0.25"],
+    "floor_placement": ["--population", "8", "--generations", "2", "--interval", "0.1", "--timestep", "5e-4"],
+    "floor_sensitivity": ["--rows", "8", "--duration", "0.25"],
     "floor_specimens": ["--variants", "8"],
-    "floor_tolerances": ["--variants", "8"],
+    "floor_tolerances": ["--variants", "8", "--duration", "0.25"],
 }
 """Options with which they last seconds."""
 
@@ -44,7 +44,7 @@ WORKSHEETS = {
 @pytest.fixture(scope="module", params=sorted(shipped_studies()))
 def study(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("study") / "out"
-    command = [Path(sys.executable).with_name("wirerope"), "study", request.param, *SHORT[request.param]]
+    command = [Path(sys.executable).with_name("wirerope"), "study", request.param, *SHORT[request.param], "--workers", "1"]
     done = subprocess.run(
         [*command, "--out", folder], capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "200"}
     )

@@ -195,7 +195,7 @@ def test_a_batch_goes_on_from_the_states_of_another():
 
 def test_interpreted_callbacks_take_the_variants_one_by_one(monkeypatch):
     system = wr.load_system(models_folder() / "sdof_shaker.xml")
-    keywords = {**STEPS, "duration": 0.02}
+    keywords = {**STEPS, "duration": 0.02, "timestep": 1e-3}
     monkeypatch.setattr("wirerope_mj.engine.control.install.disagreement", lambda model, data: "qvel")
     with pytest.warns(RuntimeWarning, match="slower Python callback"):
         (result,) = wr.simulate_batch(system, half_sine(10.0), engine="mujoco", **keywords)

@@ -36,7 +36,7 @@ def streamed(tmp_path_factory):
 def study(tmp_path_factory):
     vary = {"mount/m1/stiffness": wr.Uniform(0.5, 1.5)}
     made = wr.Study(model="shock_table.xml", motion=PULSE, duration=0.05, timestep=5e-4, vary=vary, variants=4)
-    return made.run(tmp_path_factory.mktemp("studies") / "study")
+    return made.run(tmp_path_factory.mktemp("studies") / "study", workers=1)
 
 
 @pytest.mark.parametrize("kind", ["response", "streamed"])

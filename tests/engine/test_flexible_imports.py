@@ -373,6 +373,8 @@ def test_residual_vectors_keep_the_static_compliance_of_the_modes_that_are_left_
     assert "% of the static compliance" not in said
     assert f"{n} mode" in said
     assert f"and {added} residual vector" in said
+    assert "take more modes" not in said
+    assert ("residual vectors carry the rest of what was read" in said) == (highest < 100.0)  # where modes lack a tenth
     assert main([*command, "--out", str(tmp_path / "whole"), "--residual"]) == 2
     assert "say --highest-hz, too" in capsys.readouterr().err
 

@@ -5,8 +5,11 @@ from dataclasses import dataclass
 import numba
 import numpy as np
 import pytest
+from house import sdof
 
 import wirerope_mj as wr
+from wirerope_mj.dynamics.periodic.find import OrbitSearch
+from wirerope_mj.dynamics.periodic.shooting import monodromy, shot
 
 VALUES = {"alpha": 2e5, "beta": 300.0, "gamma": 100.0, "n": 1.0, "k1": 8e4, "k2": 1e5, "k3": 2e7, "b": 2.0, "c": 10.0}
 SAME = 1e-9  # of the largest value: a static path is integrated to 1e-9 a step where the package has a closed form
@@ -228,3 +231,35 @@ def test_files_do_not_hold_it(tmp_path):
 def test_scaled_needs_powers_of_force():
     with pytest.raises(ValueError, match=r"`force_powers` must state"):
         Ni(**VALUES).scaled(2.0)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Normalised(wr.OwnLaw):
+    """Bouc-Wen's law of n = 2 and gamma = 0, its state w a ratio to the bound [N]."""
+
+    name = "normalised"
+    state_names = ("w",)
+    bound: float
+    over: float
+
+    @staticmethod
+    @numba.njit
+    def force(p, x, v, z, zdot):
+        zdot[0] = (v - abs(v) * z[0] * abs(z[0])) / p[1]
+        return p[0] * z[0]
+
+
+def test_a_state_that_is_no_force_has_differences_in_its_own_unit():
+    """Beside 300 kN of friction a step of 1e-5 of these forces was three times what the state of the other law is at most."""
+    bound, over, found = 3e3, 0.1, []
+    friction = wr.BoucWen(alpha=3e8, beta=1e3, gamma=0.0, n=1.0, k=2e6)
+    force = wr.BoucWen(alpha=bound / over, beta=1.0 / (bound * over), gamma=0.0, n=2.0)
+    for law in (force, Normalised(bound=bound, over=over)):
+        search = OrbitSearch(sdof(wr.Parallel(laws=(friction, law)), mass=1e4), direction="z", history="relaxed", accuracy=1e-4)
+        with search.flow.ready():
+            drive = search.drive(5.0, 40.0)
+            motion = shot(search.flow, search.settled(search.coordinates.rest(), drive, 5), drive)
+            found.append(np.linalg.eigvals(monodromy(search.flow, motion)))
+    assert 0.1 < np.abs(found[0]).max() < 0.9
+    # of both states the steps are 1e-3 of their bounds, or less: by so much differences may differ
+    np.testing.assert_allclose(np.sort_complex(found[1]), np.sort_complex(found[0]), rtol=0, atol=1e-3)

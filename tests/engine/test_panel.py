@@ -169,7 +169,7 @@ def test_a_study_varies_the_frequency_of_a_deck(tmp_path):
         model=made.model, isolators=made.isolators, motion=PULSE, duration=0.1, timestep=5e-5, sampling="grid",
         vary={"joint/deck_panel/frequency": wr.Choice([8.0, 25.0])}, name="deck",
     )  # fmt: skip
-    rows = study.run(tmp_path / "study").table.to_pylist()
+    rows = study.run(tmp_path / "study", workers=1).table.to_pylist()
     # Steps of 0.2 ms are near the stability of the mounts' finer scale: there a difference in the last digit grows to 2e-6.
     for row in rows:
         panel = Panel(frequency=row["joint/deck_panel/frequency"], mass=1700.0)

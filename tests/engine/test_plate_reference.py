@@ -20,7 +20,6 @@ MASS, INERTIA, OFF = 420.0, (40.0, 60.0, 80.0), 0.1  # body, its centre beside t
 ALPHA, Z_MAX, K, ACROSS = 5e5, 2e3, 1.5e5, 1e5
 ZETA = 0.03
 LAW = wr.BoucWen(alpha=ALPHA, beta=0.5 * ALPHA / Z_MAX, gamma=0.5 * ALPHA / Z_MAX, n=1.0, k=K)
-COUNTS = (1, 2, 4, 8, 16, 30)
 DURATION, STEP = {"half-sine": 0.2, "double pulse": 0.2, "random": 0.5}, 2e-5
 MOTIONS = {
     "half-sine": wr.HalfSine(peak=15.0 * wr.STANDARD_GRAVITY, duration=0.011, direction="z", start=0.02),
@@ -141,8 +140,8 @@ def peaks_of(system, motion, duration, timestep=5e-5):
 def test_modes_stand_for_the_whole_plate(clamped, name):
     fe, rigid = plate(A, B, H, NX, NY, clamped=clamped), rigid_system()
     expected = plate_reference(fe, MOTIONS[name], DURATION[name])
-    decks = {f"{count} modes": part_of(fe, count) for count in COUNTS}
-    decks |= {f"{count} and residual": part_of(fe, count, residual=True) for count in (1, 8, 30)}
+    decks = {f"{count} modes": part_of(fe, count) for count in (4, 30)}
+    decks["30 and residual"] = part_of(fe, 30, residual=True)
     whole = part_of(fe, fe.mass.shape[0])
     decks["30 of all and residual"] = whole.below(float(whole.frequencies[29]), residual=True)  # as `wirerope flexible` does
     systems = {"rigid": rigid} | {deck: wr.on_deck(rigid, part) for deck, part in decks.items()}
@@ -218,7 +217,7 @@ def test_free_modes_stand_for_equipment_that_bends(beam, name):
     arms = np.array([(LENGTH * (node / N - 0.5), 0.0) for node in ENDS.values()])
     modes = omega, -phi, np.zeros(omega.size)  # what the beam bends up by stretches a mount, as what a deck bends down by
     expected = reference(modes, arms, (mass, mass * WIDE**2, about), MOTIONS[name], DURATION[name])
-    cases = {"rigid": (0, False)} | {f"{count} modes": (count, False) for count in (1, 2, 4, 8)} | {"4 and residual": (4, True)}
+    cases = {"rigid": (0, False)} | {f"{count} modes": (count, False) for count in (1, 2, 8)} | {"4 and residual": (4, True)}
     off = {
         case: np.abs(peaks_of(beam_system(beam, n, residual=r), MOTIONS[name], DURATION[name], 2e-5) / expected - 1.0).max()
         for case, (n, r) in cases.items()

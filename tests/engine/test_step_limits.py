@@ -1,6 +1,7 @@
 """What limits a step, and that refining ends where it does not pay."""
 
 import warnings
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -223,6 +224,21 @@ def test_batches_and_studies_say_once_that_a_given_step_is_too_long_for_friction
     assert len(said) == len(told) == times
     if times:
         assert 1e-3 < float(said[0].split("differs by ")[1].split(" of")[0]) < 0.1
+
+
+def test_a_given_step_in_which_friction_yields_behind_brackets_is_found_too():
+    """Brackets of a thousand times the mount's stiffness change next to nothing: not whether a step is too long either."""
+    steel = replace(wr.load_isolator("enidine_wr12_400"), bracket=wr.Bracket(roll=2e8, shear=2e8, axial=2e8))
+    motion = wr.HalfSine(peak=10.0 * G, duration=0.011, direction="x")
+    found = []
+    for isolators in ({}, {"wr12_400": steel}):
+        system = wr.load_system("shock_table", isolators=isolators)
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            run = wr.simulate(system, motion, duration=0.1, sample_rate=2000.0, timestep=5e-4)
+        found.append((run.numerics.error_estimate, sum("the given step of" in str(one.message) for one in caught)))
+    assert found[0][1] == found[1][1] == 1
+    assert found[1][0] == pytest.approx(found[0][0], rel=0.05)  # a thousandth softer, and errors at reversals are not smooth
 
 
 @pytest.mark.parametrize(("timestep", "times"), [(1e-3, 1), (5e-5, 0)])

@@ -59,7 +59,7 @@ def results(tmp_path_factory):
         "long density": wr.RandomVibration(psd=[(f, 1.0) for f in LONG], duration=3.0, seed=1, direction="z"),
         "lines": wr.VibrationLines(acceleration=[(f, 1.0) for f in LONG], duration=3.0, seed=1, direction="z"),
         "many motions": sum((PULSE,) * 19, start=PULSE),
-        "study": study, "study's result": study.run(tmp_path_factory.mktemp("studies") / "study"),
+        "study": study, "study's result": study.run(tmp_path_factory.mktemp("studies") / "study", workers=1),
     }  # fmt: skip
 
 

@@ -105,7 +105,7 @@ def test_a_law_without_friction_has_no_yield():
     ],
 )
 def test_a_study_varies_one_law_of_several_or_all_of_them(tmp_path, name, value, change):
-    result = of_rope({f"mount/m1/axial/{name}": wr.Choice(value)}).run(tmp_path / "study")
+    result = of_rope({f"mount/m1/axial/{name}": wr.Choice(value)}).run(tmp_path / "study", workers=1)
     system = wr.load_system("shock_table", isolators={"wr12_400": ROPE})
     other = replace(ROPE, axial=replace(TWO, **TWO.completed(change)), spread=None)
     alone = wr.simulate(wr.varied(system, isolators={"m1": other}), PULSE, duration=0.03, timestep=1e-3)

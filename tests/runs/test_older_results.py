@@ -37,7 +37,7 @@ def test_a_study_is_read_shown_and_computed_again(tmp_path):
     old = wr.load_study(OLD / "study")
     assert old.complete
     assert old.variants == 16
-    again = old.study.run(tmp_path / "again")
+    again = old.study.run(tmp_path / "again", workers=1)
     before, after = old.table, again.table
     for name in ("motion/level", "mount/m1/axial/alpha", "travel", "acceleration"):
         np.testing.assert_allclose(after[name], before[name], rtol=1e-12)  # last bits are the processor's

@@ -27,7 +27,7 @@ def written(turn):
 @pytest.mark.slow
 def test_a_turned_mount_is_that_of_a_model_written_so(tmp_path):
     angles = [-20.0, 0.0, 35.0]
-    result = study({"mount/m01/turn/x": wr.Choice(*angles)}).run(tmp_path / "study")
+    result = study({"mount/m01/turn/x": wr.Choice(*angles)}).run(tmp_path / "study", workers=1)
     forces = result.table["force/m01"].to_pylist()
     for angle, force in zip(angles, forces, strict=True):
         alone = wr.simulate(written(angle), PULSE, duration=0.06, timestep=5e-4)
@@ -67,7 +67,7 @@ def test_names_share_a_draw(tmp_path):
         nominal = drawn.base.mounts["m01"].isolator.axial.initial_stiffness
         assert variant.mounts["m01"].isolator.axial.initial_stiffness == pytest.approx(factor * nominal, rel=1e-12)
         assert variant.mounts["s1"].isolator == drawn.base.mounts["s1"].isolator
-    result = drawn.run(tmp_path / "study")
+    result = drawn.run(tmp_path / "study", workers=1)
     assert result.table[column].to_pylist() == factors
     assert not result.failed
 

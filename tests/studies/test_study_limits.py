@@ -21,7 +21,7 @@ def result(tmp_path_factory):
         model="cabinet.xml", motion=PULSE, duration=0.05, timestep=5e-4, variants=16,
         vary={"mount/m0*/stiffness": wr.Normal(1.0, 0.2, each=True)},
     )  # fmt: skip
-    return study.run(tmp_path_factory.mktemp("studies") / "study")
+    return study.run(tmp_path_factory.mktemp("studies") / "study", workers=1)
 
 
 def test_a_pattern_is_exceeded_where_any_of_its_columns_is(result):
@@ -162,7 +162,7 @@ def test_the_nominal_system_stands_beside_its_variants(tmp_path):
         model="shock_table.xml", motion=pulse, duration=0.1, timestep=5e-4, variants=8,
         vary={"motion/level": wr.Uniform(0.5, 1.5)},
     )  # fmt: skip
-    result = study.run(tmp_path / "study")
+    result = study.run(tmp_path / "study", workers=1)
     alone = wr.simulate(wr.load_system("shock_table"), pulse, duration=0.1, timestep=5e-4)
     assert result.nominal["acceleration/block"] == pytest.approx(alone.peaks.bodies["block"].acceleration.value, rel=1e-9)
     assert "nominal" in [column.heading for column in measures_table(summary_of(result)).columns]

@@ -131,17 +131,17 @@ def measures_table(device: Isolator) -> Table:
     return Table(id="measures", title="Steady loops about zero", columns=columns, rows=rows)
 
 
-def isolator_chart(device: Isolator, *, frequency: float = FREQUENCY) -> Chart:
+def isolator_chart(device: Isolator) -> Chart:
     """Return a panel for each axis: steady loops at 25, 50 and 100 % of the rated travel, first loading, and the ratings.
 
     Without a rated travel the largest loop is 5 % of the height, beyond the gap of a stop, or the whole of a table. Axes that
-    share their law share a panel; `frequency` [Hz] is that of the test.
+    share their law share a panel.
     """
     panels = []
     for title, axis, law in distinct_axes(device):
-        loops = cyclic_test(law, amplitudes_of(device, axis, _FRACTIONS), frequency=frequency)
+        loops = cyclic_test(law, amplitudes_of(device, axis, _FRACTIONS), frequency=FREQUENCY)
         curves = [*_ratings(device, axis, law), *_curves(loops, "kN")]
-        panels.append(_panel(curves, title if law.rate_independent else f"{title}, {frequency:g} Hz", "kN"))
+        panels.append(_panel(curves, title if law.rate_independent else f"{title}, {FREQUENCY:g} Hz", "kN"))
     return _chart(panels, "Steady loops, the first loading, the rated travel on it and the rated static load.")
 
 

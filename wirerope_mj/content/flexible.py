@@ -25,22 +25,18 @@ def flexible_content(
     With its mass [kg], perhaps along x, y, z, how much of it the modes bring along; with the `whole` part, of which modes were
     left out, how much of its static compliance is left.
     """
-    modes = _modes_among(part, whole or part)
+    # those of the whole part; others are residual vectors
+    near = np.isclose(part.frequencies[:, np.newaxis], (whole or part).frequencies, rtol=1e-9, atol=0.0)
+    modes = np.asarray(near.any(axis=1))
     frequencies, added = part.frequencies[modes], int((~modes).sum())
     text = f"{several(frequencies.size, 'mode')} from {with_unit(float(frequencies.min()), 'Hz')} to "
     text += with_unit(float(frequencies.max()), "Hz") + (f" and {several(added, 'residual vector')}" if added else "")
     headline = Statement(id="part", text=f"{text} at {several(len(part.points), 'point')}.", tone="strong")
     sections = (
         Section("modes", "", lambda: [_table(part, mass, modes)], "summary"),
-        Section("checks", "", lambda: _doubts(part, mass, whole or part), "summary"),
+        Section("checks", "", lambda: _checks(part, mass, whole or part, modes), "summary"),
     )
     return Content(title=f"{name}: flexible part", verdict=headline, sections=sections)
-
-
-def _modes_among(part: FlexiblePart, whole: FlexiblePart) -> Booleans:
-    """Return which modes of a part are those of the whole one, (n,); others are residual vectors."""
-    near = np.isclose(part.frequencies[:, np.newaxis], whole.frequencies, rtol=1e-9, atol=0.0)
-    return np.asarray(near.any(axis=1))
 
 
 def _table(part: FlexiblePart, mass: float | Array | None, modes: Booleans) -> Table:
@@ -68,8 +64,8 @@ def _shares(total: Array, mass: float | Array) -> Array:
     return np.divide(total, mass, out=np.zeros(3), where=np.broadcast_to(np.asarray(mass) > 1e-9 * np.max(mass), 3))
 
 
-def _doubts(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart) -> Iterator[Statement]:
-    """Yield a sentence on each thing that is perhaps not meant."""
+def _checks(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart, modes: Booleans) -> Iterator[Statement]:
+    """Yield a sentence on each thing that is perhaps not meant, and on the mass that residual vectors carry."""
 
     def doubt(name: str, text: str) -> Statement:
         return Statement(id=f"flexible-{name}", text=text, tone="unjudged")
@@ -80,10 +76,14 @@ def _doubts(part: FlexiblePart, mass: float | Array | None, whole: FlexiblePart)
         yield doubt("free", "No mode takes part in a motion of the base: right for equipment free in space, not for a deck.")
     elif not _LIGHTEST <= largest <= _HEAVIEST:
         yield doubt("units", f"The modes bring along {with_unit(largest, 'kg')}: are the units those that --units says?")
-    for axis, share in zip("xyz", _shares(total, mass) if mass is not None else (), strict=False):
+    shares = [_shares((one.participation**2).sum(axis=0), mass) for one in (part, whole)] if mass is not None else []
+    for axis, share, of_whole in zip("xyz", *shares, strict=True) if shares else ():
         text = f"Along {axis} the modes bring along {100 * share:.1f} % of the mass,"
         if share > 1.0 + 1e-6:
             yield doubt("mass", f"{text} more than there is.")
+        elif 0.01 < share < CAPTURED and not modes.all() and of_whole >= CAPTURED:
+            text = f"{text} and residual vectors carry the rest of what was read, {100 * (of_whole - share):.1f} %, statically."
+            yield Statement(id="flexible-captured", text=text)
         elif 0.01 < share < CAPTURED:
             yield doubt("captured", f"{text} less than {100 * CAPTURED:.0f} %: take more modes, or residual vectors.")
     missing = [

@@ -36,9 +36,9 @@ def fixed(value: float, decimals: int) -> str:
     return f"{value:z.{decimals}f}".replace("-", MINUS) if math.isfinite(value) else ABSENT
 
 
-def several(count: int, thing: str, things: str = "") -> str:
+def several(count: int, thing: str) -> str:
     """Return a count with its noun: "1 mount", "3 mounts"."""
-    return f"{count} {thing if count == 1 else things or thing + 's'}"
+    return f"{count} {thing if count == 1 else thing + 's'}"
 
 
 def title_of(name: str) -> str:

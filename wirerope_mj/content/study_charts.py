@@ -197,7 +197,8 @@ def curve_chart(summary: StudySummary, table: pa.Table, name: str, names: Sequen
 def choices_chart(table: pa.Table, name: str, names: Sequence[str]) -> Chart:
     """Draw measures of each choice as bars, the largest first by the first measure."""
     order = np.argsort(-np.nan_to_num(values_of(table, names[0]), nan=-1.0), kind="stable")
-    choices = [_name_of(table[name][int(row)].as_py()) for row in order]
+    chosen = (table[name][int(row)].as_py() for row in order)  # "" where no mount fails
+    choices = [f"{one:g}" if isinstance(one, float) else str(one) or "none" for one in chosen]
     failed = np.flatnonzero(np.asarray(table["status"])[order] != DONE)
     panels: list[Panel] = []
     for shown in map(measure_of, names):
@@ -347,8 +348,3 @@ def _bar_chart(name: str, panels: Sequence[Panel], caption: str, row: float = _R
 
 def _limits(shown: Measure) -> list[tuple[str, float]]:
     return [] if shown.limit is None else [("limit", shown.factor * shown.limit)]
-
-
-def _name_of(choice: object) -> str:
-    """Return one of some choices; that of the mount that fails is "" where none does."""
-    return f"{choice:g}" if isinstance(choice, float) else str(choice) or "none"

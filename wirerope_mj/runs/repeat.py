@@ -81,9 +81,10 @@ def replay(folder: str | Path, *, progress: bool = False) -> Replay:
         check_one_run(folder, content, system, stored)
         computed = summary_content(judged_run(system, motion, stored, content), seconds=0.0)
         same_version = stored.numerics.versions.get("wirerope-mj") == versions()["wirerope-mj"]
-        # Folders without checksums are older than some of the sentences.
+        # Another version may write other texts and entries; folders without checksums are older than some of the sentences.
         texts = same_version and altered is not None
-        differences = list(_summary_differences(read_summary(folder), computed, texts=texts))
+        without = _OF_THIS_TIME
+        differences = list(_plain_differences(read_summary(folder), computed, SUMMARY, texts=texts, without=without))
         arguments = {key: value for key, value in content["simulate"].items() if key != "accuracy"}
         arguments.setdefault("engine", "mujoco")  # older runs knew no other
         long = is_streamed(arguments)
@@ -251,15 +252,6 @@ def _rest_differences(stored: Response, again: Response, parts: Sequence[Integer
     }
     for name, (here, there) in pairs.items():
         yield from _plain_differences(here, there, name)
-
-
-def _summary_differences(stored: Mapping[str, object], computed: Mapping[str, object], *, texts: bool) -> Iterator[Difference]:
-    """Yield the differences between the stored content of summary.json and what the stored response gives.
-
-    With `texts`, texts and the entries themselves are compared, which another version may write otherwise, as it may judge
-    other values: the values are compared all the same.
-    """
-    yield from _plain_differences(stored, computed, SUMMARY, texts=texts, without=_OF_THIS_TIME)
 
 
 def _plain_differences(

@@ -11,7 +11,7 @@ from wirerope_mj.engine.from_tables.box import box_layout
 from wirerope_mj.engine.from_tables.sheet import PURE, TEXT, read_sheet
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.model_files import write_model
-from wirerope_mj.engine.system.rewritten import with_part
+from wirerope_mj.engine.system.on_deck import with_part
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder
 from wirerope_mj.foundation.errors import ModelError

@@ -43,11 +43,11 @@ def hexadecimal(colour: Color) -> str:
     return f"#{bytes(colour).hex()}"
 
 
-def colour_of(selection: Selection, name: str, ground: Colours = DARK) -> Color:
+def colour_of(selection: Selection, name: str) -> Color:
     """Return the colour of a mount, a body or a point: grey if it is not among those that are named."""
-    if selection.run_color is not None and ground is DARK:
+    if selection.run_color is not None:
         return selection.run_color
-    return ground.series[selection.numbers[name]] if name in selection.numbers else ground.others
+    return DARK.series[selection.numbers[name]] if name in selection.numbers else DARK.others
 
 
 _PALE = 0.86  # fraction of white in the colour of a field's least value

@@ -126,18 +126,16 @@ def select_isolators(
             candidates.append(judged)
         else:
             rejected.append(judged)
+    softest = worksheet.fragility is None
     return PartSelection(
         worksheet=worksheet,
-        candidates=tuple(sorted(candidates, key=lambda one: (len(one.unrated) > 0, _rank(one, worksheet)))),
+        candidates=tuple(
+            sorted(candidates, key=lambda one: (len(one.unrated) > 0, one.acceleration if softest else -one.margin))
+        ),
         rejected=tuple(
             sorted(rejected, key=lambda one: (not one.undecided, -one.margin if math.isfinite(one.margin) else math.inf))
         ),
     )
-
-
-def _rank(candidate: Candidate, worksheet: Worksheet) -> float:
-    """Return the value by which candidates are ordered, the smallest first."""
-    return candidate.acceleration if worksheet.fragility is None else -candidate.margin
 
 
 def judge(part: VendorPart, worksheet: Worksheet) -> Candidate | Rejected:

@@ -11,7 +11,7 @@ from wirerope_mj.engine.control.observer import parabola_extreme
 from wirerope_mj.engine.simulation.stepper import moving_with_base
 from wirerope_mj.engine.statics import History, equilibrium
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Array, Integers
+from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import Sine
 from wirerope_mj.mounts.isolator.travel import travel_reached, travel_utilisation
@@ -86,22 +86,22 @@ class Coordinates:
 
 @dataclass(frozen=True, kw_only=True)
 class Ranges:
-    """Half ranges over a period, each the largest: of mount deflection [m], of its rate [m/s], and of internal states."""
+    """Half ranges over a period, each the largest: of mount deflection [m], of its rate [m/s], of internal states."""
 
     deflection: float
     rate: float
-    internal: float
+    internal: Array  # of every state that of its kind, (n_a,)
 
 
 def scales(coordinates: Coordinates, ranges: Ranges) -> Array:
     """Return the unit of every unknown, (n_x,).
 
     Lengths and speeds are those of the mounts. A coordinate with the inertia M_ii has sqrt(M / M_ii) of them, M
-    the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration. All internal
-    states have one, too: in its own range a state of friction that hardly slips would count for more than what it does.
+    the mass of the heaviest payload: so an angle counts as the length that it moves at the radius of gyration. Internal states
+    of one kind have one, too: in its own range a state of friction that hardly slips would count for more than what it does.
     """
-    ratio, force = coordinates.ratios, np.full(coordinates.model.na, ranges.internal or 1.0)
-    return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, force])
+    ratio, internal = coordinates.ratios, np.where(ranges.internal > 0.0, ranges.internal, 1.0)
+    return np.concatenate([ranges.deflection * ratio, ranges.rate * ratio, internal])
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -153,27 +153,25 @@ def body_acceleration(system: System, track: Track, body: str) -> Array:
 
 def mount_deflections(system: System, track: Track) -> Array:
     """Return the deflections of all mounts in their axes [m], (n_t, n_mounts, 3)."""
-    channels = _mount_channels(system)
+    channels = system.assembly.tables.channels
+    channels = channels[channels.size - 2 * len(system.mounts) :: 2]  # every other of the last
     return np.asarray(track.sensors[:, channels[:, None] + np.arange(3)])
 
 
-def internal_states(system: System, track: Track) -> Array:
-    """Return the internal states of all mounts in the order of the system's, (n_t, n_z)."""
-    mounts = zip(_mount_channels(system), system.mounts.values(), strict=True)
-    columns = [channel + at.MOUNT_VALUES + np.arange(m.states[2].stop - m.states[0].start) for channel, m in mounts]
-    return np.asarray(track.sensors[:, np.concatenate(columns)])
-
-
-def _mount_channels(system: System) -> Integers:
-    """Return the sensor at which each mount's values begin: the deflections are every other of the last channels."""
-    channels = system.assembly.tables.channels
-    return channels[channels.size - 2 * len(system.mounts) :: 2]
+def _kinds(system: System) -> list[str]:
+    """Return of every internal state the letter that its name begins with: z are forces, others are in units of their own."""
+    kinds = [""] * system.model.na
+    for mount in system.mounts.values():
+        for states, law in zip(mount.states, mount.isolator.axes.values(), strict=True):
+            kinds[states] = [name[0] for name in law.state_names] if law is not None else []
+    return kinds
 
 
 def ranges(system: System, track: Track) -> Ranges:
     """Return the half ranges of deflections, rates and internal states over a track."""
     deflection = mount_deflections(system, track)
-    internal = float(np.ptp(internal_states(system, track), axis=0).max(initial=0.0)) / 2.0
+    kinds, own = np.array(_kinds(system)), np.ptp(track.act, axis=0) / 2.0
+    internal = np.array([own[kinds == kind].max() for kind in kinds])
     step = track.drive.duration / track.drive.steps
     rate = np.diff(deflection, axis=0, append=deflection[:1]) / step
     half_range, speed = (float(np.ptp(values, axis=0).max()) / 2.0 for values in (deflection, rate[:-1]))

@@ -122,13 +122,13 @@ def pair_rows(model: mujoco.MjModel, bodies: Bodies, fix: Writer) -> list[list[i
         least[links] = (min(known[0], clearance), max(known[1], reach))
     rows = []
     for (first, second), (clearance, reach) in least.items():
-        here, there = _place(model, data, bodies, first), _place(model, data, bodies, second)
+        here, there = _place(data, bodies, first), _place(data, bodies, second)
         place, turn = here.axes.T @ (there.origin - here.origin), here.axes.T @ there.axes
         rows.append([first, second, fix.put(place, turn, clearance, reach)])
     return rows
 
 
-def _place(model: mujoco.MjModel, data: mujoco.MjData, bodies: Bodies, link: int) -> Pose:
+def _place(data: mujoco.MjData, bodies: Bodies, link: int) -> Pose:
     if link == len(bodies.links):
         return HERE
     body = bodies.links[link]

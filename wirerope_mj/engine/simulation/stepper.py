@@ -17,6 +17,7 @@ from wirerope_mj.foundation.arrays import AnyArray, Array, Integers
 from wirerope_mj.foundation.errors import SimulationError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
+from wirerope_mj.mounts.isolator import AXES
 from wirerope_mj.mounts.isolator.travel import falling_text
 
 _NEAR = 0.8  # fraction of a law's finite travel from which on a step that fails is put down to it
@@ -25,6 +26,10 @@ _GREW = "the motion grew without bound; use a smaller `timestep`, and check mass
 _GREW_FALLING = (
     "the motion grew without bound because the force of a mount falls as its deflection grows: no timestep mends that; take a "
     "law that holds there, or test larger amplitudes"
+)
+_GREW_BUCKLED = (
+    "the motion grew without bound because a mount buckled on its bracket: no timestep mends that; take a stiffer bracket, a "
+    "larger mount, or a stop before its loops are pressed so far"
 )
 _GROWING = ("mjWARN_BADQACC", "mjWARN_BADQPOS", "mjWARN_BADQVEL")
 
@@ -115,15 +120,21 @@ class Stepper:
         # Once a number is not finite all are: only a second look, step by step, shows where it began.
         mujoco.mj_resetData(self.model, self.data)
         mujoco.mj_setState(self.model, self.data, self._checked, STATE)
+        earlier = deflections = np.zeros((len(self.system.mounts), 3))
+        states = self.data.act.copy()
         for segment in segments:
             self.begin(segment)
             for _ in range(int(self._grid.steps[segment.number])):
-                deflections = self.system.assembly.tables.user.mount_rows(self.user)[:, 0].copy()  # of the last pass
+                last = self.system.assembly.tables.user.mount_rows(self.user)[:, 0]  # of the last pass
+                if np.isfinite(last).all():
+                    earlier, deflections, states = deflections, last.copy(), self.data.act.copy()
                 mujoco.mj_step(self.model, self.data)
                 for kind, warning in enumerate(self.data.warning):
                     if warning.number:
-                        falling = self._falling(deflections)
-                        message = self._message(mujoco.mjtWarning(kind).name, grew=_GREW_FALLING if falling else _GREW)
+                        buckled = self._buckled(deflections, deflections - earlier, states)
+                        falling = buckled or self._falling(deflections)
+                        grew = _GREW_BUCKLED if buckled else _GREW_FALLING if falling else _GREW
+                        message = self._message(mujoco.mjtWarning(kind).name, grew=grew)
                         found = beyond_laws(self.system, deflections, fraction=_NEAR)
                         beyond = f" Mount {found[0]!r} stood {found[1]}." if found else ""
                         raise SimulationError(message + (falling or beyond))
@@ -134,6 +145,28 @@ class Stepper:
         acceleration = np.nan_to_num(np.abs(self.data.qacc), nan=np.inf, posinf=np.inf)
         body = self.model.body(self.model.dof_bodyid[int(np.argmax(acceleration))]).name
         return f"at t = {self.data.time:.6g} s MuJoCo reported {warning.removeprefix('mjWARN_')} for body {body!r}: {remedy}."
+
+    def _buckled(self, deflections: Array, moved: Array, states: Array) -> str:
+        """Return a note on the first mount for which there is no equilibrium with its bracket within two steps, or ""."""
+        firsts = self.system.assembly.tables.rows(at.AXES, at.AXIS_COLUMNS, 3 * len(deflections))[:, 2].astype(int)
+        for number, (name, mount) in enumerate(self.system.mounts.items()):
+            law, axes = mount.isolator.coupled, list(mount.isolator.coupled_axes)
+            if law is None or law.brackets is None:
+                continue
+            z = np.concatenate([states[first : first + len(law.scales)] for first in firsts[3 * number :][axes]])
+            for ahead in np.linspace(0.0, 2.0, 9):
+                if not np.isfinite(law.own_deflection((deflections + ahead * moved)[number, axes], z)).all():
+                    along = [AXES[axis] for axis in axes]
+                    x = " and ".join(
+                        f"{1e3 * x:.4g} mm {axis}" for axis, x in zip(along, deflections[number, axes], strict=True)
+                    )
+                    soft = " and ".join(
+                        f"{1e-6 * stiffness:.4g} kN/mm {axis}"
+                        for axis, stiffness in zip(along, law.brackets, strict=True)
+                        if stiffness < math.inf
+                    )
+                    return f" Mount {name!r} stood at {x}, on a bracket of {soft}."
+        return ""
 
     def _falling(self, deflections: Array) -> str:
         """Return a note on the first mount that stood where its force falls as the deflection grows, "" if there is none."""

@@ -140,8 +140,9 @@ def choose_timestep(
             longer = None if whole else _longer(pilots, fine, step / 2.0, found.error, wanted)
             return longer or _done(found, fine, whole)
         step, coarse = step / 2.0, fine
-    if coarse is None:
-        raise SimulationError(f"the run fails at every step down to {step:.3g} s: {pilots.failures[-1]}")
+    if pilots.failures and not np.isfinite(error):
+        every = "every step" if coarse is None else "steps"
+        raise SimulationError(f"the run fails at {every} down to {step:.3g} s: {pilots.failures[-1]}")
     if hit and hit[-1].error <= 1.0:
         return _coarsest(hit)
     raise SimulationError(

@@ -135,12 +135,12 @@ def _sag(system: System, result: Equilibrium) -> Sag:
         on_mounts += 0.0 if model.body(mount.base_body).id in carried else lift  # else it stands on another payload
     return Sag(
         history=result.history, mounts=mounts,
-        payloads={p.name: _payload(model, unloaded, data, p.root, p.mass) for p in payloads}, weight=weight,
+        payloads={p.name: _payload(unloaded, data, p.root, p.mass) for p in payloads}, weight=weight,
         on_mounts=on_mounts, on_contacts=_on_contacts(model, data, carried, up), equilibrium=result,
     )  # fmt: skip
 
 
-def _payload(model: mujoco.MjModel, unloaded: mujoco.MjData, data: mujoco.MjData, root: int, mass: float) -> PayloadSag:
+def _payload(unloaded: mujoco.MjData, data: mujoco.MjData, root: int, mass: float) -> PayloadSag:
     turn = np.zeros(3)
     mujoco.mju_subQuat(turn, data.xquat[root], unloaded.xquat[root])  # in the body's axes as modelled
     return PayloadSag(

@@ -150,7 +150,7 @@ def make_tables(
     couplings = _couplings(isolators.values(), parameters)
     n_states = int(sum(row[3] for row in axes))
     mujoco.mj_kinematics(model, data)
-    drive = _drive_rows(model, data, on.driven) if drive is None else drive
+    drive = _drive_rows(data, on.driven) if drive is None else drive
     channels = _channels(on, states)
     mounts = [
         [
@@ -312,7 +312,7 @@ def _couplings(isolators: Iterable[Isolator], parameters: list[Array]) -> list[i
     return starts
 
 
-def _drive_rows(model: mujoco.MjModel, data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
+def _drive_rows(data: mujoco.MjData, driven: tuple[int, ...]) -> Array:
     """Return the map from base acceleration (3,) to slide accelerations, (n_driven, 3)."""
     if not driven:
         return np.zeros((0, 3))

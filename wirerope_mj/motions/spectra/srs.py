@@ -2,7 +2,6 @@
 
 import math
 import warnings
-from collections.abc import Sequence
 from dataclasses import dataclass
 from numbers import Real
 from typing import Any
@@ -270,10 +269,10 @@ def held(time: Array, acceleration: Array, spectrum: ShockResponseSpectrum) -> f
     return float(lines[np.flatnonzero(~within)[0] - 1] if not within.all() else lines[-1]) if within[0] else 0.0
 
 
-def exported_spectra(spectrum: ShockResponseSpectrum, axes: Sequence[str] = "xyz") -> Exported:
-    """Return spectra of accelerations (n, k) along k axes as a table: frequency, then each quantity along each axis."""
+def exported_spectra(spectrum: ShockResponseSpectrum) -> Exported:
+    """Return spectra of accelerations (n, 3) along x, y, z as a table: frequency, then each quantity along each axis."""
     names, units, columns = ["frequency"], ["Hz"], [spectrum.frequencies]
-    for place, axis in enumerate(axes):
+    for place, axis in enumerate("xyz"):
         for name, unit, values in _QUANTITIES:
             names.append(f"{axis}/{name}")
             units.append(unit)

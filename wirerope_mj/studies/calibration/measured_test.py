@@ -92,7 +92,8 @@ class Comparable:
             )
         smooth = weights @ np.where(bad, 0.0, values)
         frequency = _dominant(at, smooth)
-        size = _local_size(at, smooth - np.median(values), 0.5 / frequency)
+        power = _smoothing(at, at, 0.5 / frequency) @ (smooth - np.median(values)) ** 2  # over about a period
+        size = np.sqrt(2.0 * np.maximum(power, math.ulp(1.0)))
         series = Series(
             name=name, at=at, values=smooth, size=size, frequency=frequency, unit=SI[channel.quantity], across="time",
             smoothed=SMOOTH * step,
@@ -226,8 +227,3 @@ def _dominant(at: Array, values: Array) -> float:
     power = np.abs(np.fft.rfft((moved - moved.mean()) * np.hanning(at.size))) ** 2
     frequencies = np.fft.rfftfreq(at.size, float(np.mean(np.diff(even))))
     return max(float(frequencies[np.argmax(power)]), 1.0 / float(np.ptp(at)))
-
-
-def _local_size(at: Array, values: Array, width: float) -> Array:
-    """Return the local amplitude of a series, sqrt(2) times its rms over about a period, (n,)."""
-    return np.sqrt(2.0 * np.maximum(_smoothing(at, at, width) @ values**2, math.ulp(1.0)))

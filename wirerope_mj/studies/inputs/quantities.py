@@ -117,16 +117,12 @@ def quantities(vary: Mapping[str, Distribution], system: System, motions: Sequen
                 if other != quantity.name:
                     raise ValueError(f"`vary`: {other!r} and {quantity.name!r} both say {part.name!r}.")
     for (form, target, key), name in taken.items():
-        whole = taken.get((form, target, (*key[:-1], _whole(key[-1]))), name) if key else name
+        last = key[-1].rpartition("[")[0] if key and key[-1].endswith("]") else ""  # "stiffness" of "stiffness[0]"
+        whole = taken.get((form, target, (*key[:-1], last)), name) if last else name
         if whole != name:
             raise ValueError(f"`vary`: {whole!r} is all the numbers of which {name!r} is one.")
     check_centres(resolved, system)
     return resolved
-
-
-def _whole(key: str) -> str:
-    """Return the name of the parameter of which one number is named, "stiffness" for "stiffness[0]"."""
-    return key.rpartition("[")[0] if key.endswith("]") else key
 
 
 def _quantity(name: str, distribution: Distribution, system: System, motions: Sequence[BaseMotion]) -> Quantity:

@@ -6,7 +6,7 @@ from itertools import chain
 
 import numpy as np
 
-from wirerope_mj.assessment.comparison import Comparison, compare_runs
+from wirerope_mj.assessment.comparison import compare_runs
 from wirerope_mj.assessment.correlation import Correlation, correlate
 from wirerope_mj.assessment.criteria import MountPeak, Verdict, body_peaks, mount_peaks
 from wirerope_mj.assessment.criteria.verdict import ACCELERATION
@@ -39,7 +39,7 @@ def answer(now: ShownRun, before: ShownRun | None, tests: Sequence[Measured] = (
     tables = chain([figures_table(comparison), accelerations_table(comparison)], travel_tables(comparison))
     told, agreeing = _told(now), [[correlate(run.response, test) for test in tests] for run in runs]
     told["lines"] += [f"{one.name}: {one.statement}" for one in agreeing[-1]]
-    panels = [*_measured_panels(agreeing, runs), *_panels(comparison, runs)]
+    panels = [*_measured_panels(agreeing, runs), *_panels(runs)]
     return {
         "now": told, "before": None if before is None else _told(before), "tables": [_table(table) for table in tables],
         "curves": json_values([_curve(panel, runs) for panel in panels]),
@@ -78,7 +78,7 @@ def _table(table: Table) -> Entries:
     }  # fmt: skip
 
 
-def _panels(comparison: Comparison, runs: list[ShownRun]) -> list[Panel]:
+def _panels(runs: list[ShownRun]) -> list[Panel]:
     """Return the worst mount along its governing axis, and the acceleration that is most critical, or largest, in all runs."""
     panels, now = [], runs[-1].response
     window = float(now.time[0]), float(now.time[-1])

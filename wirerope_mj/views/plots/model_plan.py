@@ -92,22 +92,24 @@ def _draw(panel: Any, layout: Layout, across: int, up: int) -> list[Text]:
 
 
 def _apart(panel: Axes, labels: list[Any]) -> None:
-    """Put each label on the first side of what it names on which it covers no other one and stays in the panel."""
+    """Put each label on that side of what it names on which it covers the least of labels and marks, and of the frame."""
     taken: list[Bbox] = []
+    for line in panel.lines:
+        half = 0.5 * line.get_markersize() * panel.figure.dpi / 72.0
+        taken += [Bbox([at - half, at + half]) for at in panel.transData.transform(line.get_xydata())]
     frame = panel.get_window_extent()
     for label in labels:
-        first = label.get_position()
-        sides = [(first, "left"), *(((x, y), "left" if x > 0 else "right") for x in (5, -5) for y in (3, -10))]
+        sides = [(label.get_position(), "left")]
+        sides += [((x, y), "left" if x > 0 else "right") for y in (3, -10, -21, 14) for x in (5, -5)]
+        covered = []
         for position, side in sides:
-            label.set_position(position)
-            label.set_horizontalalignment(side)
+            label.set(position=position, horizontalalignment=side)
             box = label.get_window_extent()
-            inside = frame.x0 <= box.x0 and box.x1 <= frame.x1
-            if inside and not any(box.overlaps(other) for other in taken):
-                break
-        else:
-            label.set_position(first)
-            label.set_horizontalalignment("left")
+            shared = (Bbox.intersection(box, other) for other in taken)
+            beyond = max(frame.x0 - box.x0, 0.0) + max(box.x1 - frame.x1, 0.0)
+            covered.append(sum(one.width * one.height for one in shared if one is not None) + beyond * box.height)
+        position, side = sides[int(np.argmin(covered))]
+        label.set(position=position, horizontalalignment=side)
         taken.append(label.get_window_extent())
 
 
