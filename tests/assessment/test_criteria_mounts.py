@@ -94,6 +94,12 @@ def test_unrated_tension_counts_nothing_in_all_axes_together():
     assert f"up to {reach:.3g} mm of tension count nothing, {length:.3g} ms in all" in verdict.note
     assert verdict.note.endswith("; no travel in tension is rated")
     assert found["m05", "travel in tension"].verdict == "not judged"
+    most = max(response.mounts, key=lambda name: found[name, "travel in tension"].value)
+    reach = 1e3 * found[most, "travel in tension"].value
+    said = next(
+        line for line in verdict_lines(response, judge(response)) if line.startswith("Combined travel is within at all 8")
+    )
+    assert said.endswith(f"; tension, up to {reach:.3g} mm at {most}, has no limit and is left out.")
     # What is rated can exceed while the mount is in tension: a lower bound that is enough.
     slim = by_name(travel_verdicts(floor_response(travel=rated | {"compression": 1.0, "roll": 0.012})))[
         "m05", "travel combined"
@@ -110,6 +116,17 @@ def test_a_mount_that_only_hangs_without_a_rating_is_not_judged_together():
     assert response.mounts["a"].deflection[:, 2].min() > 0.0
     assert verdict.verdict == "not judged"
     assert "count nothing" not in verdict.note
+    assert verdict.note.endswith("; in tension throughout, and no travel in tension is rated")
+
+
+def test_the_line_on_combined_travel_says_which_mount_is_not_judged_and_why():
+    floor = floor_response(travel={rating: 2.0 * size for rating, size in TRAVEL.items()})
+    first, *others = floor.scene.mounts
+    unrated = replace(first, travel={rating: size for rating, size in first.travel.items() if rating != "roll"})
+    mixed = replace(floor, scene=replace(floor.scene, mounts=(unrated, *others)))
+    (said,) = (line for line in verdict_lines(mixed, judge(mixed)) if line.startswith("Combined travel"))
+    assert said.startswith("Combined travel is within at 7 of 8 mounts; ")
+    assert said.endswith("; not judged at m01: no travel in roll is rated.")
 
 
 def test_judging_keeps_no_histories(tmp_path):

@@ -162,7 +162,7 @@ def test_samples_hold_a_spectrum_up_to_where_every_other_one_gives_the_same(tmp_
     system = sdof(wr.KelvinVoigt(k=4e4, c=120.0))
     wr.simulate(system, PULSE, duration=0.5).save(tmp_path / "run")
     assert main(["export", str(tmp_path / "run"), str(tmp_path / "s.csv"), "--spectrum", "mass"]) == 0
-    assert "The samples hold it within 1 % up to " in capsys.readouterr().out
+    assert "1000 samples a second hold it within 1 % up to " in capsys.readouterr().out
 
 
 def test_a_run_that_hits_an_undamped_stop_has_an_estimate_that_holds_or_is_called_sensitive():

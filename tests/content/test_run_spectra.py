@@ -7,6 +7,7 @@ import pytest
 from house import sdof
 
 import wirerope_mj as wr
+from wirerope_mj.cli import main
 from wirerope_mj.content.run_spectra import run_densities, run_spectra
 from wirerope_mj.content.selection import select
 from wirerope_mj.foundation.errors import Absent
@@ -24,6 +25,24 @@ def test_the_pseudo_velocity_of_a_jump_is_that_of_damped_oscillators():
     assert isinstance(spectra, Absent)
     assert "0.927 of it at Q = 10 (the jump itself without damping)" in spectra.reason
     assert found == pytest.approx(0.927, rel=5e-3)  # 10 Hz and a pulse of 0.1 ms: less than 0.1 %, and the rounding
+
+
+def test_an_exported_spectrum_of_the_base_is_that_of_the_report(tmp_path, capsys):
+    pulse = wr.HalfSine(peak=150.0, duration=0.011, direction="z", start=0.0203)
+    response = wr.simulate(sdof(wr.KelvinVoigt(k=4000.0, c=20.0)), pulse, duration=0.2, timestep=1e-3)
+    response.save(tmp_path / "run")
+    assert main(["export", str(tmp_path / "run"), str(tmp_path / "s.csv"), "--spectrum", "base"]) == 0
+    assert "10000 samples a second hold it within 1 % up to " in capsys.readouterr().out
+    table = np.genfromtxt(tmp_path / "s.csv", delimiter=",", skip_header=1)
+    with (tmp_path / "s.csv").open(encoding="utf-8") as file:
+        lines = table[:, next(n for n, name in enumerate(file.readline().split(",")) if "z/acceleration/maximax" in name)]
+    of_report = run_spectra(pulse, response, ["mass"], 1000.0)["z"]["base"]
+    np.testing.assert_array_equal(lines, of_report.maximax)
+    time = np.arange(0.0, 0.2, 5e-6)
+    low = table[:, 0] < 100.0
+    exact = wr.shock_response_spectrum(time, pulse.acceleration(time)[:, 2], table[low, 0], q=10.0).maximax
+    # straight lines over h take (pi h / T)^2 / 12 off the pulse: 7e-5 at 10 kHz, and 7e-3 at the run's 1 kHz
+    np.testing.assert_allclose(lines[low], exact, rtol=3e-4)
 
 
 def test_densities_begin_where_the_response_has_settled():

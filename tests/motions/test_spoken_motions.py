@@ -353,3 +353,27 @@ def test_many_motions_are_said_by_the_first_and_the_last():
     assert many.description.startswith(dwells[0].description)
     assert many.description.endswith(dwells[-1].description)
     assert len(many.events) == 2 < len(few.events)
+
+
+@pytest.mark.quick
+@pytest.mark.parametrize(
+    ("kind", "phrase", "said"),
+    [
+        ("half-sine", "15 g 11 s z", "it lasts 11 s, and shocks are over sooner: was 11 ms meant?"),
+        ("sawtooth", "15 g 1.001 s xyz", "it lasts 1.001 s, and shocks are over sooner: was 1.001 ms meant?"),
+        ("trapezoid", "15 g 18 s rise 2 s z", "it lasts 18 s, and shocks are over sooner: was 18 ms meant?"),
+        ("double-pulse", "50 m 3 m/s 100 g z", "s, and shocks are over sooner: is one of its units another?"),
+    ],
+)
+def test_a_shock_of_more_than_a_second_is_questioned_once(kind, phrase, said):
+    with pytest.warns(wr.ModelWarning) as caught:
+        motion_from_phrase(kind, phrase)
+    (warning,) = caught
+    assert str(warning.message).startswith(f'{kind} "{phrase}": it lasts ')
+    assert str(warning.message).endswith(said)
+
+
+@pytest.mark.quick
+def test_pulses_say_seconds_from_one_second_on():
+    said = [motion_from_phrase("half-sine", f"15 g {time} z").description for time in ("11 ms", "999.9 ms", "1 s")]
+    assert said == [f"half-sine 15 g {time} along z" for time in ("11 ms", "999.9 ms", "1 s")]  # warnings are errors here

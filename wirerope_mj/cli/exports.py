@@ -1,5 +1,6 @@
 """`wirerope share`, `export` and `fmu`: a run, its numbers or a model for other people and programs."""
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -47,14 +48,17 @@ def export(
             further ones; all by default, of .xlsx none.
         at: instant of the picture, such as "120 ms"; that of the most critical verdict by default.
         spectrum: name of a body, a point or "base": its shock response spectra along x, y and z in place of the samples. They
-            reach a tenth of the run's sample rate; up to where the samples hold them within 1 % is printed.
+            reach a tenth of the run's sample rate, those of a base that moves by a formula 1 kHz, as in the report; up to where
+            the samples hold them within 1 % is printed.
         q: amplification of the spectra's oscillators at resonance.
         force: replace a file that is there.
     """
+    from wirerope_mj.content.run_spectra import fine_base, held_text
     from wirerope_mj.engine.response import load_response
-    from wirerope_mj.foundation.errors import RecordError
+    from wirerope_mj.foundation.errors import RecordError, WireRopeError
     from wirerope_mj.foundation.exports import picked, write_export
     from wirerope_mj.foundation.plain_text import plain
+    from wirerope_mj.motions.restore import motion_from_dict
     from wirerope_mj.motions.spectra import shock_response_spectrum
     from wirerope_mj.motions.spectra.srs import exported_spectra, held
     from wirerope_mj.runs.report import write_still, write_workbook_of
@@ -78,10 +82,14 @@ def export(
         moved: dict[str, Any] = {"base": response.base, **response.bodies, **response.points}
         if spectrum not in moved:
             raise RecordError(f"`--spectrum`: nothing is called {spectrum!r}; there are {', '.join(moved)}.")
-        acceleration = moved[spectrum].acceleration
-        spectra = shock_response_spectrum(response.time, acceleration, q=q)
-        table, up_to = exported_spectra(spectra), held(response.time, acceleration, spectra)
-        print(f"The samples hold it within 1 % {f'up to {up_to:.3g} Hz' if up_to else 'nowhere'}.")
+        time, acceleration = response.time, moved[spectrum].acceleration
+        if spectrum == "base":
+            told = {name: value for name, value in response.motion.items() if name != "description"}
+            with suppress(WireRopeError, ValueError):  # of a record that is not there, or a motion of the caller's own: samples
+                time, acceleration = fine_base(motion_from_dict(told, folder=folder), response) or (time, acceleration)
+        spectra = shock_response_spectrum(time, acceleration, q=q)
+        table = exported_spectra(spectra)
+        print(f"{(time.size - 1) / time[-1]:.5g} samples a second hold it {held_text(held(time, acceleration, spectra))}.")
     written = write_export(table, out, force=force)
     print(plain(f"written: {written} ({len(table.names)} columns, {written.stat().st_size / 1e6:.2f} MB)"))
     return 0

@@ -56,7 +56,8 @@ def agreement(test: Correlation) -> Statement:
     band = max((one.worst_band for one in test.responses if one.worst_band), key=lambda one: one.weight, default=None)
     values = {} if band is None else {"first_Hz": band.first, "last_Hz": band.last, "deviation": band.deviation}
     return Statement(
-        id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.", tone=_TONES[worst.rating.grade],
+        id=f"agreement-{test.name}", text=f"{test.name}: {test.statement[:-1]}; {rated}.",
+        tone="unjudged" if test.other_base else _TONES[worst.rating.grade],
         values={**values, "rating": worst.rating.overall, "delay_s": test.delay, "clock": test.clock},
     )  # fmt: skip
 

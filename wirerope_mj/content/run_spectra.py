@@ -140,13 +140,29 @@ def _spectrum(response: Response, name: str, axis: int, frequencies: Array) -> S
 
 
 def _of_base(motion: BaseMotion, response: Response, axis: int, frequencies: Array) -> ShockResponseSpectrum:
-    """Return the spectrum of the base: from its closed form where that is known, so that no peak falls between samples."""
-    fine = int(float(response.time[-1]) * _FINE) + 1
-    if motion.files or fine > _MOST_FINE or fine <= response.time.size:
+    fine = fine_base(motion, response)
+    if fine is None:
         return _spectrum(response, BASE, axis, frequencies)
-    time = np.arange(fine) / _FINE
+    time, acceleration = fine
     grid = octave_grid(_LOWEST, _HIGHEST, per_octave=_LINES)
-    return shock_response_spectrum(time, motion.acceleration(time)[:, axis], grid, q=Q)
+    return shock_response_spectrum(time, acceleration[:, axis], grid, q=Q)
+
+
+def fine_base(motion: BaseMotion, response: Response) -> tuple[Array, Array] | None:
+    """Sample the base's closed form so finely that no peak falls between: instants [s], (n,), accelerations [m/s^2], (n, 3).
+
+    None where the motion has none, jumps in velocity or lasts too long, or where the run's own samples are as fine.
+    """
+    fine = int(float(response.time[-1]) * _FINE) + 1
+    if motion.files or motion.velocity_jumps or fine > _MOST_FINE or fine <= response.time.size:
+        return None
+    time = np.arange(fine) / _FINE
+    return time, motion.acceleration(time)
+
+
+def held_text(held: float) -> str:
+    """Say up to which frequency samples hold a spectrum; `held` [Hz] is a bound on the safe side, 0 where no line is sure."""
+    return f"within 1 % {f'up to {held:.3g} Hz' if held else 'at no frequency for certain'}"
 
 
 def moving_axes(response: Response) -> list[int]:

@@ -13,6 +13,7 @@ from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.panels import BASE, LEFT, OTHERS, RIGHT, WIDTH, Chart, Curve, Note, Panel, short
+from wirerope_mj.content.run_spectra import held_text
 from wirerope_mj.content.selection import COLOURS, Selection, kind_of
 from wirerope_mj.foundation.arrays import Array, ArrayLike
 from wirerope_mj.foundation.errors import Absent
@@ -71,14 +72,14 @@ def shock_chart(run: JudgedRun) -> Chart:
         axis: {name: (one.frequencies, in_unit(one.maximax, "g")) for name, one in along.items()}
         for axis, along in run.spectra.shock.items()
     }
-    held = f"up to {run.spectra.held:.3g} Hz" if run.spectra.held else "nowhere"
     q = next(iter(first.values())).q
     return replace(
         _panels(lines, _srs_label(q), run.selection, unit="g"),
         id="payload-spectra",
         caption=f"Shock response spectra of {listed(names)} and of the base, maximax, Q = {q:g}: what equipment meets "
         "that stands there. Where the payload's line lies above the base's, isolation makes it worse. "
-        f"{run.sample_rate:g} samples a second hold the payload's lines within 1 % {held}; above they are an indication.",
+        f"{run.sample_rate:g} samples a second hold the payload's lines {held_text(run.spectra.held)}; above they are an "
+        "indication.",
         alt=f"Shock response spectra of {listed(names)} and the base.",
     )
 

@@ -68,6 +68,11 @@ def in_unit(value: float | Array, unit: str) -> float | Array:
     return _PER_SI[unit] * value if unit in _PER_SI else value
 
 
+def duration_text(time: float) -> str:
+    """Write a time [s] in ms, from 1 s on in s: "11 ms", "2.5 s"."""
+    return f"{1e3 * time:.4g} ms" if abs(time) < 1.0 else f"{time:.4g} s"
+
+
 def significant(value: float, digits: int = 3) -> str:
     """Return a number to some significant digits without an exponent, whole digits never cut: 0.00123, 1.23, 123, 12345."""
     if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding

@@ -13,7 +13,7 @@ import numpy as np
 from wirerope_mj.foundation.arguments import finite
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.directions import Direction, checked_direction, plain_direction
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text
 from wirerope_mj.motions import ranges
 from wirerope_mj.motions.motion import Said, StartedMotion, unique_times
 from wirerope_mj.motions.piecewise import PiecewiseLinear
@@ -40,7 +40,7 @@ class Pulse(StartedMotion):
     @cached_property
     def _said(self) -> Said:
         """For instance `half-sine 15 g 11 ms along z`."""
-        text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {self.duration * 1e3:.4g} ms {self._line_text}"
+        text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {duration_text(self.duration)} {self._line_text}"
         return Said(text, ((self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")), self.duration)
 
 

@@ -1,6 +1,7 @@
 """Base motions, and forces on the payload, from phrases: what each kind needs and what makes it."""
 
 import re
+import warnings
 from collections.abc import Callable
 from difflib import get_close_matches
 from pathlib import Path
@@ -8,14 +9,15 @@ from typing import Any
 
 from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import Direction, directions_in, unit_vector
-from wirerope_mj.foundation.errors import ConvergenceError
+from wirerope_mj.foundation.errors import ConvergenceError, ModelWarning
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.motions.double_pulses import DoubleHalfSine
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion
 from wirerope_mj.motions.payload_forces import Blow, ForceTable, HarmonicForce
 from wirerope_mj.motions.phrases import START, UNITS, Phrase, SpokenMotion, file_first, parse_phrase, site_first
 from wirerope_mj.motions.psd_lines import ForceRows, Points, force_rows, psd_points, spectrum_points, table_lines
-from wirerope_mj.motions.pulses import HalfSine, Sawtooth, Trapezoid, VelocityStep
+from wirerope_mj.motions.pulses import HalfSine, Pulse, Sawtooth, Trapezoid, VelocityStep
 from wirerope_mj.motions.random_vibration import RandomVibration
 from wirerope_mj.motions.shock_machines import DecayingSine
 from wirerope_mj.motions.spectrum_match import SpectrumMatch, match_spectrum
@@ -29,6 +31,7 @@ MOST_DWELLS = 100  # frequencies of an amplitude table's dwells
 Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
 _PULSE = {"acceleration": 1, "time": 1}
 _RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
+_LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
 _SHAFT: Entries = {
     "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
@@ -240,6 +243,9 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
     Raises:
         ValueError: the phrase is not understood, or says too little or too much; ends with an example.
         RecordError: a file that it names cannot be read.
+
+    Warns:
+        ModelWarning: a shock pulse lasts more than a second.
     """
     spoken = SPOKEN_MOTIONS[kind]
     try:
@@ -252,6 +258,13 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
         raise ValueError(f'{kind} "{short(text)}": {error} It is written like "{spoken.example}".') from None
     except ConvergenceError as error:
         raise ConvergenceError(f'{kind} "{short(text)}": {error}') from None
+    first = made[0]
+    if isinstance(first, (Pulse, DoubleHalfSine)) and first.duration > _LONGEST_SHOCK:
+        length = f"{first.duration:.4g}"
+        meant = f"was {length} ms meant?" if "time" in phrase.quantities else "is one of its units another?"
+        warnings.warn(
+            f'{kind} "{short(text)}": it lasts {length} s, and shocks are over sooner: {meant}', ModelWarning, stacklevel=2
+        )
     return sum(made[1:], start=made[0])
 
 

@@ -35,7 +35,7 @@ _LEAST_MARGIN = 8  # samples
 
 _ALIKE = 0.5  # correlation from which a delay is taken for that of the clock
 _SAME_INPUT = 0.15  # Russell's comprehensive error of the base from which it is called another motion: excellent below
-_NEARLY = 0.1  # deviation of the ratio of two spectra below which nothing is said of it
+_NEARLY = 0.1  # deviation of a ratio of two spectra, or of the base's rms values, below which nothing is said of it
 
 
 @dataclass(frozen=True, kw_only=True, eq=False)
@@ -148,8 +148,28 @@ class Correlation(Summarised):
         return tuple(one for one in self.channels if one.channel.subject != "base") or self.channels
 
     @cached_property
+    def other_base(self) -> str:
+        """That the base of the run does not move as the measured one does, as a sentence; "" if it does.
+
+        A direction is left out in which both move by less than a tenth of the largest peak along any.
+        """
+        base = [one for one in self.channels if one.channel.subject == "base"]
+        peaks = [(float(np.abs([one.pair.measured, one.pair.model]).max()), one) for one in base]
+        largest = {one.channel.quantity: peak for peak, one in sorted(peaks, key=lambda pair: pair[0])}
+        said = [
+            f"along {one.channel.axis} (rms {one.rms_ratio:.2f} times, Russell {one.russell.comprehensive:.2f})"
+            for peak, one in peaks
+            if peak >= _NEARLY * largest[one.channel.quantity]
+            and (abs(one.rms_ratio - 1.0) > _NEARLY or one.russell.comprehensive > _SAME_INPUT)
+        ]
+        return f"The base of the run does not move as the measured one does {' and '.join(said)}." if said else ""
+
+    @cached_property
     def statement(self) -> str:
-        """The largest deviation in one sentence: "Model 25 % low between 6 and 9 Hz (point rack_top, z)."."""
+        """Another base than the test's, and the largest deviation: "Model 25 % low between 6 and 9 Hz (point rack_top, z)."."""
+        return f"{self.other_base} {self._deviation()}".lstrip()
+
+    def _deviation(self) -> str:
         found = [(one.worst_band, one) for one in self.responses]
         worst = max(((band, one) for band, one in found if band), key=lambda pair: pair[0].weight, default=None)
         if worst is not None:
@@ -161,11 +181,17 @@ class Correlation(Summarised):
                 else f"at {_hertz(band.first)} Hz"
             )
             return f"Model {size:.0f} % {side} {where} ({one.label})."
-        known = [one.spectrum for one in self.responses if one.spectrum]
+        off = {one.label: "rated poor" for one in self.responses if one.rating.grade == "poor"}
+        off |= {one.label: "better upside down" for one in self.responses if one.delay.upside_down}
+        named = " and ".join(f"{label} ({why})" for label, why in off.items())
+        if len(off) == len(self.responses):
+            return f"Model in no channel as measured: {named}."
+        known = [one.spectrum for one in self.responses if one.spectrum and one.label not in off]
         if not known:
             return "The test is too short to say over which frequencies the model is low or high."
         first, last = max(one.frequency[0] for one in known), min(one.frequency[-1] for one in known)
         every = "the channel" if len(known) == 1 else f"all {len(known)} channels"
+        every = f"{len(known)} of {len(known) + len(off)} channels, not in {named}" if off else every
         return f"Model within {100.0 * _NEARLY:.0f} % of the measurement from {_hertz(first)} to {_hertz(last)} Hz in {every}."
 
     @cached_property
@@ -296,12 +322,6 @@ def _warnings(
             yield (
                 f'{name}: column "{column}" fits {1e3 * (one.delay.value - delay):+.4g} ms after the others, more than a '
                 "period: is it on another clock?"
-            )
-        if one.channel.subject == "base" and one.russell.comprehensive > _SAME_INPUT:
-            yield (
-                f"{name}: the base of the run does not move as the measured one does along {one.channel.axis} (peak "
-                f"{one.peak_ratio:.2f} times, Russell {one.russell.comprehensive:.2f}): what differs behind it may be due to "
-                "that."
             )
         if one.channel.saturated.any():
             yield f'{name}: column "{column}" was saturated: its true peak is higher, and the peak ratio lower.'

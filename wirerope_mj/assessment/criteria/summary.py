@@ -6,6 +6,7 @@ from wirerope_mj.assessment.criteria.ended import too_short
 from wirerope_mj.assessment.criteria.judge import headline
 from wirerope_mj.assessment.criteria.loads import closing_text
 from wirerope_mj.assessment.criteria.peaks import MountPeak, body_peaks, mount_peaks
+from wirerope_mj.assessment.criteria.travel import ELLIPSOID
 from wirerope_mj.assessment.criteria.verdict import (
     ACCELERATION,
     BOTTOMING,
@@ -16,6 +17,7 @@ from wirerope_mj.assessment.criteria.verdict import (
     RATTLE_SPACE,
     STATIC_LOAD,
     STOP,
+    TRAVEL,
     WITHIN,
     Verdict,
     most_used,
@@ -136,14 +138,15 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
         exceeded = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
         answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
         lines.append(f"Travel along single axes: {answer}; most used {worst.name}, {used:.0f} % in {worst.governing}.")
-        lines += _combined_line(verdicts)
+        lines += _combined_line(response, verdicts)
     flat = [row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
     if flat:
         lines.append(
             f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
             "it is too far away or too soft."
         )
-    untensioned = bool(judged) and all(row.travel["tension"].utilisation is None for row in judged)
+    together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # whose line says it
+    untensioned = bool(judged) and not together and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
     unjudged += [row.name for row in mounts if row.utilisation is None]
     if unjudged and not too_short(response):
@@ -151,16 +154,34 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     return lines
 
 
-def _combined_line(verdicts: Sequence[Verdict]) -> list[str]:
-    """Say at how many mounts all axes together come to more than the ratings."""
-    rows = [row for row in verdicts if row.criterion == COMBINED and row.verdict != NOT_JUDGED]
-    worst = most_used(rows)
+def _combined_line(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
+    """Say at how many mounts all axes together come to more than the ratings, what is left out, and what is not judged."""
+    every = [row for row in verdicts if row.criterion == COMBINED]
+    rows = {row.subject: row for row in every if row.verdict != NOT_JUDGED}
+    worst = most_used(rows.values())
     if worst is None:
         return []
-    over = sum(row.verdict == EXCEEDED for row in rows)
-    which = "the only mount" if len(rows) == 1 else f"all {len(rows)} mounts"
+    over = sum(row.verdict == EXCEEDED for row in rows.values())
+    which = (
+        "the only mount"
+        if len(every) == 1
+        else f"{'all' if len(rows) == len(every) else f'{len(rows)} of'} {len(every)} mounts"
+    )
     answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else f"is within at {which}"
-    return [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)."]
+    parts = [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)"]
+    rated = {mount.name: mount.travel for mount in response.scene.mounts}
+    travels = [row for row in verdicts if row.subject in rows and row.criterion.kind == TRAVEL and row.value > 0.0]
+    for way in ("compression", "tension"):
+        free = [row for row in travels if row.criterion.sense == way and way not in rated[row.subject]]
+        if free:
+            most = max(free, key=lambda row: row.value)
+            parts.append(f"{way}, up to {1e3 * most.value:.3g} mm at {most.subject}, has no limit and is left out")
+    reasons: dict[str, list[str]] = {}
+    for row in every if not too_short(response) else ():
+        if row.verdict == NOT_JUDGED:
+            reasons.setdefault(", ".join(part for part in row.note.split("; ") if part != ELLIPSOID), []).append(row.subject)
+    parts += [f"not judged at {_listed(names)}: {reason}" for reason, names in reasons.items()]
+    return [f"{'; '.join(parts)}."]
 
 
 def summary(response: Response, verdicts: Sequence[Verdict]) -> Entries:

@@ -103,6 +103,9 @@ def combined_utilisation(farthest: Array, judged: Array, reached: Array, rated: 
     return np.asarray(np.where(bound & (farthest <= 1.0) | np.isnan(rated).all(axis=-1), np.nan, farthest))
 
 
+ELLIPSOID = "sqrt of the sum of (deflection / rated)^2 at one instant"
+
+
 def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdict:
     """Return the verdict on all axes at once: the largest sqrt(sum (deflection / rated)^2) of every step against 1."""
     # A rebound into tension, which few vendors rate, counts nothing in the sum, and is said; so no axis uses more by itself
@@ -113,14 +116,15 @@ def _combined(response: Response, mount: SceneMount, deflection: Array) -> Verdi
     missing = [rating for rating in RATINGS if rating not in mount.travel and reached[rating] > 0.0]
     followed = response.peaks.travels
     travel = _sampled(response.time, mount, deflection) if followed is None else followed[mount.name]
-    value, when, notes = travel.value, travel.time, ["sqrt of the sum of (deflection / rated)^2 at one instant"]
+    value, when, notes = travel.value, travel.time, [ELLIPSOID]
     bound = travel.judged is None or any(RATINGS[rating][1] == 0.0 for rating in missing)
     one_way = next((rating for rating in missing if RATINGS[rating][1]), None)
     if one_way and value <= 1.0 and travel.judged is not None:
         length = _length(response.time, travel_in(one_way, deflection) > 0.0)
         notes.append(f"up to {1e3 * reached[one_way]:.3g} mm of {one_way} count nothing{f', {length}' if length else ''}")
     if missing:
-        notes.append(f"no travel in {', '.join(missing)} is rated")
+        always = f"in {one_way} throughout, and " if one_way and travel.judged is None else ""
+        notes.append(f"{always}no travel in {', '.join(missing)} is rated")
     if followed is None and (missed := _missed(response.time, mount, deflection, reached)):
         bound, notes = True, [*notes, missed]
     return Verdict(
