@@ -75,3 +75,11 @@ def significant(value: float, digits: int = 3) -> str:
     rounded = abs(float(f"{value:.{digits - 1}e}"))  # 9.9999 is 10.0, not 10.00
     decimals = max(digits - 1 - math.floor(math.log10(rounded)), 0)
     return f"{value:z.{min(decimals, 6)}f}"
+
+
+def duration_text(value: float, digits: int = 3) -> str:
+    """Return a duration [s] in ms, from 1 s on in s, to some significant digits without an exponent: 11 ms, 1.59 s, 3600 s."""
+    text, unit = significant(1e3 * value, digits), "ms"
+    if abs(float(text)) >= 1e3:
+        text, unit = significant(value, digits), "s"
+    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} {unit}"

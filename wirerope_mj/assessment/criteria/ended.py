@@ -31,6 +31,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.payload_limits import BETWEEN
+from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.isolator.travel import travel_in
 
 
@@ -144,16 +145,16 @@ def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: 
     if math.isnan(over):
         longest = max([period, *(1.0 / float(part["frequency"]) for part in parts if "frequency" in part)])
         needed = start + SWINGS * longest
-        why = f"under a motion without end it takes {SWINGS:g} swings of {_seconds(longest)} at the least"
+        why = f"under a motion without end it takes {SWINGS:g} swings of {duration_text(longest, 4)} at the least"
     elif random or "sweep" in kinds:
-        needed, why = falls if random else over, f"the motion goes on until {_seconds(falls if random else over)}"
+        needed, why = falls if random else over, f"the motion goes on until {duration_text(falls if random else over, 4)}"
     else:
         needed = over + period
-        why = f"the motion ends at {_seconds(over)}, and twice the slowest period is {_seconds(period)}"
+        why = f"the motion ends at {duration_text(over, 4)}, and twice the slowest period is {duration_text(period, 4)}"
     if end >= needed - _NEAR:
         return ""
     least = math.ceil(1e3 * needed - 1e-6) / 1e3
-    return f"{TOO_EARLY} {_seconds(end)}, before its peaks are over ({why}): run at least {_seconds(least)}"
+    return f"{TOO_EARLY} {duration_text(end, 4)}, before its peaks are over ({why}): run at least {duration_text(least, 4)}"
 
 
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
@@ -203,7 +204,7 @@ def _quiet_from(response: Response) -> float:
 
 def growth_note(end: float) -> str:
     """Return the note on what is not judged since something grows until the end of a run [s]."""
-    return f"{GROWS} at {_seconds(end)}: run longer"
+    return f"{GROWS} at {duration_text(end, 4)}: run longer"
 
 
 def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:
@@ -221,7 +222,3 @@ def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:
     if steady_interval(motion)[0] or "sweep" in kinds:
         return math.inf
     return 0.5 * (over + end)
-
-
-def _seconds(time: float) -> str:
-    return f"{1e3 * time:.4g} ms" if abs(time) < 1.0 else f"{time:.4g} s"

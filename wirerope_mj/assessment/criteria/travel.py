@@ -13,6 +13,7 @@ from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in, travel_reached
 
@@ -181,7 +182,7 @@ def _length(time: Array, rows: Booleans) -> str:
     """Return how long something lasted, as the samples tell; "" if too few of them do."""
     count = np.count_nonzero(rows)
     spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
-    return f"{1e3 * count * spacing:.3g} ms in all" if count >= _ENOUGH else ""
+    return f"{duration_text(count * spacing)} in all" if count >= _ENOUGH else ""
 
 
 _ENOUGH = 10  # Samples from which on they tell how long something lasts, to a tenth
