@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.mounts.isolator import Bracket
 from wirerope_mj.mounts.vendor_parts import VendorPart
 
@@ -175,7 +176,7 @@ def check_places(layout: Layout, masses: Path) -> None:
         if away > far or radius > far:
             columns = ['"x", "y", "z"'] * (away > far) + ['"size_x" to "size_z", or "ixx" to "iyz",'] * (radius > far)
             raise RecordError(
-                f'{mass.location}: "{mass.name}" has its centre of mass {away:.4g} m from the middle of mounts that are '
+                f'{mass.location}: "{short(mass.name)}" has its centre of mass {away:.4g} m from the middle of mounts that are '
                 f"{apart:.3g} m apart, and a radius of gyration of {radius:.4g} m: are columns {' and '.join(columns)} in mm "
                 "where the header says m?"
             )
