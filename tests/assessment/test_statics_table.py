@@ -216,6 +216,25 @@ def test_the_command_prints_both_histories_and_writes_plain_figures(capsys, tmp_
     assert content["verdicts"][0]["verdict"] == "within"
 
 
+@pytest.mark.parametrize("mass", [10.0, 45.0, 60.0])
+def test_the_command_judges_the_travel_at_rest_and_says_where_stability_is_extrapolated(capsys, tmp_path, mass):
+    sag = 1e3 * mass * G / 1e4  # the spring's closed form [mm]
+    rated = wr.Limits(static_load=100.0, travel=wr.Travel(compression=0.04))
+    shape = wr.Geometry(height=0.07, bar=0.01)  # its bars meet at 50 mm
+    laws = dict.fromkeys(("roll", "shear", "axial"), wr.KelvinVoigt(k=1e4, c=0.0))
+    wr.Isolator(name="a", **laws, limits=rated, geometry=shape).save(tmp_path / "a.toml")
+    (tmp_path / "rig.xml").write_text(sdof_text(mass=mass, gravity=G))
+    assert main(["statics", str(tmp_path / "rig.xml"), "--json", str(tmp_path / "rig.json")]) == 0
+    shown = capsys.readouterr().out
+    answer = "exceeded in compression by m1" if sag > 40.0 else "within at every mount"
+    assert f"Travel along single axes: {answer}; most used m1, {sag / 0.4:.0f} % in compression." in shown
+    assert ("Pressed until the bars meet and beyond, which cannot be: m1. A stop is missing" in shown) is (sag > 50.0)
+    assert ("Position of rest and stability are extrapolated" in shown) is (sag > 40.0)
+    rows = json.loads((tmp_path / "rig.json").read_text())["verdicts"]
+    (row,) = (one for one in rows if one["criterion"] == "travel in compression" and one["note"] == "at rest, virgin")
+    assert row["value"] == pytest.approx(1e-3 * sag, rel=1e-6)
+
+
 def test_the_command_says_what_there_is_no_equilibrium_for(capsys, tmp_path):
     wr.Isolator(name="a", axial=wr.BoucWen(**hysteresis(alpha=1e5, z_max=100.0))).save(tmp_path / "a.toml")
     (tmp_path / "rig.xml").write_text(sdof_text(gravity=G))

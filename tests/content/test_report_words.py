@@ -6,15 +6,36 @@ from dataclasses import replace
 import pytest
 
 from wirerope_mj.assessment.criteria import Verdict
+from wirerope_mj.assessment.criteria.loads import contact_text
 from wirerope_mj.content.numbers import fixed, listed, number, shown, shown_unit, title_of
 from wirerope_mj.content.verdicts import full_table, headline, most_critical, unjudged, worst_table
+from wirerope_mj.engine.response import ContactPeak
 from wirerope_mj.foundation.tables import Column, Mark, Table
+from wirerope_mj.foundation.units import duration_text
 
 pytestmark = pytest.mark.quick
 
 
 def verdict(**changes):
     return Verdict(**{"criterion": "travel in roll", "subject": "m1", "value": 0.02, "limit": 0.04, "unit": "m"} | changes)
+
+
+@pytest.mark.parametrize(
+    ("duration", "text"),
+    [
+        (0.0, "0 ms"),
+        (5e-5, "0.05 ms"),
+        (0.011, "11 ms"),
+        (0.9994, "999 ms"),
+        (0.9996, "1 s"),
+        (1.64, "1.64 s"),
+        (3600.0, "3600 s"),
+    ],
+)
+def test_a_duration_is_read_in_seconds_from_one_second_on(duration, text):
+    assert duration_text(duration) == text
+    touched = ContactPeak(geoms=("a", "b"), bodies=("c", "d"), touches=1, first_touch=0.1, duration=duration)
+    assert f", {text} in all" in contact_text(touched)
 
 
 def test_the_answer_counts_the_exceeded_and_names_the_worst():

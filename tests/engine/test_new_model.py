@@ -265,6 +265,12 @@ BAD = {
                               r'line 2: columns "ixx" and "size_x" of "engine" both say the inertia'),
     "a negative size": ("masses", "name, mass [kg], x [m], y [m], z [m], size_x [m], size_y [m], size_z [m]",
                         ["block, 1200, 0, 0, 1, 1, -1, 1"], r'line 2: column "size_y" of "block" must be >= 0, got -1'),
+    "masses in mm under m": ("masses", MASSES.replace("mm", "m"), PARTS,
+                             r'line 2: "engine" has its centre of mass [\d.]+ m from the middle of mounts that are [\d.]+ m '
+                             r'apart.*: are columns "x", "y", "z" in mm where the header says m\?'),
+    "sizes in mm under m": ("masses", "name, mass [kg], x [mm], y [mm], z [mm], size_x [m], size_y [m], size_z [m]",
+                            ["block, 1200, 0, 0, 450, 900, 500, 700"],
+                            r'line 2: .*: are columns "size_x" to "size_z", or "ixx" to "iyz", in mm where the header says'),
     "nothing but a point mass": ("masses", MASSES, ["block, 1200, 0, 0, 450, , , , "],
                                  r'masses\.csv: the masses together have no moment of inertia'),
     "an unknown isolator": ("mounts", MOUNTS, [changed(FEET[0], c4="wr99"), *FEET[1:]],

@@ -110,6 +110,37 @@ def test_a_mass_far_away_is_said_with_its_body():
     assert said(inertial=mast) == ()
 
 
+@pytest.mark.quick
+def test_a_mass_in_another_unit_is_said_with_what_its_mounts_are_rated_for():
+    def of(mass, rated=400.0):
+        laws = dict.fromkeys(("roll", "shear", "axial"), SPRING)
+        rope = wr.Isolator(name="rope", **laws, limits=wr.Limits(static_load=rated))
+        inertial = f'<inertial mass="{mass}" pos="0 0 0.2" diaginertia="{" ".join([str(0.05 * mass)] * 3)}"/>'
+        return model_warnings(wr.load_system(stand(inertial=inertial), isolators={"rope": rope}))
+
+    assert of(100.0) == of(4.0) == of(480.0) == of(0.1, rated=None) == ()  # 61 %, 2.5 % and 294 % of 1600 N
+    (tonnes,) = of(0.1)
+    assert tonnes == (
+        "body 'block': the 0.1 kg on its mounts weigh 0.061 % of the 1600 N that these are rated for together: is its mass "
+        "in t?"
+    )
+    assert of(100e3)[0].endswith("is its mass in g?")
+    assert of(600.0)[0].endswith("is its mass in lb?")
+    assert of(1.5e3)[0].endswith("are its mass in kg, and the ratings in N?")
+
+
+@pytest.mark.quick
+def test_what_stands_on_a_payload_loads_its_mounts_too():
+    two = wr.load_system(str(models_folder() / "templates" / "two_stage.xml"))
+    (raft,) = {mount.payload_body for mount in two.mounts.values()} & {mount.base_body for mount in two.mounts.values()}
+    model = two.model.__copy__()
+    model.body_subtreemass[model.body(raft).id] = 1e-3
+    assert model_warnings(replace(two, model=model)) == ()  # the engine stands on it
+    upper = next(mount.payload_body for mount in two.mounts.values() if mount.base_body == raft)
+    model.body_subtreemass[model.body(upper).id] = 1e-3
+    assert {words.split("'")[1] for words in model_warnings(replace(two, model=model))} == {raft, upper}
+
+
 def written(folder, laws=("shear", "axial"), **model):
     (folder / "isolators").mkdir()
     wr.Isolator(name="rope", **dict.fromkeys(laws, SPRING)).save(folder / "isolators" / "rope.toml")

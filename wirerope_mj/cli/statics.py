@@ -9,7 +9,7 @@ MISSING = 1  # Exit code if there is no virgin or no relaxed position; what ther
 
 
 def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
-    """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on static loads.
+    """Print a model's equilibrium: sag and load of every mount, tilt of the payloads, verdicts on loads and travels.
 
     Virgin is the position after the weight was laid on slowly, relaxed the one after long vibration, when the hysteretic
     part of the load has leaked away; both stand below each other. Exits 1 if only one of them exists, and says why.
@@ -18,7 +18,7 @@ def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
         model: path of an MJCF file with mounts, or the name of one that ships with the package.
         json: file for the same values in SI units.
     """
-    from wirerope_mj.assessment.criteria import static_load_verdicts
+    from wirerope_mj.assessment.criteria import rest_travel_verdicts, static_load_verdicts
     from wirerope_mj.content.statics import statics_content
     from wirerope_mj.dynamics.modes import modes
     from wirerope_mj.engine.flexible import deck_of
@@ -33,7 +33,8 @@ def statics(model: str, *, deck: Deck = None, json: Path | None = None) -> int:
     warnings = model_warnings(system)
     print_warnings(warnings)
     table = static_table(system)
-    verdicts = static_load_verdicts(table)
+    isolators = {name: mount.isolator for name, mount in system.mounts.items()}
+    verdicts = static_load_verdicts(table) + rest_travel_verdicts(isolators, table)
     stability = {history: modes(system, history=sag.history).stability for history, sag in table.sags.items()}
     show(statics_content(system.name, table, verdicts, stability))
     if json is not None:

@@ -11,7 +11,7 @@ from wirerope_mj.content.identification import record_warnings
 from wirerope_mj.content.numbers import number, several, with_unit
 from wirerope_mj.content.panels import Chart, Curve, Panel, short
 from wirerope_mj.foundation.tables import Cell, Column, Mark, Table
-from wirerope_mj.foundation.units import in_unit, shown_in
+from wirerope_mj.foundation.units import duration_text, in_unit, shown_in
 from wirerope_mj.studies.calibration.calibrate import DISCREPANT, LEVEL, LITTLE, Calibration
 from wirerope_mj.studies.calibration.predict import Prediction
 from wirerope_mj.studies.results.stated_limits import StatedLimit
@@ -113,8 +113,8 @@ def _findings(result: Calibration) -> Statement:
         if lag := result.lag(worst):
             way = "later" if lag > 0.0 else "earlier"
             remedy = (
-                f"it is {1e3 * abs(lag):.2g} ms {way} than the model: they may be on two clocks; say when its first sample was "
-                "taken, start (--start), or vary channel/*/delay"
+                f"it is {duration_text(abs(lag), 2)} {way} than the model: they may be on two clocks; say when its first "
+                "sample was taken, start (--start), or vary channel/*/delay"
             )
         error_text = f"what is left there is {100.0 * error:.2g} % of the response and no noise"
         texts.append(f"the model does not follow {name}: {error_text}; {remedy}")

@@ -4,9 +4,9 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from functools import partial
 
-from wirerope_mj.assessment.criteria import NOT_JUDGED, Verdict
-from wirerope_mj.assessment.criteria.summary import static_load_lines
-from wirerope_mj.assessment.criteria.verdict import STATIC_LOAD, most_used
+from wirerope_mj.assessment.criteria import EXCEEDED, NOT_JUDGED, Verdict
+from wirerope_mj.assessment.criteria.summary import pressed_lines, single_travel_lines, static_load_lines
+from wirerope_mj.assessment.criteria.verdict import BOTTOMING, STATIC_LOAD, TRAVEL, most_used
 from wirerope_mj.content.blocks import Block, Content, Section, Statement
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import with_unit
@@ -32,7 +32,7 @@ def statics_content(
         verdict=_static_load(verdicts) or Statement(id="static-load", text="Static load: not judged.", tone="unjudged"),
         sections=(
             Section("statics", "", partial(statics_blocks, table, verdicts), "summary"),
-            Section("stability", "", partial(stability_blocks, stability), "summary"),
+            Section("stability", "", partial(stability_blocks, stability, verdicts), "summary"),
         ),
     )
 
@@ -46,7 +46,7 @@ def run_statics_blocks(run: JudgedRun) -> Iterator[Block | None]:
     elif isinstance(run.statics, Absent):
         yield Statement(id="statics", text=run.statics.reason, tone="unjudged")
     else:
-        yield from statics_blocks(run.statics, run.verdicts)
+        yield from statics_blocks(run.statics, [row for row in run.verdicts if row.criterion.kind == STATIC_LOAD])
 
 
 def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[Block | None]:
@@ -65,6 +65,8 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
         )
         yield Statement(id="stacked", text=text)
     yield _static_load(verdicts)
+    if rest := single_travel_lines(verdicts) + pressed_lines(verdicts):
+        yield Statement(id="rest-travel", text=" ".join(rest), tone="exceeded" if _beyond(verdicts) else "within")
     unjudged: dict[str, dict[str, None]] = {}  # names without repetition, in the order of the model
     for (subject, _), row in static.items():
         if row.limit is None and not math.isnan(row.value):
@@ -73,8 +75,9 @@ def statics_blocks(table: StaticTable, verdicts: Sequence[Verdict]) -> Iterator[
         yield Statement(id="static-not-judged", text=f"Not judged, because {reason}: {', '.join(names)}.")
 
 
-def stability_blocks(stability: Mapping[str, TippingStability]) -> Iterator[Statement]:
-    """Yield how far a system is from tipping over, once where all its equilibria say the same."""
+def stability_blocks(stability: Mapping[str, TippingStability], verdicts: Sequence[Verdict] = ()) -> Iterator[Statement]:
+    """Yield how far a system is from tipping over, once where all its equilibria say the same, and if it is extrapolated."""
+    beyond = _beyond(verdicts)
     texts = {history: one.description for history, one in stability.items()}
     same = len(set(texts.values())) == 1
     for history, text in list(texts.items())[: 1 if same else None]:
@@ -82,9 +85,17 @@ def stability_blocks(stability: Mapping[str, TippingStability]) -> Iterator[Stat
         yield Statement(
             id="stability" if same else f"stability-{history}",
             text=f"Stability: {text}" if same else f"Stability, {history}: {text}",
-            tone=_TONES.get(one.word, "exceeded"),
+            tone="unjudged" if beyond else _TONES.get(one.word, "exceeded"),
             values={"gravity_factor": one.gravity_factor, "rise_m": one.rise},
         )
+    if beyond:
+        text = "Position of rest and stability are extrapolated: mounts rest beyond the travel that they are rated for."
+        yield Statement(id="rest-extrapolated", text=text, tone="exceeded")
+
+
+def _beyond(verdicts: Sequence[Verdict]) -> bool:
+    """Return whether mounts rest beyond their rated travel, or where their bars meet."""
+    return any(row.verdict == EXCEEDED for row in verdicts if row.criterion.kind in (TRAVEL, BOTTOMING))
 
 
 def _mounts(table: StaticTable, verdicts: Mapping[tuple[str, str], Verdict]) -> Table:

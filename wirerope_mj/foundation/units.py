@@ -68,11 +68,6 @@ def in_unit(value: float | Array, unit: str) -> float | Array:
     return _PER_SI[unit] * value if unit in _PER_SI else value
 
 
-def duration_text(time: float) -> str:
-    """Write a time [s] in ms, from 1 s on in s: "11 ms", "2.5 s"."""
-    return f"{1e3 * time:.4g} ms" if abs(time) < 1.0 else f"{time:.4g} s"
-
-
 def significant(value: float, digits: int = 3) -> str:
     """Return a number to some significant digits without an exponent, whole digits never cut: 0.00123, 1.23, 123, 12345."""
     if value == 0.0 or abs(value) < 1e-9:  # nothing that is shown in mm, kN or g is that small and not rounding
@@ -80,3 +75,11 @@ def significant(value: float, digits: int = 3) -> str:
     rounded = abs(float(f"{value:.{digits - 1}e}"))  # 9.9999 is 10.0, not 10.00
     decimals = max(digits - 1 - math.floor(math.log10(rounded)), 0)
     return f"{value:z.{min(decimals, 6)}f}"
+
+
+def duration_text(value: float, digits: int = 3) -> str:
+    """Return a duration [s] in ms, from 1 s on in s, to some significant digits without an exponent: 11 ms, 1.59 s, 3600 s."""
+    text, unit = significant(1e3 * value, digits), "ms"
+    if abs(float(text)) >= 1e3:
+        text, unit = significant(value, digits), "s"
+    return f"{text.rstrip('0').rstrip('.') if '.' in text else text} {unit}"

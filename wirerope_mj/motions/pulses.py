@@ -40,7 +40,7 @@ class Pulse(StartedMotion):
     @cached_property
     def _said(self) -> Said:
         """For instance `half-sine 15 g 11 ms along z`."""
-        text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {duration_text(self.duration)} {self._line_text}"
+        text = f"{self.kind} {self.peak / STANDARD_GRAVITY:.4g} g {duration_text(self.duration, 4)} {self._line_text}"
         return Said(text, ((self.start, f"{self.kind} begins"), (self.end, f"{self.kind} ends")), self.duration)
 
 

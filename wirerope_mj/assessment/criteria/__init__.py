@@ -8,7 +8,7 @@ from wirerope_mj.assessment.criteria.points import spectrum_verdict
 from wirerope_mj.assessment.criteria.random import judge_random, random_verdicts
 from wirerope_mj.assessment.criteria.rattle import rattle_verdicts
 from wirerope_mj.assessment.criteria.summary import summary, verdict_lines
-from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, travel_verdicts
+from wirerope_mj.assessment.criteria.travel import bottoming_verdicts, rest_travel_verdicts, travel_verdicts
 from wirerope_mj.assessment.criteria.verdict import (
     CLEAR,
     COMBINED,

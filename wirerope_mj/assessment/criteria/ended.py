@@ -145,16 +145,16 @@ def ends_early(motion: Entries, run: tuple[float, float], over: float, slowest: 
     if math.isnan(over):
         longest = max([period, *(1.0 / float(part["frequency"]) for part in parts if "frequency" in part)])
         needed = start + SWINGS * longest
-        why = f"under a motion without end it takes {SWINGS:g} swings of {duration_text(longest)} at the least"
+        why = f"under a motion without end it takes {SWINGS:g} swings of {duration_text(longest, 4)} at the least"
     elif random or "sweep" in kinds:
-        needed, why = falls if random else over, f"the motion goes on until {duration_text(falls if random else over)}"
+        needed, why = falls if random else over, f"the motion goes on until {duration_text(falls if random else over, 4)}"
     else:
         needed = over + period
-        why = f"the motion ends at {duration_text(over)}, and twice the slowest period is {duration_text(period)}"
+        why = f"the motion ends at {duration_text(over, 4)}, and twice the slowest period is {duration_text(period, 4)}"
     if end >= needed - _NEAR:
         return ""
     least = math.ceil(1e3 * needed - 1e-6) / 1e3
-    return f"{TOO_EARLY} {duration_text(end)}, before its peaks are over ({why}): run at least {duration_text(least)}"
+    return f"{TOO_EARLY} {duration_text(end, 4)}, before its peaks are over ({why}): run at least {duration_text(least, 4)}"
 
 
 def require_over(response: Response, verdicts: Iterable[Verdict]) -> tuple[Verdict, ...]:
@@ -204,7 +204,7 @@ def _quiet_from(response: Response) -> float:
 
 def growth_note(end: float) -> str:
     """Return the note on what is not judged since something grows until the end of a run [s]."""
-    return f"{GROWS} at {duration_text(end)}: run longer"
+    return f"{GROWS} at {duration_text(end, 4)}: run longer"
 
 
 def quiet_from(motion: Entries, run: tuple[float, float], over: float) -> float:

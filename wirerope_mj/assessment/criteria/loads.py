@@ -20,7 +20,7 @@ from wirerope_mj.assessment.criteria.verdict import (
 from wirerope_mj.engine.response import ContactPeak, Response
 from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, duration_text
 from wirerope_mj.mounts.isolator.travel import static_load_unjudged
 
 # Acceleration below which the first sample is taken for rest: an equilibrium leaves far less, a falling payload 1 g.
@@ -102,7 +102,7 @@ def contact_text(contact: ContactPeak) -> str:
     begin = "touching from the start" if contact.from_start else f"first at {contact.first_touch:.4f} s"
     again = "again " if contact.from_start else ""
     often = f", struck {again}{'once' if strikes == 1 else f'{strikes} times'}" if strikes else ""
-    return f"{begin}{often}, {1e3 * contact.duration:.3g} ms in all, {1e3 * contact.penetration:.3g} mm deep"
+    return f"{begin}{often}, {duration_text(contact.duration)} in all, {1e3 * contact.penetration:.3g} mm deep"
 
 
 def closing_text(name: str, contact: ContactPeak) -> str:

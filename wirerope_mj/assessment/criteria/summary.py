@@ -130,21 +130,8 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     """Return what the worst mount uses of its rated travel, which mounts exceed it, and which are not judged."""
     mounts = mount_peaks(response)
     judged = [row for row in mounts if row.utilisation is not None]
-    lines = []
-    if judged:
-        worst = judged[0]
-        used = 100 * (worst.utilisation or 0.0)
-        over = {rating: [row.name for row in judged if rating in row.exceeded] for rating in RATINGS}
-        exceeded = [f"in {rating} by {', '.join(names)}" for rating, names in over.items() if names]
-        answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
-        lines.append(f"Travel along single axes: {answer}; most used {worst.name}, {used:.0f} % in {worst.governing}.")
-        lines += _combined_line(response, verdicts)
-    flat = [row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED]
-    if flat:
-        lines.append(
-            f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
-            "it is too far away or too soft."
-        )
+    lines = single_travel_lines([verdict for row in mounts for verdict in row.travel.values()])
+    lines += (_combined_line(response, verdicts) if judged else []) + pressed_lines(verdicts)
     together = any(row.criterion == COMBINED and row.verdict != NOT_JUDGED for row in verdicts)  # whose line says it
     untensioned = bool(judged) and not together and all(row.travel["tension"].utilisation is None for row in judged)
     unjudged = ["tension of every mount"] if untensioned else []
@@ -152,6 +139,29 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
     if unjudged and not too_short(response):
         lines.append(f"Not judged, because no travel is rated: {', '.join(unjudged)}.")
     return lines
+
+
+def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return which mounts exceed a rated travel, and which uses most of one; nothing where none is judged."""
+    rows = [row for row in verdicts if row.criterion.kind == TRAVEL]
+    worst = most_used(rows)
+    if worst is None:
+        return []
+    used = 100 * (worst.utilisation or 0.0)
+    over = [row for row in rows if row.verdict == EXCEEDED]
+    names = {rating: dict.fromkeys(row.subject for row in over if row.criterion.sense == rating) for rating in RATINGS}
+    exceeded = [f"in {rating} by {', '.join(mounts)}" for rating, mounts in names.items() if mounts]
+    answer = f"exceeded {'; '.join(exceeded)}" if exceeded else "within at every mount"
+    return [f"Travel along single axes: {answer}; most used {worst.subject}, {used:.0f} % in {worst.criterion.sense}."]
+
+
+def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
+    """Return which mounts are pressed farther than they can be; nothing where none is."""
+    flat = dict.fromkeys(row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED)
+    return [
+        f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
+        "it is too far away or too soft."
+    ] if flat else []  # fmt: skip
 
 
 def _combined_line(response: Response, verdicts: Sequence[Verdict]) -> list[str]:

@@ -11,7 +11,9 @@ from wirerope_mj.assessment.criteria.verdict import BOTTOMING, COMBINED, EXCEEDE
 from wirerope_mj.engine.response import Peak, Response
 from wirerope_mj.engine.response.peaks import CombinedTravel
 from wirerope_mj.engine.response.scene import SceneMount
+from wirerope_mj.engine.statics import StaticTable
 from wirerope_mj.foundation.arrays import Array, Booleans
+from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, falling_text, travel_in, travel_reached
 
@@ -51,6 +53,26 @@ def peak_travel_verdicts(mount: SceneMount, peak: Peak) -> dict[str, Verdict]:
             note="" if rating in mount.travel else f"no travel in {rating} is rated",
         )  # fmt: skip
     return verdicts
+
+
+def rest_travel_verdicts(isolators: Mapping[str, Isolator], table: StaticTable) -> tuple[Verdict, ...]:
+    """Return the verdicts on the travel of every mount at rest and on its bars, history by history; `isolators` by mount."""
+    verdicts: list[Verdict] = []
+    for history, sag in table.sags.items():
+        for name, mount in sag.listed.items():
+            if mount.stop:
+                continue
+            rated, geometry = isolators[name].limits.travel.stated, isolators[name].geometry
+            reached = travel_reached(mount.deflection, mount.deflection)
+            rows = [(Criterion(TRAVEL, sense=rating), reached[rating], rated.get(rating)) for rating in RATINGS]
+            rows.append((BOTTOMING, reached["compression"], geometry and geometry.solid_compression))
+            verdicts += [
+                Verdict(
+                    criterion=criterion, subject=name, value=float(value), limit=limit, unit="m", note=f"at rest, {history}"
+                )
+                for criterion, value, limit in rows
+            ]
+    return tuple(verdicts)
 
 
 def bottoming_verdicts(response: Response) -> tuple[Verdict, ...]:
@@ -164,7 +186,7 @@ def _length(time: Array, rows: Booleans) -> str:
     """Return how long something lasted, as the samples tell; "" if too few of them do."""
     count = np.count_nonzero(rows)
     spacing = (time[-1] - time[0]) / max(time.size - 1, 1)  # a run shorter than that has one sample
-    return f"{1e3 * count * spacing:.3g} ms in all" if count >= _ENOUGH else ""
+    return f"{duration_text(count * spacing)} in all" if count >= _ENOUGH else ""
 
 
 _ENOUGH = 10  # Samples from which on they tell how long something lasts, to a tenth

@@ -8,6 +8,7 @@ import numpy as np
 
 from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.errors import RecordError
+from wirerope_mj.foundation.plain_text import short
 from wirerope_mj.mounts.isolator import Bracket
 from wirerope_mj.mounts.vendor_parts import VendorPart
 
@@ -15,8 +16,9 @@ from wirerope_mj.mounts.vendor_parts import VendorPart
 TOLERANCE = 1e-9
 _SAME = 1e-3  # closer than this no two mounts can stand [m]
 _LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts as horizontal
-# radii of gyration from the centre of mass: no machine's foot is so far out; a table in other units is a thousand
-_FAR = 20.0
+# radii of gyration from the centre of mass, or times the distance of the mounts, or of [m] where these are nearer: no machine's
+# foot is so far out, no machine so large; a table in other units is a thousand
+_FAR, _LEAST = 20.0, 0.3
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,6 +72,7 @@ class Mass:
     name: str
     properties: MassProperties
     sprung: Sprung | None = None  # of a subassembly that rings on its own; else it is part of the rigid payload
+    location: str = ""  # file and row, as messages begin
 
 
 @dataclass(frozen=True)
@@ -163,6 +166,20 @@ def axes_along(axial: Array, bars: Array | None = None) -> Array:
 
 def check_places(layout: Layout, masses: Path) -> None:
     """Raise RecordError if the masses make no body, or a mount stands where none can."""
+    places = np.array([mount.position for mount in layout.mounts])
+    apart = float(np.linalg.norm(np.ptp(places, axis=0)))
+    far = _FAR * max(apart, _LEAST)
+    for mass in layout.masses:
+        own = mass.properties
+        away = float(np.linalg.norm(own.centre - places.mean(axis=0)))
+        radius = float(np.sqrt(0.5 * own.inertia.trace() / own.mass))
+        if away > far or radius > far:
+            columns = ['"x", "y", "z"'] * (away > far) + ['"size_x" to "size_z", or "ixx" to "iyz",'] * (radius > far)
+            raise RecordError(
+                f'{mass.location}: "{short(mass.name)}" has its centre of mass {away:.4g} m from the middle of mounts that are '
+                f"{apart:.3g} m apart, and a radius of gyration of {radius:.4g} m: are columns {' and '.join(columns)} in mm "
+                "where the header says m?"
+            )
     if all(mass.sprung is not None for mass in layout.masses):
         raise RecordError(f'{masses}: every mass has a "frequency"; what the mounts carry needs one without.')
     payload = layout.rigid

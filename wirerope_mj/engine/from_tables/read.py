@@ -90,7 +90,7 @@ def _read_masses(path: Path, *, sign: float) -> tuple[Mass, ...]:
             raise RecordError(f"{path}: the mass must be > 0, got {properties.mass:g} kg.")
         if why := why_impossible(properties.inertia):
             raise RecordError(f"{path}: no body has these moments of inertia: {why}.")
-        return (Mass(path.stem, properties),)
+        return (Mass(path.stem, properties, location=str(path)),)
     needed = {"name": TEXT, "mass": "mass", **{axis: "length" for axis in "xyz"}}
     further = {
         **dict.fromkeys((*_MOMENTS, *_PRODUCTS), "inertia"), **dict.fromkeys(_SIZES, "length"),
@@ -123,7 +123,8 @@ def _mass(row: Row, sign: float) -> Mass:
             f'no body has the inertia in columns "ixx" to "iyz" of "{short(name)}": {why}. It is taken '
             "about the part's own centre of mass."
         )
-    return Mass(name, MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor), _sprung(row, name))
+    properties = MassProperties(mass, np.array(row.vector("x", "y", "z")), tensor)
+    return Mass(name, properties, _sprung(row, name), row.location)
 
 
 def _sprung(row: Row, name: str) -> Sprung | None:

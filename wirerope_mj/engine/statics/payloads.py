@@ -1,7 +1,7 @@
 """Payloads, what no mount resists of their motions, and what a model says that is perhaps not meant.
 
 A payload is a body that mounts carry, with everything that stands on it. On one mount, or on mounts in line, it turns about
-them. Axes without a law, a strange gravity and masses far away can be simulated, and are warned of.
+them. Axes without a law, a strange gravity, masses far away and masses in other units can be simulated, and are warned of.
 """
 
 from collections.abc import Callable, Iterator
@@ -13,7 +13,7 @@ import scipy
 
 from wirerope_mj.engine.system import System, mount_rates
 from wirerope_mj.foundation.arrays import Array, Integers
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
+from wirerope_mj.foundation.units import STANDARD_GRAVITY, UNITS, significant
 
 _MOVES = 1e-9  # rate of a deflection per unit of the payload's velocity below which it is rounding
 # relative distance from standard gravity that no place on the earth reaches: the poles are 0.26 % above it
@@ -21,6 +21,9 @@ _EARTH = 0.01
 # reach of a payload: so many times the distance of its mounts, or of [m] where there is one; or twice its own geoms. A mast
 # three times as high as its feet are apart is within; a millimetre taken for a metre is 1000 times beyond.
 _REACH, _LEAST = 5.0, 0.3
+# weight over the rated static load of all mounts together: mounts picked for what they carry are within; tonnes taken for
+# kilograms are 1000 times below
+_RATED = (0.02, 3.0)
 # turn of the differences [rad]: rounding of accelerations, 1e-14 m/s^2, and their curvature both leave less than `SLOW`
 TURN = 1e-5
 SLOW = 1e-4  # rate of return below which a motion is free [1/s^2]: a pendulum of 100 km
@@ -84,7 +87,7 @@ def carriers(model: mujoco.MjModel, body: int) -> Iterator[int]:
 
 def model_warnings(system: System) -> tuple[str, ...]:
     """Return a sentence on each thing in a model that is perhaps not meant, with its element and the remedy."""
-    return (*_lawless(system), *_gravity(system), *_masses(system))
+    return (*_lawless(system), *_gravity(system), *_masses(system), *_loads(system))
 
 
 def _lawless(system: System) -> list[str]:
@@ -167,6 +170,31 @@ def _masses(system: System) -> list[str]:
                     f"a radius of gyration of {radius:.4g} m, and the mounts are {apart:.3g} m apart: is the inertia of its "
                     "<inertial> in kg mm^2?"
                 )
+    return said
+
+
+def _loads(system: System) -> list[str]:
+    """Return a sentence on each payload whose weight is far from what its mounts are rated for."""
+    said, payloads, model = [], payloads_of(system), system.model
+    mounts = [
+        (mount.isolator.limits.static_load, model.body(mount.payload_body).id, model.body(mount.base_body).id)
+        for mount in system.mounts.values() if not mount.isolator.is_stop
+    ]  # fmt: skip
+    for payload in payloads:
+        carried = [payload]
+        for lower in carried:  # and what stands on it, on mounts of its own
+            above = {body for _, body, base in mounts if base in lower.bodies}
+            carried += [one for one in payloads if one not in carried and not above.isdisjoint(one.bodies)]
+        rated = [load for load, body, _ in mounts if body in payload.bodies]
+        mass, total = sum(one.mass for one in carried), sum(filter(None, rated))
+        if None in rated or not rated or _RATED[0] <= (used := mass * STANDARD_GRAVITY / total) <= _RATED[1]:
+            continue
+        slips = [unit for unit, size in UNITS["mass"].items() if _RATED[0] <= used * size <= _RATED[1]]
+        said.append(
+            f"body {payload.name!r}: the {mass:.6g} kg on its mounts weigh {significant(100.0 * used, 2)} % of the "
+            f"{significant(total)} N that these are rated for together: "
+            + (f"is its mass in {' or '.join(slips)}?" if slips else "are its mass in kg, and the ratings in N?")
+        )
     return said
 
 

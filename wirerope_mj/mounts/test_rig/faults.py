@@ -8,6 +8,7 @@ import numpy as np
 import scipy
 
 from wirerope_mj.foundation.arrays import Array
+from wirerope_mj.foundation.units import duration_text
 from wirerope_mj.mounts.test_rig.lag import lag_in
 from wirerope_mj.mounts.test_rig.play import play_in
 from wirerope_mj.mounts.test_rig.reading import read_rows
@@ -120,7 +121,7 @@ def checked_record(time: Array, deflection: Array, force: Array) -> Checked:
     if lag is not None and abs(lag.delay) > least * lag.period:
         which = "force turns round after" if lag.delay > 0.0 else "force turns round before"
         share, doubt = 100.0 * abs(lag.delay) / lag.period, 100.0 * lag.error / lag.period
-        size = f"about {1e3 * abs(lag.delay):.2g} ms, {share:.2g} +- {max(doubt, 0.01):.1g} % of a cycle"
+        size = f"about {duration_text(abs(lag.delay), 2)}, {share:.2g} +- {max(doubt, 0.01):.1g} % of a cycle"
         cause = "the force channel lags" if lag.delay > 0.0 else "the deflection channel lags, or the device is viscous"
         faults.append(
             f"the {which} the deflection by {size}: {cause}; the loss factor of the loops is wrong by about "
