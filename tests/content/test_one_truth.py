@@ -20,6 +20,7 @@ from wirerope_mj.views.markdown import markdown_statement, markdown_table
 pytestmark = pytest.mark.slow
 
 SHORT = {
+    "cabinet_random": ["--duration", "6"],
     "cabinet_shock": ["--duration", "0.5"],
     "floating_floor_double_pulse": ["--duration", "0.5"],
     "floating_floor_shock": ["--duration", "0.5"],
