@@ -1,9 +1,22 @@
 """Reads tables back from where they are shown: the cells of a page, the rows that a terminal printed."""
 
 import html
+import io
 import re
+from contextlib import redirect_stdout
 
+import pytest
+
+from wirerope_mj.cli import main
 from wirerope_mj.content.numbers import ABSENT, MINUS
+
+
+def printed_by(*arguments):
+    """Return what a command prints that must end well, on 200 columns."""
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(io.StringIO()) as printed:
+        patch.setenv("COLUMNS", "200")
+        assert main(list(arguments)) == 0
+    return printed.getvalue()
 
 
 def cells_of(page, name):

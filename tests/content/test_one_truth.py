@@ -2,15 +2,11 @@
 
 import html
 import json
-import os
-import subprocess
-import sys
-from pathlib import Path
 
 import pytest
 from finished_runs import finished_of, tables_of
 from rerun.chunk import RrdReader
-from shown import cells_of, cells_to_show, missing_rows
+from shown import cells_of, cells_to_show, missing_rows, printed_by
 
 from wirerope_mj.content.blocks import Statement
 from wirerope_mj.content.run import run_content
@@ -20,6 +16,7 @@ from wirerope_mj.views.markdown import markdown_statement, markdown_table
 pytestmark = pytest.mark.slow
 
 SHORT = {
+    "cabinet_random": ["--duration", "6"],
     "cabinet_shock": ["--duration", "0.5"],
     "floating_floor_double_pulse": ["--duration", "0.5"],
     "floating_floor_shock": ["--duration", "0.5"],
@@ -35,10 +32,8 @@ RECORDED = ("peak-accelerations", "random", "mounts", "contacts", "all-verdicts"
 @pytest.fixture(scope="module", params=sorted(shipped_scenarios()))
 def run(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("run") / "out"
-    command = [Path(sys.executable).with_name("wirerope"), "run", request.param, "--out", folder]
-    command += SHORT.get(request.param, [])
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "200"})
-    return folder, done.stdout, run_content(finished_of(folder))
+    printed = printed_by("run", request.param, "--out", str(folder), *SHORT.get(request.param, []))
+    return folder, printed, run_content(finished_of(folder))
 
 
 def in_summary(content):

@@ -2,15 +2,12 @@
 
 import html
 import json
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 from finished_runs import tables_of
-from shown import cells_of, cells_to_show, missing_rows
+from shown import cells_of, cells_to_show, missing_rows, printed_by
 
 import wirerope_mj as wr
 from wirerope_mj.cli import identify as identify_command
@@ -44,12 +41,9 @@ WORKSHEETS = {
 @pytest.fixture(scope="module", params=sorted(shipped_studies()))
 def study(request, tmp_path_factory):
     folder = tmp_path_factory.mktemp("study") / "out"
-    command = [Path(sys.executable).with_name("wirerope"), "study", request.param, *SHORT[request.param], "--workers", "1"]
-    done = subprocess.run(
-        [*command, "--out", folder], capture_output=True, text=True, check=True, env={**os.environ, "COLUMNS": "200"}
-    )
+    printed = printed_by("study", request.param, *SHORT[request.param], "--workers", "1", "--out", str(folder))
     write_study_report(folder)
-    return folder, done.stdout, result_content(load_study(folder))
+    return folder, printed, result_content(load_study(folder))
 
 
 @pytest.mark.slow
