@@ -238,17 +238,13 @@ def worst_table(summary: StudySummary) -> Table:
         ],
         rows=[
             (
-                str(row["variant"]), *(row[measure.name] for measure in measures), *(input_cell(row[name]) for name in names),
+                str(row["variant"]), *(row[measure.name] for measure in measures),
+                *(row[name] if isinstance(row[name], float) else str(row[name]) or "none" for name in names),
             )
             for row in summary.worst(_WORST)
         ],
         note=f"Not shown: {', '.join(summary.left_out)}." if summary.left_out else "",
     )  # fmt: skip
-
-
-def input_cell(value: object) -> Cell:
-    """Return the value of an input; of the mount that fails "none" where none does."""
-    return value if isinstance(value, float) else str(value) or "none"
 
 
 def two_lines(name: str) -> str:

@@ -101,7 +101,8 @@ class Exportable:
 
     def to_dataframe(self) -> "pandas.DataFrame":
         """Return the table as a pandas DataFrame, units in the names of its columns; RecordError without pandas."""
-        return data_frame(self.exported)
+        table = self.exported
+        return _needed("pandas").DataFrame({heading: table.column(number) for number, heading in enumerate(table.headings)})
 
 
 def write_export(table: Exported, path: str | Path, *, force: bool = False, kind: str = "") -> Path:
@@ -121,11 +122,6 @@ def write_export(table: Exported, path: str | Path, *, force: bool = False, kind
     with atomic_file(target) as temporary:
         {"csv": _write_csv, "hdf5": _write_hdf5, "mat": _write_mat}[kind](table, temporary)
     return target
-
-
-def data_frame(table: Exported) -> "pandas.DataFrame":
-    """Return a table as a pandas DataFrame; its columns are called as in the CSV file, units included."""
-    return _needed("pandas").DataFrame({heading: table.column(number) for number, heading in enumerate(table.headings)})
 
 
 def _write_csv(table: Exported, path: Path) -> None:

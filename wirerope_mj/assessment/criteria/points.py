@@ -1,7 +1,5 @@
 """The shock response spectrum of a point against a test spectrum."""
 
-import math
-
 import numpy as np
 
 from wirerope_mj.assessment.criteria.verdict import Criterion, Verdict
@@ -22,13 +20,6 @@ def check_points(name: str, frequency: ArrayLike, value: ArrayLike) -> tuple[Arr
     if f.size > 1 and not (np.diff(f) > 0.0).all():
         raise ValueError(f"`{name}` must have increasing frequencies, got {', '.join(f'{x:.6g}' for x in f[:8])}.")
     return f, v
-
-
-def curve_at(points: tuple[Array, Array], frequency: Array) -> Array:
-    """Return the curve through `points` at frequencies [Hz], straight on logarithmic axes; NaN outside of it."""
-    f, v = points
-    inside = (frequency >= f[0] * (1.0 - 1e-9)) & (frequency <= f[-1] * (1.0 + 1e-9))
-    return np.where(inside, np.exp(np.interp(np.log(frequency), np.log(f), np.log(v))), math.nan)
 
 
 def spectrum_verdict(
@@ -52,21 +43,22 @@ def spectrum_verdict(
     Raises:
         ValueError: the points do not make a curve, or have no frequency in common with the spectrum.
     """
-    points = check_points("test spectrum", frequency, acceleration)
+    f, v = check_points("test spectrum", frequency, acceleration)
     values = spectrum.maximax if spectrum.maximax.ndim == 1 else spectrum.maximax.max(axis=1)
-    allowed = curve_at(points, spectrum.frequencies)
-    ratio = np.where(np.isnan(allowed), -np.inf, values / allowed)
+    inside = (spectrum.frequencies >= f[0] * (1.0 - 1e-9)) & (spectrum.frequencies <= f[-1] * (1.0 + 1e-9))
+    allowed = np.exp(np.interp(np.log(spectrum.frequencies), np.log(f), np.log(v)))
+    ratio = np.where(inside, values / allowed, -np.inf)
     worst = int(ratio.argmax())
     if not np.isfinite(ratio[worst]):
         low, high = spectrum.frequencies[[0, -1]]
         raise ValueError(
-            f"`frequency` of the test spectrum, {points[0][0]:.6g} to {points[0][-1]:.6g} Hz, does not overlap the "
+            f"`frequency` of the test spectrum, {f[0]:.6g} to {f[-1]:.6g} Hz, does not overlap the "
             f"spectrum's {low:.6g} to {high:.6g} Hz."
         )
     judged = spectrum.frequencies[np.isfinite(ratio)]
     note = f"at {spectrum.frequencies[worst]:.4g} Hz, Q = {spectrum.q:g}; judged from {judged[0]:.4g} to {judged[-1]:.4g} Hz"
-    if judged[0] > points[0][0] * 1.06 or judged[-1] < points[0][-1] / 1.06:  # a twelfth of an octave
-        note += f" of {points[0][0]:.4g} to {points[0][-1]:.4g} Hz"
+    if judged[0] > f[0] * 1.06 or judged[-1] < f[-1] / 1.06:  # a twelfth of an octave
+        note += f" of {f[0]:.4g} to {f[-1]:.4g} Hz"
     return Verdict(
         criterion=Criterion(criterion), subject=subject, value=float(values[worst]), limit=float(allowed[worst]),
         unit="m/s^2", note=note,

@@ -100,16 +100,11 @@ class ResponseOptions:
         return self.start, self.stop
 
 
-def natural_frequencies(system: System) -> list[float]:
-    """Return the frequencies of the system on its unloaded mounts, where they are stiffest [Hz], lowest first."""
-    values = np.abs(np.imag(eigenvalues(system))) / (2.0 * math.pi)
-    frequencies = sorted(values[values > STILL * values.max(initial=0.0)].tolist())
-    return frequencies[::2]  # each appears with both signs of its imaginary part
-
-
 def _range(system: System, start: float | None, stop: float | None) -> tuple[float, float, str]:
     """Return the range and where it comes from."""
-    source, natural = "given", natural_frequencies(system)
+    values, source = np.abs(np.imag(eigenvalues(system))) / (2.0 * math.pi), "given"
+    # on unloaded mounts, where they are stiffest; each appears with both signs of its imaginary part
+    natural = sorted(values[values > STILL * values.max(initial=0.0)].tolist())[::2]
     if start is None or stop is None:
         if not natural:
             raise ModelError("the system has no natural frequency that a range could be taken from; give `start` and `stop`.")

@@ -21,12 +21,6 @@ ROUNDING = 1e-6  # fraction by which a bound must stay below the limit, to be on
 N_RATES = 5  # of a law, see `rates_of`
 
 
-def joint_matrices(model: mujoco.MjModel) -> tuple[Array, Array]:
-    """Return stiffness and damping of the springs and dampers of slides and hinges, (n_v, n_v) each."""
-    single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
-    return np.diag(np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)), np.diag(model.dof_damping)
-
-
 def _mount_matrices(system: System, data: mujoco.MjData, closed: bool) -> tuple[Array, Array]:
     """Return stiffness [N/m, ...] and damping of all mounts in MuJoCo's velocity coordinates, (n_v, n_v) each.
 
@@ -68,8 +62,10 @@ def _eigenvalues_of_system(system: System, *, closed: bool) -> ComplexArray:
     moves = np.ones(model.nv, dtype=bool)
     moves[system.assembly.driven_dofs] = False
     free = np.flatnonzero(moves)
-    pairs = zip(matrices, joint_matrices(model), strict=True)
-    stiffness, damping = ((mounts + joints)[np.ix_(free, free)] for mounts, joints in pairs)
+    single = model.jnt_type[model.dof_jntid] >= int(mujoco.mjtJoint.mjJNT_SLIDE)
+    springs = np.where(single, model.jnt_stiffness[model.dof_jntid], 0.0)
+    pairs = zip(matrices, (springs, model.dof_damping), strict=True)
+    stiffness, damping = ((mounts + np.diag(joints))[np.ix_(free, free)] for mounts, joints in pairs)
     return _eigenvalues_of_matrices(mass[np.ix_(free, free)], stiffness, damping)
 
 
