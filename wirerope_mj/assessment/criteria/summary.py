@@ -172,12 +172,9 @@ def _combined_line(response: Response, verdicts: Sequence[Verdict]) -> list[str]
     if worst is None:
         return []
     over = sum(row.verdict == EXCEEDED for row in rows.values())
-    which = (
-        "the only mount"
-        if len(every) == 1
-        else f"{'all' if len(rows) == len(every) else f'{len(rows)} of'} {len(every)} mounts"
-    )
-    answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else f"is within at {which}"
+    which = f"{'all' if len(rows) == len(every) else f'{len(rows)} of'} {len(every)} mounts"
+    within = f"is within at {'the only mount' if len(every) == 1 else which}"
+    answer = f"exceeds 100 % at {over} of {len(rows)} mounts" if over else within
     parts = [f"Combined travel {answer}; most used {worst.subject}, {100.0 * worst.value:.0f} % (in-house rule)"]
     rated = {mount.name: mount.travel for mount in response.scene.mounts}
     travels = [row for row in verdicts if row.subject in rows and row.criterion.kind == TRAVEL and row.value > 0.0]
