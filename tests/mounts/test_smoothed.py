@@ -67,6 +67,16 @@ def test_it_is_bouc_wens_equation_with_the_sign_of_the_velocity_rounded():
     assert loop.hysteretic_state[-1] == pytest.approx(reference.y[0, -1], abs=1e-10)
 
 
+def test_far_below_the_width_z_goes_on_to_the_bound_of_the_blend():
+    """With v so that tanh is a quarter, dz/dx = 1 - |z| / 4: the bound is four times that of either slope."""
+    v = np.arctanh(0.25)
+    time = np.linspace(0.0, 20.0 / v, 101)
+    loop = Smoothed(law=BoucWen(alpha=1.0, beta=1.0, gamma=0.0, n=1.0), width=1.0).trace(
+        v * time, time=time, rate=v + 0.0 * time
+    )
+    np.testing.assert_allclose(loop.hysteretic_state, 4.0 * (1.0 - np.exp(-v * time / 4.0)), rtol=0, atol=1e-8)
+
+
 @every_law
 @given(data=st.data(), points=turning_points, slower=st.floats(0.01, 100.0))
 @few

@@ -24,6 +24,7 @@ from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI, baber_noori
 from wirerope_mj.mounts.laws.bouc_wen import BOUC_WEN, bouc_wen
 from wirerope_mj.mounts.laws.exact import advance_bouc_wen, carry_bouc_wen
 from wirerope_mj.mounts.laws.friction import MASING, hold_slip, masing, masing_increment
+from wirerope_mj.mounts.laws.hysteresis import bouc_wen_rate
 from wirerope_mj.mounts.laws.ni import ASYMMETRIC_BOUC_WEN, SYMMETRIC_BOUC_WEN, asymmetric_bouc_wen, symmetric_bouc_wen
 from wirerope_mj.mounts.laws.parallel import PARALLEL
 from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN, scragged_bouc_wen
@@ -123,12 +124,14 @@ def smoothed(p, i, x, v, z, j, zdot, k):
 
     p = e, number of the law, its parameters; s+ and s- are its slopes dz/dx for v > 0 and v < 0.
     """
-    law = count(p, i + 1)
-    smoothable(law, p, i + 2, x, 1.0, z, j, zdot, k)
-    up = zdot[k]
+    law, blend = count(p, i + 1), math.tanh(v / p[i])
     force = smoothable(law, p, i + 2, x, -1.0, z, j, zdot, k)
-    down, half = -zdot[k], 0.5 * math.tanh(v / p[i])
-    zdot[k] = v * (up * (0.5 + half) + down * (0.5 - half))
+    if law in BOUC_WEN_LAWS:  # z may pass the bound that either slope has: that of the blend counts
+        zdot[k] = bouc_wen_rate(p[i + 2], p[i + 3] * abs(blend), p[i + 4], p[i + 5], v, z[j])
+        return force
+    down, half = -zdot[k], 0.5 * blend
+    smoothable(law, p, i + 2, x, 1.0, z, j, zdot, k)
+    zdot[k] = v * (zdot[k] * (0.5 + half) + down * (0.5 - half))
     return force
 
 
