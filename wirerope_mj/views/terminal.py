@@ -101,14 +101,16 @@ def print_table(table: Table) -> None:
     if table.title:
         print_lines([Text(plain_lines(table.title), style="bold")], indent="")
     rows = table.marks()[: table.shown]
-    beside = [0]
-    for column in range(1, len(table.columns)):
-        if len(beside) > 1 and _least_width(screen, _columns(screen, table, rows, [*beside, column])) > screen.width:
-            screen.print(_columns(screen, table, rows, beside))
-            print()
-            beside = [0]
-        beside.append(column)
-    screen.print(_columns(screen, table, rows, beside))
+    left = [*range(1, len(table.columns))]
+    while True:
+        count = len(left)
+        while count > 1 and _least_width(screen, _columns(screen, table, rows, [0, *left[:count]])) > screen.width:
+            count -= 1
+        screen.print(_columns(screen, table, rows, [0, *left[:count]]))
+        left = left[count:]
+        if not left:
+            break
+        print()
     if len(rows) < len(table.rows):
         print_lines([f"{len(rows)} of {len(table.rows)} rows"])
     if table.note:
