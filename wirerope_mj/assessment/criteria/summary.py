@@ -142,7 +142,7 @@ def _travel_lines(response: Response, verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return which mounts exceed a rated travel, and which uses most of one; nothing where none is judged."""
+    """Say in a line which mounts exceed a rated travel along an axis, and which is most used; no line where none is judged."""
     rows = [row for row in verdicts if row.criterion.kind == TRAVEL]
     worst = most_used(rows)
     if worst is None:
@@ -156,7 +156,7 @@ def single_travel_lines(verdicts: Sequence[Verdict]) -> list[str]:
 
 
 def pressed_lines(verdicts: Sequence[Verdict]) -> list[str]:
-    """Return which mounts are pressed farther than they can be; nothing where none is."""
+    """Name in a line the mounts that are pressed until their bars meet and beyond; no line where none is."""
     flat = dict.fromkeys(row.subject for row in verdicts if row.criterion == BOTTOMING and row.verdict == EXCEEDED)
     return [
         f"Pressed until the bars meet and beyond, which cannot be: {', '.join(flat)}. A stop is missing in the model, or "
