@@ -82,9 +82,10 @@ def compared(system, axis, level, keep):
     there = np.array([way.amplitude[np.argmin(np.abs(way.frequency - top.frequency))] for way in ways])
     wide = wr.stepped_sine(system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, largest_cycles=SETTLED, **shake)
     curve = curve_of(branch)
+    settled_there = wide.settled if wide.settled.any() else ~wide.settled  # a slow mode may ring on beside all of them
     nearest = np.nanmin(
         [
-            np.where(s & wide.settled, np.abs(wide.amplitude / a - 1.0), np.nan)
+            np.where(s & settled_there, np.abs(wide.amplitude / a - 1.0), np.nan)
             for a, s in curve.amplitudes_at(wide.frequency)
         ], axis=0,
     )  # fmt: skip

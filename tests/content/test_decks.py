@@ -8,6 +8,8 @@ from wirerope_mj.content.decks import DECKS, decks_blocks
 from wirerope_mj.content.judged_run import judged_run
 from wirerope_mj.foundation.tables import Mark, Table
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 PULSE = wr.HalfSine(peak=150.0, duration=0.011, direction="z", start=0.05)
 
 

@@ -14,6 +14,8 @@ from house import deck, hysteresis, mjcf, sdof, sdof_text
 import wirerope_mj as wr
 from wirerope_mj.foundation.resources import models_folder
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 G = wr.STANDARD_GRAVITY
 LAW = wr.BoucWen(**hysteresis(alpha=1e5, z_max=60.0), k=2e4)
 SHOCK = wr.HalfSine(peak=30 * G, duration=0.011, direction="z", start=0.0075)

@@ -16,6 +16,8 @@ from wirerope_mj.foundation import exports
 from wirerope_mj.foundation.errors import RecordError
 from wirerope_mj.foundation.exports import _matlab_names
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 
 

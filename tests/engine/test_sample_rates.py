@@ -15,6 +15,8 @@ from wirerope_mj.content.run_spectra import spectra_of
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra.srs import held
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 SHOCK = sum(
     (wr.HalfSine(peak=15 * 9.80665, duration=0.011, direction=axis, start=0.05) for axis in "yz"),
     start=wr.HalfSine(peak=15 * 9.80665, duration=0.011, direction="x", start=0.05),

@@ -23,6 +23,8 @@ from wirerope_mj.mounts.vendor_parts.law_values import damping_ratio, virgin_for
 from wirerope_mj.mounts.vendor_parts.secants import RULES, VIBRATION_AMPLITUDE, ElasticShape, first_state
 from wirerope_mj.mounts.vendor_parts.sheet_fit import fit_datasheet, fit_part
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 SHEETS = {path.stem: path for path in sorted((catalogue_folder() / "datasheets").glob("*.toml"))}
 ENIDINE = [name for name in SHEETS if name.startswith("enidine")]
 AMPLITUDE = 5e-3

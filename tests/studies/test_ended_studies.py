@@ -21,6 +21,8 @@ from wirerope_mj.studies.ended import ended_early
 from wirerope_mj.studies.results.stated_limits import limit_of_text
 from wirerope_mj.studies.results.study_summary import summary_of
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 PULSE = wr.HalfSine(peak=15.0 * G, duration=0.011, direction="z")
 
 

@@ -17,6 +17,8 @@ from wirerope_mj.foundation.resources import models_folder
 from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute, died
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 LOCKS = pytest.mark.skipif(sys.platform == "win32", reason="Windows has no such locks")
 
 WORKER = """

@@ -23,6 +23,8 @@ from wirerope_mj.studies.engines.compute import compute, died
 from wirerope_mj.studies.results.varied import summary
 from wirerope_mj.studies.study import chunks
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 
 @pytest.fixture(scope="module")
 def alone(tmp_path_factory):

@@ -16,6 +16,8 @@ from wirerope_mj.studies.engines import local
 from wirerope_mj.studies.engines.compute import compute
 from wirerope_mj.studies.study import chunk_size, chunks
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.0103)  # no sample at its corners
 STEP = wr.VelocityStep(velocity=0.3, direction="z", start=0.02)
 FILES = [f"{number:06d}.parquet" for number in range(10)]

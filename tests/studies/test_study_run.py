@@ -24,6 +24,8 @@ from wirerope_mj.studies.engines.compute import Accident, compute, why_not
 from wirerope_mj.studies.measures import measures
 from wirerope_mj.studies.study import chunk_size, chunks
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 
 def peak_of(**extremes):
     nothing = np.zeros(3)

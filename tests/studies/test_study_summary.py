@@ -10,6 +10,8 @@ from table_study import VARY, table_study
 
 import wirerope_mj as wr
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 
 def summary_of(result):
     return json.loads((result.folder / "summary.json").read_text(encoding="utf-8"))
