@@ -82,17 +82,17 @@ def compared(system, axis, level, keep):
     there = np.array([way.amplitude[np.argmin(np.abs(way.frequency - top.frequency))] for way in ways])
     wide = wr.stepped_sine(system, frequencies=np.geomspace(low, high, OVER), settled=1e-3, largest_cycles=SETTLED, **shake)
     curve = curve_of(branch)
-    settled_there = wide.settled if wide.settled.any() else ~wide.settled  # a slow mode may ring on beside all of them
     nearest = np.nanmin(
         [
-            np.where(s & settled_there, np.abs(wide.amplitude / a - 1.0), np.nan)
+            np.where(s & wide.settled, np.abs(wide.amplitude / a - 1.0), np.nan)
             for a, s in curve.amplitudes_at(wide.frequency)
         ], axis=0,
     )  # fmt: skip
+    worst = int(np.nanargmax(nearest)) if wide.settled.any() else 0  # beside a slow mode that rings on none settles
     return Compared(
         at=top.frequency, peak=top.amplitude, settled_at=settled_at, settled=settled,
-        same=float(min(top.amplitude / there - 1.0, key=abs)), elsewhere=float(np.nanmax(nearest)),
-        elsewhere_at=float(wide.frequency[np.nanargmax(nearest)]), at_edge=top.at_edge,
+        same=float(min(top.amplitude / there - 1.0, key=abs)), elsewhere=float(nearest[worst]),
+        elsewhere_at=float(wide.frequency[worst]), at_edge=top.at_edge,
         called=len(branch.jumps), confirmed=sum(is_jump(system, branch, jump) for jump in branch.jumps),
         uncalled=len(branch.folds) - len(branch.jumps), unstable=int((~branch.stable).sum()), points=branch.stable.size,
         side=max((side.difference for side in branch.side_branches), default=0.0), gaps=len(branch.gaps),

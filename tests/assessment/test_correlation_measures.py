@@ -122,6 +122,16 @@ def test_a_factor_is_the_ratio_of_spectra_at_every_frequency():
     assert shock_ratio(pair(decaying, 0.7 * decaying)).within_3db == 0.0  # 3 dB are 0.7079
 
 
+def test_a_model_that_does_not_move_is_60_db_low_and_a_dead_channel_has_no_spectrum():
+    time = np.arange(3000) / 1000.0
+    decaying, still = np.exp(-4.0 * time) * np.sin(2.0 * np.pi * 8.0 * time), np.zeros(3000)
+    for found in (shock_ratio(pair(decaying, still)), density_ratio(pair(decaying, still))):
+        np.testing.assert_array_equal(found.ratio, 1e-3)
+        assert [band.deviation for band in found.bands] == [-1.0]
+    assert shock_ratio(pair(still, decaying)) is None
+    assert density_ratio(pair(still, decaying)) is None
+
+
 def test_an_event_of_few_cycles_that_rings_to_its_end_has_a_shock_spectrum_at_its_own_frequency():
     time = np.arange(400) / 1000.0
     ringing = np.sin(2.0 * np.pi * 7.0 * time)

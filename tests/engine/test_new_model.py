@@ -321,6 +321,14 @@ def test_a_bad_table_is_answered_in_one_message_and_nothing_is_written(here, kin
     assert sorted(os.listdir()) == before
 
 
+def test_tables_that_agree_on_a_unit_and_are_both_wrong_are_questioned(here, capsys):
+    write("mounts.csv", MOUNTS.replace("mm", "m"), FEET)
+    write("masses.csv", "name, mass [kg], x [m], y [m], z [m], size_x [m], size_y [m], size_z [m]",
+          ["block, 1200, 0, 0, 450, 900, 500, 700"])  # fmt: skip
+    assert make() == 2
+    assert re.search(r'mounts\.csv, line 2: .* m apart: are columns "x", "y", "z" of the tables in mm', capsys.readouterr().err)
+
+
 @pytest.mark.parametrize(
     ("rows", "message"),
     [

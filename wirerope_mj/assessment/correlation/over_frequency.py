@@ -22,6 +22,7 @@ _POWER = 1e-3  # of the largest density, below which there is nothing but noise
 _DRIVEN = 1e-2  # of the base's largest density, below which it does not drive: less is noise in tests
 _PER_OCTAVE = 6  # bands over which densities are averaged
 _SEGMENTS = 8  # of a coherence, at least: that of a single segment is always one
+_SILENT = 1e-3  # least ratio
 _NOTABLE = 0.1  # deviation of a ratio from which it is worth a sentence
 
 
@@ -48,8 +49,8 @@ class SpectrumRatio:
 
     @property
     def ratio(self) -> Array:
-        """Model over measurement, (n_f,)."""
-        return self.model / self.measured
+        """Model over measurement, (n_f,), of a model that does not move 60 dB below it."""
+        return np.maximum(self.model / self.measured, _SILENT)
 
     @property
     def within_3db(self) -> float:
@@ -87,7 +88,7 @@ def is_transient(values: Array) -> bool:
 
 def shock_ratio(pair: Pair) -> SpectrumRatio | None:
     """Return the shock response spectra (maximax, Q = 10) of two accelerations that are transients; None for others."""
-    if pair.channel.quantity != "acceleration" or not is_transient(pair.measured):
+    if pair.channel.quantity != "acceleration" or not np.ptp(pair.measured) or not is_transient(pair.measured):
         return None
     lowest, highest = _range(pair)
     highest = min(highest, pair.rate / SAMPLES_PER_PERIOD)

@@ -122,8 +122,7 @@ class GrowingBranch:
             return last, length
         if (point.parameter - options.stop) * options.sign >= 0.0:
             point = self.path.at_value(last, options.stop) or point
-            passed = "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in self.gaps)
-            self.complete, self.message = True, f"reached {self._where(point)}{passed}"
+            self.complete, self.message = True, f"reached {self._where(point)}{_not_followed(self.gaps)}"
         elif (point.parameter - options.start) * options.sign < 0.0 and len(self.rows) > 2:
             self.message = f"ended at {self._where(point)}: it passed its start again"
         elif not leapt:
@@ -293,6 +292,13 @@ class GrowingBranch:
             model_steps=self.search.flow.steps + self._earlier_steps, message=self.message,
             beyond_travel=self.beyond_travel,
         )  # fmt: skip
+
+
+def _not_followed(gaps: list[tuple[float, float]]) -> str:
+    """Name the gaps of a branch, many of them by what they span."""
+    if len(gaps) > 2:
+        return f"; not followed in {len(gaps)} places from {min(map(min, gaps)):.5g} to {max(map(max, gaps)):.5g}"
+    return "".join(f"; not followed from {a:.5g} to {b:.5g}" for a, b in gaps)
 
 
 def _angle(a: Point, b: Point) -> float:

@@ -19,6 +19,7 @@ _LEVEL = 0.1  # a mount whose direction rises less than this (6 degrees) counts 
 # radii of gyration from the centre of mass, or times the distance of the mounts, or of [m] where these are nearer: no machine's
 # foot is so far out, no machine so large; a table in other units is a thousand
 _FAR, _LEAST = 20.0, 0.3
+_LARGEST = 300.0  # distance of mounts [m] that no floor reaches: a cabinet's in mm are farther apart
 
 
 @dataclass(frozen=True, eq=False)
@@ -197,6 +198,11 @@ def check_places(layout: Layout, masses: Path) -> None:
                 f'{placed.location}: "{placed.name}" stands outside, {distance:.4g} m from the centre of mass of a payload '
                 f'whose radius of gyration is {radius:.4g} m. Check columns "x", "y", "z" and their units in both tables.'
             )
+    if apart > _LARGEST:
+        raise RecordError(
+            f'{layout.mounts[0].location}: mounts are up to {apart:.4g} m apart: are columns "x", "y", "z" of the tables in mm '
+            "where the header says m?"
+        )
     for mount in layout.mounts:
         axial, towards = mount.axes[2], payload.centre - mount.position
         level = abs(axial[2]) <= _LEVEL
