@@ -101,7 +101,7 @@ def fitted(device, seed):
 
 
 def misses(seed):
-    """Yield residual, deflection over tested travel, and the relative errors of deflection and acceleration, a shock each."""
+    """Yield misfit, deflection over tested travel, and the relative errors of deflection and acceleration, a shock each."""
     device = drawn(seed)
     found, stiffness = fitted(device, seed)
     mass = stiffness / (2.0 * np.pi * 10.0) ** 2
@@ -117,11 +117,11 @@ def misses(seed):
         peaks = wr.simulate(sdof(found.law, mass=mass), pulse, duration=0.15, accuracy=1e-3).peaks
         deflection = peaks.mounts["m1"].deflection.value
         acceleration = peaks.bodies["mass"].acceleration.value
-        yield found.residual, true[0] / SIZES[-1], deflection / true[0] - 1.0, acceleration / true[1] - 1.0
+        yield found.misfit, true[0] / SIZES[-1], deflection / true[0] - 1.0, acceleration / true[1] - 1.0
 
 
 def main():
-    """Print for each device what its law misses, and what factor on the residual holds 90 % of them."""
+    """Print for each device what its law misses, and what factor on the misfit holds 90 % of them."""
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("devices", type=int)
     parser.add_argument("--seed", type=int, default=1, help="of the first")
@@ -133,16 +133,16 @@ def main():
         errors = np.abs(rows[:, 2:])
         worst.append((rows[0, 0], errors[:, 0].max(), errors[:, 1].max()))
         print(
-            f"seed {seed}, {drawn(seed).kind}: residual {100 * rows[0, 0]:.2g} %, {len(rows)} shocks to "
+            f"seed {seed}, {drawn(seed).kind}: misfit {100 * rows[0, 0]:.2g} %, {len(rows)} shocks to "
             f"{np.round(rows[:, 1], 2).tolist()} of the tested travel, peaks missed by up to "
             f"{100 * worst[-1][1]:.2g} % of deflection, {100 * worst[-1][2]:.2g} % of acceleration",
             flush=True,
         )
-    residual, deflection, acceleration = np.array(worst).T
+    misfit, deflection, acceleration = np.array(worst).T
     for name, error in (("deflection", deflection), ("acceleration", acceleration)):
         print(
-            f"{name}: 90 % of devices within {100 * np.quantile(error, 0.9):.2g} %, factor on the residual "
-            f"{np.quantile(error / residual, 0.9):.2g} (all shocks of a device)"
+            f"{name}: 90 % of devices within {100 * np.quantile(error, 0.9):.2g} %, factor on the misfit "
+            f"{np.quantile(error / misfit, 0.9):.2g} (all shocks of a device)"
         )
 
 

@@ -18,6 +18,8 @@ from wirerope_mj.engine.response.histories import SENSITIVE
 from wirerope_mj.foundation.payload_limits import PayloadLimit
 from wirerope_mj.motions.spectra.srs import held
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 G = wr.STANDARD_GRAVITY
 PULSE = wr.HalfSine(peak=15.0 * G, duration=0.011, direction="z")
 

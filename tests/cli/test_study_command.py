@@ -188,6 +188,13 @@ def test_travel_along_one_axis_is_told_from_that_of_all_together(tmp_path, capsy
     assert "Combined travel (utilisation of all rated travels at once, in-house rule): beyond 100 % in" in out
 
 
+def test_a_variant_with_nothing_to_stand_on_comes_before_those_within_their_limits(tmp_path, capsys):
+    command = ["study", "shock_table", "--duration", "0.4", "--out", str(tmp_path / "out"), "--workers", "1"]
+    vary = ["--vary", "mount/m1/failed = Choice('', 'm1')", "--sampling", "grid", "--limit", "acceleration = 100 g"]
+    assert main([*command, *vary]) == 0
+    assert "1 of 2 variants could not be simulated, 1 is within the limits" in capsys.readouterr().out
+
+
 def test_the_report_of_a_study_is_one_page_that_needs_nothing_else(done, capsys):
     _, folder = done
     assert main(["study-report", str(folder)]) == 0

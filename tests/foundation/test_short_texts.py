@@ -9,6 +9,8 @@ from one_scale import one_scale
 import wirerope_mj as wr
 from wirerope_mj.runs.scenario import load_scenario
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 MOST = 2000
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 POINTS = ((5.0, 1.0), (50.0, 1.0))

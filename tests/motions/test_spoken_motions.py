@@ -201,6 +201,7 @@ def test_random_vibration_has_the_density_of_its_file(tmp_path):
         ("half-sine", "11 ms z", "an acceleration must stand there"),
         ("half-sine", "15 g 11 ms", "a direction must stand there"),
         ("half-sine", "15 11 ms z", '"15" has no unit'),
+        ("half-sine", "11 ms 15 z", '"15" has no unit'),
         ("half-sine", "15 g 11 ms z 20 g", "there are 2 of acceleration, and 1 is expected"),
         ("half-sine", "15 g 11 ms z 3 Hz", "there is one of frequency, and none is expected"),
         ("half-sine", "1,5 g 11 ms z", "decimals are written with a point"),

@@ -145,9 +145,9 @@ def test_an_identification_says_how_well_peaks_of_shocks_are_known():
     import prediction_errors as foreign
 
     found, _ = foreign.fitted(foreign.drawn(113), 113)
-    assert f"within {100.0 * OF_DEFLECTION * found.residual:.2g} % of deflection" in found.prediction
+    assert f"within {100.0 * OF_DEFLECTION * found.misfit:.2g} % of deflection" in found.prediction
     assert found.prediction in str(found)
-    for residual, reached, deflection, acceleration in foreign.misses(113):
+    for misfit, reached, deflection, acceleration in foreign.misses(113):
         assert reached <= 1.0
-        assert abs(deflection) <= OF_DEFLECTION * residual
-        assert abs(acceleration) <= OF_ACCELERATION * residual
+        assert abs(deflection) <= OF_DEFLECTION * misfit
+        assert abs(acceleration) <= OF_ACCELERATION * misfit

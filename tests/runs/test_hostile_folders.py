@@ -7,7 +7,10 @@ from hostile_commands import COMMANDS, colleague, faults
 
 from wirerope_mj.cli import app
 
-pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither pipes in folders nor modes of files")
+pytestmark = [
+    pytest.mark.skipif(sys.platform == "win32", reason="Windows has neither pipes in folders nor modes of files"),
+    pytest.mark.filterwarnings("ignore:the given step of"),  # what is asked here holds at coarse steps
+]
 
 
 @pytest.fixture(scope="module")

@@ -193,6 +193,16 @@ def test_intervals_of_any_forward_model_hold_the_truth_as_often_as_they_say():
     assert 28 <= inside <= 40
 
 
+def test_a_value_beyond_its_prior_is_said_to_end_there_and_what_is_left_is_of_the_values():
+    time, forward = forward_of(swinging)
+    noise = 0.01 * np.random.default_rng(2).standard_normal(time.size)
+    prior = Prior.of({"amplitude": wr.Uniform(0.5, 1.0), "frequency": wr.Uniform(2.5, 3.5)})
+    found = calibrate_model(forward, [series_of(time, swinging(time, 1.1, 3.05) + noise)], prior, draws=300)
+    assert found.at_an_end == {"amplitude": "upper"}
+    deviations = np.std(found.samples, axis=0) * np.sqrt(12.0) / [0.5, 1.0]  # over those of uniform distributions
+    np.testing.assert_allclose(found.learned, deviations, rtol=1e-5)
+
+
 @pytest.mark.slow
 def test_a_model_that_does_not_follow_is_not_sure_of_itself():
     time, forward = forward_of(swinging)

@@ -24,6 +24,7 @@ pytestmark = pytest.mark.filterwarnings(  # of Dask's own sockets, when its proc
     "ignore::ResourceWarning",
     "ignore::pytest.PytestUnraisableExceptionWarning",
     "ignore::DeprecationWarning:distributed",
+    "ignore:the given step of",  # what is asked here holds at coarse steps
 )
 
 

@@ -7,6 +7,8 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.mounts.vendor_parts import find_isolator
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="z", start=0.01)
 
 

@@ -7,6 +7,8 @@ import wirerope_mj as wr
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.studies.inputs.vary_option import read_vary
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 PULSE = wr.HalfSine(peak=100.0, duration=0.011, direction="y", start=0.01)
 
 

@@ -24,6 +24,8 @@ from wirerope_mj.studies.results.study_summary import summary_of
 from wirerope_mj.studies.results.varied import varied_of
 from wirerope_mj.views.terminal import print_table
 
+pytestmark = pytest.mark.filterwarnings("ignore:the given step of")  # what is asked here holds at coarse steps
+
 VALUE = {"body/genset/centre/z": wr.Normal(CENTRE, 0.03)}
 SHIFT = {"body/genset/centre_shift/z": wr.Normal(0.0, 0.03)}
 OLD = {"body/genset/centre/z": wr.Normal(0.0, 0.03)}

@@ -152,7 +152,7 @@ def test_the_foot_swings_out_and_the_top_does_not(along_x):
 def test_the_stabilisers_turn_before_the_centre_of_mass(page):
     """What friction takes in the free rack it takes after that."""
     step = wr.VelocityStep(velocity=page["velocity"], direction="x")
-    response = wr.simulate(page["model"], step, duration=0.06, timestep=2e-4, sample_rate=5000.0)
+    response = wr.simulate(page["model"], step, duration=0.06, timestep=2e-5, sample_rate=5000.0)
     centre = (response.bodies["rack"].position - response.base.displacement)[:, 0]
     behind = response.mounts["s2"].deflection[:, 2]
     assert response.time[behind.argmin()] < response.time[centre.argmin()] - 0.005  # 8 ms of a quarter period of 25

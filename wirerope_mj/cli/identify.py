@@ -23,6 +23,7 @@ from wirerope_mj.mounts.identification.records import (
     identified_isolator,
     loop_warnings,
     read_tests,
+    turned_round,
 )
 from wirerope_mj.mounts.identification.result import fitted_loops
 from wirerope_mj.mounts.isolator import Isolator, read_law
@@ -115,6 +116,7 @@ def identify_records(
     warnings, unseen = loop_warnings(tests, result)
     if falling := falling_in_rating(result, axis, whole or known):
         warnings.append(f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that")
+    warnings += filter(None, [turned_round(result, axis)])
     content = identification_content(
         result, fitted_loops(result), title=f"{name}, {axis}: {kinds}",
         sources=[f"{path}: {contents(loops)}{unseen.get(path, '')}" for path, loops in tests.items()], warnings=warnings,

@@ -58,6 +58,7 @@ def _headline(result: Calibration) -> Statement:
     doubts = []
     if error > DISCREPANT:
         doubts.append(f"the model does not follow the tests: its own error is {100.0 * error:.2g} % of the response")
+    doubts += [f"{name} is at the {end} end of its prior" for name, end in result.at_an_end.items()]
     doubts += ["the tests do not tell everything"] if result.not_identified else []
     text = f"{known}; {'; '.join(doubts)}." if doubts else f"{known}."
     return Statement(id="headline", text=text, tone="unjudged" if doubts else "within", values=values)
@@ -85,7 +86,9 @@ def _values_table(result: Calibration) -> Table:
         value, low, high = (round(float(one), decimals) for one in (result.values[k], low, high))
         left = float(result.learned[k])
         note: Cell = ""
-        if left > LITTLE:
+        if end := result.at_an_end.get(name):
+            note = Mark(f"at the {end} end of its prior", "unjudged")
+        elif left > LITTLE:
             note = Mark("the tests say little of it", "unjudged")
         elif name in result.insignificant:
             note = Mark("not significant; consider dropping it", "unjudged")
@@ -104,7 +107,11 @@ def _values_table(result: Calibration) -> Table:
 
 def _findings(result: Calibration) -> Statement:
     texts = [result.message]
-    texts += result.not_identified or ("the tests tell every value",)
+    texts += [
+        f"{name} ends at the {end} end of what was stated of it before, and may lie beyond: state a wider prior"
+        for name, end in result.at_an_end.items()
+    ]
+    texts += result.not_identified or (() if result.at_an_end else ("the tests tell every value",))
     texts += [f"{name} is not significant; consider dropping it" for name in result.insignificant]
     worst = int(np.argmax(result.discrepancies))
     if (error := float(result.discrepancies[worst])) > DISCREPANT:

@@ -30,7 +30,7 @@ def catalogue_selection_content(selection: CatalogueSelection, *, every: bool) -
     else:
         nearest = next((one for one in tried), None)
         beyond = "" if nearest is None else f"; nearest {_called(nearest)}, {_critical(nearest)}"
-        text = f"None of {counted} keeps every limit{beyond}."
+        text = f"None of {counted} keeps every limit{beyond}." if tried else "No part could be simulated."
     return Content(
         title="Selection of isolators",
         verdict=Statement(id="headline", text=text, tone="within" if meeting else "exceeded", values=values),

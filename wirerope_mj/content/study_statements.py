@@ -150,7 +150,7 @@ def not_counted(beyond: Exceedance) -> str:
     """Return how many variants are not judged, and how many not counted; "" if all are."""
     early = f"; {beyond.early} ended too early to be judged" if beyond.early else ""
     are = "is" if beyond.failed == 1 else "are"
-    return early + (f"; {beyond.failed} more failed and {are} not counted" if beyond.failed else "")
+    return early + (f"; {beyond.failed} more could not be simulated and {are} not counted" if beyond.failed else "")
 
 
 def early_statements(table: pa.Table) -> list[str]:

@@ -132,7 +132,7 @@ def _quantity(unit: str, part: str, expected: str) -> tuple[str, float]:
     """Return quantity and factor into SI of a unit; ValueError if it is unknown, or of another quantity than expected."""
     known = UNITS[expected] if expected else _OF_UNIT
     if unit not in known:
-        bare = not unit or _NUMBER.match(unit)
+        bare = not unit or _NUMBER.match(unit) or directions_in(unit)
         fault = f'"{short(part)}" has no unit' if bare else f'"{short(unit)}" is no unit known here'
         raise ValueError(f"{fault}; known are {', '.join(known)}.")
     return _OF_UNIT[unit]

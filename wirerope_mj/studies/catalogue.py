@@ -9,11 +9,13 @@ from wirerope_mj.engine.simulation.stability import slowest_period
 from wirerope_mj.engine.simulation.stepper import HISTORIES
 from wirerope_mj.engine.statics import equilibrium
 from wirerope_mj.engine.statics.find import settle_together
+from wirerope_mj.engine.statics.payloads import payloads_of
 from wirerope_mj.engine.system import System, load_system
 from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelError, ModelWarning, WireRopeError
 from wirerope_mj.foundation.summary import Summarised
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
@@ -22,6 +24,7 @@ from wirerope_mj.studies.race import LEVELS, Race
 from wirerope_mj.studies.race import TriedPart as TriedPart
 
 _ACCURACY = 1e-3  # of the peaks: the figures are shown to three digits
+_HOPELESS = 10.0  # times the rated static load from which on there is no equilibrium worth a search
 Progress = Callable[[float], None]
 
 
@@ -67,8 +70,13 @@ def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[st
     """Yield name, system and "" of each part, or None and why there is none."""
     mounts = replaced(system)
     names = {system.mounts[name].isolator_name for name in mounts}
+    weight = sum(one.mass for one in payloads_of(system)) * STANDARD_GRAVITY
     base: System | None = None
     for name, isolator in parts.items():
+        rated = isolator.limits.static_load
+        if rated is not None and weight > _HOPELESS * rated * len(mounts):
+            yield name, None, f"the weight is {weight / (rated * len(mounts)):.3g} times what its mounts are rated for"
+            continue
         lacking = [axis for axis, law in isolator.axes.items() if law is None and axis not in isolator.free]
         if lacking:
             yield name, None, f"its table states nothing in {' and '.join(lacking)}"

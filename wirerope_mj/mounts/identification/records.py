@@ -19,11 +19,13 @@ from wirerope_mj.mounts.test_rig import load_cycles
 from wirerope_mj.mounts.test_rig.faults import checked_file
 from wirerope_mj.mounts.test_rig.passive import is_level
 from wirerope_mj.mounts.test_rig.recorded import RecordedLoop
+from wirerope_mj.mounts.test_rig.turning import rms_noise
 
 Tests = Mapping[Path, Sequence[Loop]]
 _Loops = Sequence[tuple[Path, Loop]]
 # Fraction of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it.
 _STEADY = 0.01
+_OF_NOISE = 3.0  # Standard deviations of the noise of a mean of cycles that the ends of the last may differ by besides
 _ONE_CYCLE = 0.05  # The same of a single cycle, whose ends have the noise of samples
 _SOFT = 1e3  # Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre
 # Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold.
@@ -78,14 +80,14 @@ def loop_warnings(tests: Tests, result: Identification) -> tuple[list[str], dict
 
 
 def _unsteady(loops: _Loops) -> list[str]:
-    """Return a warning for each loop that counts as steady and still changes from cycle to cycle."""
+    """Return a warning for each loop that counts as steady and still changes from cycle to cycle, by more than its noise."""
     return [
         f"{path}: {_size(loop)} is not steady, its last cycle ends {100.0 * loop.closure:.2g} % of its force range from where "
         "it began, and is fitted as if it were: parameters may be off by more than their errors. Record the way from the "
         "unloaded device, or more cycles"
         for path, loop in loops
         if not (isinstance(loop, RecordedLoop) and loop.averaged)
-        and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE)
+        and loop.closure > (_STEADY if loop.cycles > 1 else _ONE_CYCLE) + _OF_NOISE * rms_noise(loop.force) / np.ptp(loop.force)
     ]
 
 
@@ -195,6 +197,17 @@ def falling_in_rating(result: Identification, axis: str, rated: Isolator | None)
         return ""
     below, above = (travel or 0.0 for travel in rated.rated_travel(axis))
     return falling_text(result.law, -below, above)
+
+
+def turned_round(result: Identification, axis: str) -> str:
+    """Return a question where the axial force grows faster in compression than in tension, as no wire rope's does; else ""."""
+    one = result.parameters.get("c_ln_b")
+    if axis != "axial" or one is None or one.fixed or one.value + 2.0 * one.standard_error >= 0.0:
+        return ""
+    return (
+        f"the law stiffens in compression (c ln b = {one.value:.3g} 1/m), where wire rope stiffens in tension: does the record "
+        "count compression as positive? Then change the signs of deflection and force"
+    )
 
 
 def assumptions(result: Identification, given: Sequence[str]) -> list[str]:

@@ -26,6 +26,7 @@ TOGETHER = 0.95  # Correlation from which on two unknowns are known together onl
 OPEN = 0.2
 DISCREPANT = 0.1  # Discrepancy over the response from which on the model does not follow a channel
 LOGARITHMS = "logarithm of frequency"  # What series of logarithms are across: their differences are errors as they stand
+FAR = 2.5  # Standard deviations of the prior from which on a median stands at its end: one of a hundred is so far out
 # Step of u for the slopes of peaks, and slope below which an unknown does not move them: a percent in what was not known
 STEP, UNMOVED = 0.02, 0.01
 # Octaves to each side of a history's frequency, and Q, of the oscillators that say how far peaks are off: those of what stands
@@ -115,8 +116,15 @@ class Calibrated(Summarised):
 
     @property
     def learned(self) -> Array:
-        """Standard deviation after the tests over that before, in the prior's own scale, (d,): 1 where nothing was learned."""
-        return np.asarray(np.std(self.normals, axis=0))
+        """Standard deviation after the tests over that before, (d,): 1 where nothing was learned."""
+        evenly = np.repeat((np.arange(1000)[:, None] + 0.5) / 1000, len(self.names), axis=1)
+        return np.asarray(np.std(self.samples, axis=0) / np.std(self.problem.prior.quantiles(evenly), axis=0))
+
+    @property
+    def at_an_end(self) -> dict[str, str]:
+        """Upper or lower, by names of the unknowns whose median lies at that end of what was stated before."""
+        middle = dict(zip(self.names, np.median(self.normals, axis=0).tolist(), strict=True))
+        return {name: "upper" if u > 0.0 else "lower" for name, u in middle.items() if abs(u) > FAR}
 
     @property
     def insignificant(self) -> tuple[str, ...]:
