@@ -122,12 +122,12 @@ def test_columns_are_taken_by_themselves():
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"discard": 0.995}, r"too short for a density: 0\.005 s are left of 1 s after the first 0\.995 s"),
+        ({"discard": 0.995}, r"too short for a density: of 1 s the first 0\.995 s do not count; at least 1\.003 s are needed"),
         ({"resolution": 0.5}, r"too short for a density at 0\.5 Hz.* at least 2 s are needed"),
         ({"resolution": 300.0}, "`resolution` must leave at least 8 samples to a segment: at most 125 Hz"),
         ({"resolution": 0.0}, "`resolution` must be > 0"),
         ({"discard": -1.0}, "`discard` must be >= 0"),
-        ({"discard": 5.0}, "too short for a density: 0 s are left"),
+        ({"discard": 5.0}, r"too short for a density: of 1 s the first 5 s do not count; at least 5\.008 s"),
     ],
 )
 def test_bad_input_is_refused(changes, message):

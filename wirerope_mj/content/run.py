@@ -188,6 +188,7 @@ def _random(verdicts: Sequence[Verdict]) -> Table | None:
     values = {(row.subject, row.criterion): row.value for row in verdicts}
     if not values:
         return None
+    most = max((row for row in verdicts if row.criterion.kind == RMS), key=lambda row: row.value)
     kinds = (("rms", RMS), ("3-sigma", SIGMA))
     criteria = [(f"{text} {axis}", Criterion(kind, axis=axis)) for text, kind in kinds for axis in "xyz"]
     return Table(
@@ -198,7 +199,8 @@ def _random(verdicts: Sequence[Verdict]) -> Table | None:
             [name, *(values.get((name, criterion)) for _, criterion in criteria)]
             for name in dict.fromkeys(row.subject for row in verdicts)
         ],
-        note="Of the stationary part, from where the response has settled in it.",
+        note="Of the stationary part, from where the response has settled in it. The largest rms, "
+        f"{most.subject} {most.criterion.axis}: {most.note}.",
     )
 
 

@@ -125,8 +125,8 @@ def power_spectral_density(
                 f"{1.0 / (LEAST_SAMPLES * step):.6g} Hz, got {resolution:.6g}."
             )
         raise ValueError(
-            f"`time` is too short for a density{wanted}: {left:.6g} s are left of {length:.6g} s after the first "
-            f"{discard:.6g} s; at least {least:.6g} s are needed, and several times that to be certain of anything."
+            f"`time` is too short for a density{wanted}: of {length:.6g} s the first {discard:.6g} s do not count; at least "
+            f"{discard + least:.6g} s are needed, several times that beyond the first to be certain of anything."
         )
     window = scipy.signal.windows.hann(size, sym=False)
     hop = size - size // 2
