@@ -291,6 +291,13 @@ def test_rows_that_are_missing_at_a_turning_point_are_named():
         steady_loops(deflection[kept], force[kept], time=time[kept])
 
 
+def test_a_stroke_that_is_missing_is_named():
+    time, deflection, force = sine()
+    kept = np.gradient(deflection, time) > 0.0
+    with pytest.raises(ValueError, match=r"3\.\d+ s of a cycle of 6\.\d+ s hold no samples: are rows missing there\?"):
+        steady_loops(deflection[kept], force[kept], time=time[kept])
+
+
 def test_series_that_are_no_record_are_refused():
     _, deflection, force = sine()
     with pytest.raises(ValueError, match="must be finite series of one length"):

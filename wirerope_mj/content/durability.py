@@ -80,7 +80,7 @@ def _table(mission: Mission, damages: Sequence[MountDamage], most: int) -> Table
     if any(stage.hours is not None for stage in mission.stages):
         note += " Hours are of steady vibration: without rise, fall and what follows."
     columns = (
-        Column("mount", align="left"), Column("axis", align="left"), Column("cycles", form=".1f"),
+        Column("mount", align="left"), Column("axis", align="left"), Column("cycles", form=".6g"),
         Column("largest\nrange", unit, ".3g"), Column("equivalent\namplitude", unit, ".3g"),
         *((Column("damage", form=".3g"), Column("lasts\n[lives]", form=".3g")) if known else ()),
         Column(f"damage over that\nof {_called(worst)}" if worst else "damage", "%", ".3g"),

@@ -23,6 +23,7 @@ KEPT = 3
 _FEWEST = 12  # samples in a cycle: fewer do not show how its branches bend
 _ALIKE = 0.05  # ratio by which strokes of one run may differ: amplitudes that a test tells apart differ by more
 _AT_ENDS = 0.02  # the same for the strokes that a record begins and ends with, which may stop short of turning round
+_HOLE = 0.25  # of a period: samples that are farther apart do not show one of the strokes
 _REPEATS = 0.02  # of the amplitude, root mean square: cycles that repeat the deflection less well are not averaged
 _UNLOADED = 0.05  # of its range, within which a record begins at the unloaded device
 
@@ -176,6 +177,12 @@ def _loop_of_run(trace: Trace, force: Array, first: int, last: int, locate: Loca
     require_unclipped(trace.deflection[every], force[every], location, stop=stop)
     times = trace.times[[last - 2, last]]
     rise, period = np.diff(np.interp(times, trace.time, trace.smoothed(force)))[0], times[1] - times[0]
+    hole = max(float(np.diff(trace.time[cycle.samples]).max()) for cycle in kept)
+    if hole > _HOLE * period:
+        raise ValueError(
+            f"{location}: {hole:.3g} s of a cycle of {period:.3g} s hold no samples: are rows missing there? Both strokes "
+            "must be recorded."
+        )
     slope = _drift(trace, kept, force, last) if len(kept) > 1 else rise / period
     gap = abs(float(rise - slope * period))
     without_drift = force - slope * (trace.time - times[1])
