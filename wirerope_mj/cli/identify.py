@@ -116,7 +116,8 @@ def identify_records(
     warnings, unseen = loop_warnings(tests, result)
     if falling := falling_in_rating(result, axis, whole or known):
         warnings.append(f"{falling}, within the rated travel: a shock that goes there has no answer; test as far as that")
-    warnings += filter(None, [turned_round(result, axis)])
+    if turned := turned_round(result, axis):
+        warnings.append(turned)
     content = identification_content(
         result, fitted_loops(result), title=f"{name}, {axis}: {kinds}",
         sources=[f"{path}: {contents(loops)}{unseen.get(path, '')}" for path, loops in tests.items()], warnings=warnings,

@@ -90,8 +90,7 @@ def _verdict(summary: StudySummary) -> Statement:
         text = f"A limit is exceeded in {most.count} of {most.n} variants{of}{rest}"
         return Statement(id="headline", text=text, tone="exceeded", values=values)
     if most.failed:
-        early = f"; {most.early} ended too early to be judged" if most.early else ""
-        kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{early}"
+        kept = f"{most.judged} {'is' if most.judged == 1 else 'are'} within the limits{not_counted(replace(most, failed=0))}"
         text = f"{most.failed} of {most.n + most.failed} variants could not be simulated, {kept}"
         return Statement(id="headline", text=text, tone="unjudged", values=values)
     text, tone = f"Within the limits in all {most.judged} variants{rest}", "unjudged" if rest else "within"

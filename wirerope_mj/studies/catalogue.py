@@ -15,7 +15,6 @@ from wirerope_mj.engine.system.varied import varied
 from wirerope_mj.foundation.arguments import one_of
 from wirerope_mj.foundation.errors import ModelError, ModelWarning, WireRopeError
 from wirerope_mj.foundation.summary import Summarised
-from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions import BaseMotion
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.vendor_parts import catalogue as catalogue
@@ -70,12 +69,12 @@ def _systems(system: System, parts: Mapping[str, Isolator]) -> Iterator[tuple[st
     """Yield name, system and "" of each part, or None and why there is none."""
     mounts = replaced(system)
     names = {system.mounts[name].isolator_name for name in mounts}
-    weight = sum(one.mass for one in payloads_of(system)) * STANDARD_GRAVITY
+    weight = sum(one.mass for one in payloads_of(system)) * math.hypot(*system.model.opt.gravity)
     base: System | None = None
     for name, isolator in parts.items():
-        rated = isolator.limits.static_load
-        if rated is not None and weight > _HOPELESS * rated * len(mounts):
-            yield name, None, f"the weight is {weight / (rated * len(mounts)):.3g} times what its mounts are rated for"
+        rated = (isolator.limits.static_load or math.inf) * len(mounts)
+        if weight > _HOPELESS * rated:
+            yield name, None, f"the weight is {weight / rated:.3g} times what its mounts are rated for"
             continue
         lacking = [axis for axis, law in isolator.axes.items() if law is None and axis not in isolator.free]
         if lacking:

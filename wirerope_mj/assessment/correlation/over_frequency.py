@@ -22,7 +22,7 @@ _POWER = 1e-3  # of the largest density, below which there is nothing but noise
 _DRIVEN = 1e-2  # of the base's largest density, below which it does not drive: less is noise in tests
 _PER_OCTAVE = 6  # bands over which densities are averaged
 _SEGMENTS = 8  # of a coherence, at least: that of a single segment is always one
-_SILENT = 1e-3  # least ratio
+_SILENT = 1e-3  # least ratio that is told, -60 dB: that of a model that does not move has no logarithm
 _NOTABLE = 0.1  # deviation of a ratio from which it is worth a sentence
 
 
@@ -49,7 +49,7 @@ class SpectrumRatio:
 
     @property
     def ratio(self) -> Array:
-        """Model over measurement, (n_f,), of a model that does not move 60 dB below it."""
+        """Model over measurement, (n_f,), no less than -60 dB."""
         return np.maximum(self.model / self.measured, _SILENT)
 
     @property

@@ -25,8 +25,8 @@ Tests = Mapping[Path, Sequence[Loop]]
 _Loops = Sequence[tuple[Path, Loop]]
 # Fraction of the force range within which cycles that count as steady close: noise of 1 % of its half shows half of it.
 _STEADY = 0.01
-_OF_NOISE = 3.0  # Standard deviations of the noise of a mean of cycles that the ends of the last may differ by besides
 _ONE_CYCLE = 0.05  # The same of a single cycle, whose ends have the noise of samples
+_OF_NOISE = 3.0  # Standard deviations of the noise of a mean of cycles that the ends of the last may differ by besides
 _SOFT = 1e3  # Secant stiffness [N/m] below which a device carries less than a kilogram on a centimetre
 # Times that the stiffness of one file may be another's: amplitudes change it tenfold, a wrong unit a thousandfold.
 _OTHER_UNITS = 100.0

@@ -114,13 +114,13 @@ class Calibrated(Summarised):
         """Return the ends of the central intervals that hold each unknown with a probability, (d, 2)."""
         return np.quantile(self.samples, [0.5 - 0.5 * level, 0.5 + 0.5 * level], axis=0).T
 
-    @property
+    @cached_property
     def learned(self) -> Array:
         """Standard deviation after the tests over that before, (d,): 1 where nothing was learned."""
         evenly = np.repeat((np.arange(1000)[:, None] + 0.5) / 1000, len(self.names), axis=1)
         return np.asarray(np.std(self.samples, axis=0) / np.std(self.problem.prior.quantiles(evenly), axis=0))
 
-    @property
+    @cached_property
     def at_an_end(self) -> dict[str, str]:
         """Upper or lower, by names of the unknowns whose median lies at that end of what was stated before."""
         middle = dict(zip(self.names, np.median(self.normals, axis=0).tolist(), strict=True))
