@@ -1,4 +1,4 @@
-"""A command that compiles starts one process beside it, which ends with it; a library starts none."""
+"""A command that compiles starts one process beside it, which ends with it; a library starts none. A copy writes files."""
 
 import os
 import subprocess
@@ -52,3 +52,49 @@ def test_a_library_starts_none_and_so_does_a_command_with_one_processor(tmp_path
 def test_none_is_started_where_compiled_kernels_are_not_kept(tmp_path):
     (tmp_path / "file").touch()
     assert beside(tmp_path, cache="file/cache", waits=False) == []
+
+
+COPIED = """
+import os, threading, time
+from wirerope_mj.foundation import processes
+processes.processors = lambda: {processors}
+me = os.getpid()
+def work():
+    print("here" if os.getpid() == me else "copy", file=open("worked", "a"))
+    {work}
+{before}
+with processes.run_beside(work):
+    {block}
+"""
+
+
+def worked(folder, *, processors=2, work="", before="", block="time.sleep(0.5)"):
+    """Run work beside a block, and return where it ran, one after the other, and the last line of what was raised."""
+    code = COPIED.format(processors=processors, work=work, before=before, block=block)
+    done = subprocess.run(
+        [sys.executable, "-c", code], cwd=folder, env=processes.environment_of_children(), capture_output=True, text=True,
+        timeout=60,
+    )  # fmt: skip
+    note = folder / "worked"
+    return note.read_text().split() if note.exists() else [], (done.stderr.splitlines() or [""])[-1]
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="a process is copied on Linux alone")
+class TestRunBeside:
+    def test_work_runs_in_a_copy_while_the_block_does(self, tmp_path):
+        waits = "while not os.path.exists('worked'): time.sleep(0.01)"
+        assert worked(tmp_path, block=waits) == (["copy"], "")
+
+    def test_what_fails_in_the_copy_runs_again_here_and_says_what_is_wrong(self, tmp_path):
+        assert worked(tmp_path, work="raise OSError('full')") == (["copy", "here"], "OSError: full")
+
+    def test_a_block_that_fails_ends_the_copy(self, tmp_path):
+        begun = time.monotonic()
+        assert worked(tmp_path, work="time.sleep(30)", block="raise OSError('full')")[1] == "OSError: full"
+        assert time.monotonic() - begun < 15.0
+
+    @pytest.mark.parametrize("how", [
+        {"processors": 1}, {"before": "threading.Thread(target=time.sleep, args=(1.0,)).start()"},
+    ])  # fmt: skip
+    def test_there_is_no_copy_for_one_processor_or_of_several_threads(self, tmp_path, how):
+        assert worked(tmp_path, **how) == (["here"], "")

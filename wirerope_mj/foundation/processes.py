@@ -1,10 +1,13 @@
-"""Other processes that this one starts: how many, which modules they find, and one that compiles kernels beside a command."""
+"""Other processes that this one starts: how many, which modules they find, and those that compile or write files beside it."""
 
 import atexit
 import os
+import signal
 import subprocess
 import sys
-from contextlib import suppress
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 # What the process beside a command runs, and whether this one may start it: commands may; a library starts none unasked.
@@ -44,3 +47,38 @@ def compile_beside() -> None:
             process = subprocess.Popen(BESIDE, env=environment_of_children(), stdin=nothing, stdout=nothing, stderr=nothing)
             atexit.register(process.terminate)
     _allowed = False
+
+
+@contextmanager
+def run_beside(work: Callable[[], object]) -> Iterator[None]:
+    """Run `work`, which writes files, in a copy of this process while the block runs; after it where there is no copy.
+
+    Where the copy does not come to its end, `work` runs here again, and raises what is wrong.
+    """
+    copy = _copy_that_runs(work)
+    try:
+        yield
+    except BaseException:
+        if copy:
+            os.kill(copy, signal.SIGKILL)
+            os.waitpid(copy, 0)
+        raise
+    if not copy or os.waitpid(copy, 0)[1] != 0:
+        work()
+
+
+def _copy_that_runs(work: Callable[[], object]) -> int:
+    """Fork a process that runs `work`, and return its number; 0 if there is no second processor, or a copy might not live.
+
+    Of several threads a copy has one, and waits forever for what the others hold; macOS's own libraries are not made for it.
+    """
+    if sys.platform != "linux" or processors() == 1 or threading.active_count() > 1:
+        return 0
+    if copy := os.fork():
+        return copy
+    code = 1
+    try:
+        work()
+        code = 0
+    finally:
+        os._exit(code)

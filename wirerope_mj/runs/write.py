@@ -28,6 +28,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.atomic_files import atomic_folder, check_folder, json_text
 from wirerope_mj.foundation.errors import ModelError
 from wirerope_mj.foundation.plain_text import markdown, markdown_lines
+from wirerope_mj.foundation.processes import run_beside
 from wirerope_mj.motions.records.record import records_in
 from wirerope_mj.motions.restore import copy_records
 from wirerope_mj.runs.folder import CHECKSUMS, FORMAT, KIND, MARKS, SCENARIO, SUMMARY, write_checksums
@@ -97,24 +98,24 @@ def write_run(
     arguments = checked_arguments(scenario)
     system = with_changes(load_system(scenario.model_source(), isolators=scenario.isolators), scenario.changes)
     system = judged_by(system, combined_travel=scenario.combined_travel, limits=scenario.limits)
-    with atomic_folder(target, force=force, kind=KIND, marks=MARKS) as beside:
+    with atomic_folder(target, force=force, kind=KIND, marks=MARKS) as temporary:
         started = perf_counter()
-        model = write_model(system, beside / "model")
+        model = write_model(system, temporary / "model")
         long = is_streamed(arguments)
-        response = simulate(system, scenario.motion, **arguments, out=beside if long else None, progress=progress)
+        response = simulate(system, scenario.motion, **arguments, out=temporary if long else None, progress=progress)
         seconds = perf_counter() - started
-        text = _scenario_text(scenario, response, beside, model=model_table(system, model), arguments=arguments)
+        text = _scenario_text(scenario, response, temporary, model=model_table(system, model), arguments=arguments)
         judged = judged_run(system, scenario.motion, response, tomllib.loads(text))
         when_judged(judged)
         with progress_line(enabled=progress) as writing:
             writing("the response")
             if not long:
-                response.save(beside)
-            (beside / SCENARIO).write_text(text, encoding="utf-8")
+                response.save(temporary)
+            (temporary / SCENARIO).write_text(text, encoding="utf-8")
             content = summary_content(judged, seconds=round(seconds, 3))
-            (beside / SUMMARY).write_text(json_text(content), encoding="utf-8")
-            _write_views(scenario, judged, beside, writing, state=state, case=case)
-            write_checksums(beside)
+            (temporary / SUMMARY).write_text(json_text(content), encoding="utf-8")
+            _write_views(scenario, judged, temporary, writing, state=state, case=case)
+            write_checksums(temporary)
 
 
 def rejudge_run(
@@ -126,27 +127,27 @@ def rejudge_run(
     run is damaged, or a limit is on nothing that is there.
     """
     target = Path(folder)
-    with atomic_folder(target, force=True, kind=KIND, marks=MARKS) as beside:
-        shutil.copytree(target, beside, dirs_exist_ok=True, copy_function=_linked)
+    with atomic_folder(target, force=True, kind=KIND, marks=MARKS) as temporary:
+        shutil.copytree(target, temporary, dirs_exist_ok=True, copy_function=_linked)
         judge = judge_table(combined_travel=scenario.combined_travel, limits=scenario.limits)
-        content = scenario_content(beside) | {"options": _options(scenario), "judge": judge, "written": _now()}
+        content = scenario_content(temporary) | {"options": _options(scenario), "judge": judge, "written": _now()}
         content = {key: value for key, value in content.items() if key != "judge" or value}
-        system, motion = system_and_motion(beside, content)
-        response = load_response(beside)
+        system, motion = system_and_motion(temporary, content)
+        response = load_response(temporary)
         scene = replace(response.scene, limits=system.limits, combined_travel=system.combined_travel)
         response = replace(response, scene=scene)
-        response.save(beside)
+        response.save(temporary)
         judged = judged_run(system, motion, response, content)
         when_judged(judged)
-        seconds = read_summary(beside)["numerics"]["seconds"]
+        seconds = read_summary(temporary)["numerics"]["seconds"]
         summary = json_text(summary_content(judged, seconds=seconds))
         for name, text in ((SCENARIO, tomli_w.dumps(content, multiline_strings=True)), (SUMMARY, summary)):
-            (beside / name).unlink()
-            (beside / name).write_text(text, encoding="utf-8")
-        for old in (*beside.glob("*.png"), *beside.glob("*.html"), *beside.glob("*.rrd"), beside / CHECKSUMS):
+            (temporary / name).unlink()
+            (temporary / name).write_text(text, encoding="utf-8")
+        for old in (*temporary.glob("*.png"), *temporary.glob("*.html"), *temporary.glob("*.rrd"), temporary / CHECKSUMS):
             old.unlink()
-        _write_views(scenario, judged, beside, lambda name: None, state=False, case=case)
-        write_checksums(beside)
+        _write_views(scenario, judged, temporary, lambda name: None, state=False, case=case)
+        write_checksums(temporary)
 
 
 def _linked(source: str, target: str) -> None:
@@ -236,29 +237,32 @@ def _scenario_text(scenario: Scenario, response: Response, folder: Path, *, mode
 def _write_views(
     scenario: Scenario, judged: JudgedRun, folder: Path, writing: Callable[[str], None], *, state: bool, case: str
 ) -> None:
-    # Here, because rerun and the page take longer to import than a small simulation takes.
+    # Here, because the page, and rerun even more, take longer to import than a small simulation takes.
     from wirerope_mj.content.run import panel_over_frequency, run_content
     from wirerope_mj.runs.page import REPORT
     from wirerope_mj.views.pictures import save_pictures
-    from wirerope_mj.views.recording.record import record_run
     from wirerope_mj.views.report import report_html
 
     title, text, content = judged.title, _scenario_markdown(scenario), run_content(judged)
-    writing("the recording")
-    how: Entries = {"state": state, "over_frequency": panel_over_frequency(judged), "case": case}
-    record_run(judged, folder / "run.rrd", title=title, scenario_text=text, **how)
-    writing("the pictures")
-    charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
-    drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]
-    save_pictures(drawn, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
-    if "loops" in charts:
-        save_pictures([charts["loops"]], folder / "loops.png", title=title)
-    for number, record in enumerate(records_in(scenario.motion), start=1):
-        name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
-        chart = charts[f"record-{record.path.name}"]
-        save_pictures([chart], folder / name, title=f"{title}: {chart.caption}")
-    writing("the report")
-    (folder / REPORT).write_text(report_html(content), encoding="utf-8")
+
+    def write_report() -> None:
+        charts = {block.id: block for block in content.blocks() if isinstance(block, Chart)}
+        drawn = [charts[name] for name in ("used", "accelerations", "deflections") if name in charts]
+        save_pictures(drawn, folder / "histories.png", title=f"{title}: {scenario.motion.description}")
+        if "loops" in charts:
+            save_pictures([charts["loops"]], folder / "loops.png", title=title)
+        for number, record in enumerate(records_in(scenario.motion), start=1):
+            name = "record_baseline.png" if number == 1 else f"record_baseline-{number}.png"
+            chart = charts[f"record-{record.path.name}"]
+            save_pictures([chart], folder / name, title=f"{title}: {chart.caption}")
+        (folder / REPORT).write_text(report_html(content), encoding="utf-8")
+
+    writing("the recording, the pictures and the report")
+    with run_beside(write_report):
+        from wirerope_mj.views.recording.record import record_run
+
+        how: Entries = {"state": state, "over_frequency": panel_over_frequency(judged), "case": case}
+        record_run(judged, folder / "run.rrd", title=title, scenario_text=text, **how)
 
 
 def _scenario_markdown(scenario: Scenario) -> str:
