@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -166,9 +167,16 @@ class FileSamples:
         import pyarrow.parquet as pq
 
         try:
-            return pq.ParquetFile(self.path, page_checksum_verification=True)
+            return pq.ParquetFile(self.path, metadata=self._metadata, page_checksum_verification=True)
         except (OSError, ValueError):
             raise RecordError(f"{self.path}: this file was removed or damaged since it was opened. {_AGAIN}") from None
+
+    @cached_property
+    def _metadata(self) -> "pq.FileMetaData":
+        """Where the columns stand: of thousands it takes long to read."""
+        import pyarrow.parquet as pq
+
+        return pq.read_metadata(self.path)
 
     def _blocks(self, file: "pq.ParquetFile", first: int, last: int) -> Iterator[Array]:
         if first == last:  # a mount without internal states
