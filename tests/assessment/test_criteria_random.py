@@ -11,6 +11,7 @@ import wirerope_mj as wr
 from wirerope_mj.assessment.criteria import judge_random, random_verdicts
 from wirerope_mj.cli import main
 from wirerope_mj.foundation.payload_limits import PayloadLimit
+from wirerope_mj.motions import motion_from_dict
 from wirerope_mj.runs.summary import read_summary
 
 RATE, F, Q, DENSITY = 1000.0, 20.0, 10.0, 0.5
@@ -148,5 +149,10 @@ def test_a_run_of_random_vibration_says_rms_and_three_sigma_everywhere(tmp_path,
     assert f"{along_z['value'] / wr.STANDARD_GRAVITY:.3f}" in printed
     report = (tmp_path / "run" / "report.html").read_text()
     assert f"{along_z['value'] / wr.STANDARD_GRAVITY:.3f}" in report
+    first, last = motion_from_dict(response.motion).steady
+    moved = response.base.acceleration[(response.time >= first) & (response.time < last), 2].std() / wr.STANDARD_GRAVITY
+    (base,) = (line.split() for line in printed.splitlines() if line.split()[:4] == ["deck", "(base)", "-", "-"])
+    assert base[4:] == [f"{moved:.3f}", "-", "-", f"{3.0 * moved:.3f}"]
+    assert 0.4 < moved < 0.6  # half a g is asked for, and three seconds scatter
     judged = {row["criterion"] for row in read_summary(tmp_path / "run")["judged"] if row["subject"] == "rack"}
     assert "3-sigma acceleration along z" in judged  # the model limits the rack's acceleration

@@ -274,11 +274,12 @@ def test_a_density_that_is_no_list_of_points(psd):
         wr.RandomVibration(psd=psd, duration=1.0, seed=1, direction="z")
 
 
-def test_a_fatigue_curve_steeper_than_any():
+def test_a_fatigue_curve_steeper_or_flatter_than_any():
     cycles = rainflow_cycles([0.0, 1e-6, 0.0, 2e-6, 0.0])
     assert 0.0 < cycles.damage(50.0) < 1e-280
-    with pytest.raises(ValueError, match="`exponent` of a fatigue curve must be at most 50, got 1000"):
-        cycles.damage(1000.0)
+    for exponent in (1000.0, 0.1):
+        with pytest.raises(ValueError, match=f"`exponent` of a fatigue curve must be from 1 to 50, got {exponent:g}"):
+            cycles.damage(exponent)
 
 
 @pytest.mark.parametrize(

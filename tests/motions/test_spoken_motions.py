@@ -1,6 +1,7 @@
 """Base motions said in a few words: the same motions as their constructors make, and messages for what is not understood."""
 
 import re
+import warnings
 
 import numpy as np
 import pytest
@@ -372,6 +373,16 @@ def test_a_shock_of_more_than_a_second_is_questioned_once(kind, phrase, said):
     (warning,) = caught
     assert str(warning.message).startswith(f'{kind} "{phrase}": it lasts ')
     assert str(warning.message).endswith(said)
+
+
+@pytest.mark.quick
+def test_a_random_vibration_beyond_50_g_rms_is_questioned(tmp_path):
+    for level, said in ((100.0, "its rms is 60 g: is the unit of its density another?"), (50.0, "")):
+        (tmp_path / "level.csv").write_text(f"frequency [Hz],psd [g^2/Hz]\n10,{level}\n46,{level}\n")
+        with warnings.catch_warnings(record=True) as caught:
+            warnings.simplefilter("always")
+            motion_from_phrase("psd", "level.csv 10 s z", folder=tmp_path)
+        assert [said in str(warning.message) for warning in caught] == [True] * bool(said)
 
 
 @pytest.mark.quick

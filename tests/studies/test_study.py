@@ -260,6 +260,7 @@ def test_a_value_outside_a_laws_range_names_the_variant_before_anything_is_writt
     study = table_study({"mount/m1/axial/alpha": wr.Normal(1.0, 0.7, relative=True)}, variants=64)
     negative = int(np.argmax(np.asarray(study._inputs["mount/m1/axial/alpha"]) <= 0.0))
     message = re.escape(f"variant {negative} of study 'study' cannot be: mount 'm1': [axial] `alpha` must be > 0, got -")
+    message += r"[\d.]+: the law would not be passive\. `low=` cuts the distribution of mount/m1/axial/alpha off\."
     with pytest.raises(wr.ModelError, match=message):
         study.table()
     with pytest.raises(wr.ModelError, match=message):

@@ -22,7 +22,7 @@ from wirerope_mj.engine.response import Response
 from wirerope_mj.engine.statics import StaticTable, model_warnings, static_table
 from wirerope_mj.engine.statics.loading import HISTORIES
 from wirerope_mj.engine.system import System
-from wirerope_mj.foundation.arrays import Entries
+from wirerope_mj.foundation.arrays import Array, Entries
 from wirerope_mj.foundation.errors import Absent, WireRopeError
 from wirerope_mj.motions import BaseMotion, Sweep, motion_from_dict
 from wirerope_mj.motions.records.record import record_warnings
@@ -65,6 +65,13 @@ class RunResult:
         motion = motion_from_dict({name: value for name, value in told.items() if name != "description"})
         assert isinstance(motion, Sweep)
         return motion
+
+    @cached_property
+    def base_rms(self) -> Array:
+        """Root mean squares of the base's acceleration while all random vibration is stationary [m/s^2], (3,)."""
+        _, first, last = steady_interval(self.response.motion)
+        rows = slice(*np.searchsorted(self.response.time, [first, last]))
+        return self.response.base.acceleration[rows].std(axis=0)
 
     @property
     def validity(self) -> Mapping[str, Validity]:

@@ -9,6 +9,7 @@ import numpy as np
 
 from wirerope_mj.assessment.comparison import BASE as THE_BASE
 from wirerope_mj.assessment.criteria import Verdict, body_peaks
+from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.sampled import samples_hold
 from wirerope_mj.assessment.criteria.verdict import RMS, SIGMA, Criterion
 from wirerope_mj.content.base import base_acceleration, base_blocks, warnings_of
@@ -25,7 +26,7 @@ from wirerope_mj.content.numbers import listed, number, paragraphs, several, wit
 from wirerope_mj.content.panels import BASE, Chart, Curve, Panel, crest, short, stacked
 from wirerope_mj.content.run_spectra import acceleration_along, moving_axes
 from wirerope_mj.content.selection import MOST, kind_of, main_direction, worst_names
-from wirerope_mj.content.spectrum_charts import densities_chart, shock_chart, spectra_blocks
+from wirerope_mj.content.spectrum_charts import STILL, densities_chart, shock_chart, spectra_blocks
 from wirerope_mj.content.statics import run_statics_blocks
 from wirerope_mj.content.verdicts import acceleration_limits, answer_blocks, full_table, grounds_blocks, headline, used_mark
 from wirerope_mj.content.worst import worst_instant
@@ -138,7 +139,7 @@ def acceleration_blocks(run: RunResult) -> Iterator[Block | None]:
     if isinstance(run.random, Absent):
         yield Statement(id="random", text=f"No rms and 3-sigma values: {run.random.reason}", tone="quiet")
     else:
-        yield _random(run.random)
+        yield _random(run, run.random)
 
 
 def _payload_blocks(run: JudgedRun) -> Iterator[Block | None]:
@@ -183,23 +184,28 @@ def _accelerations(run: RunResult) -> Table:
     )
 
 
-def _random(verdicts: Sequence[Verdict]) -> Table | None:
-    """Tabulate rms and 3-sigma accelerations of every body and point; None where there are none."""
+def _random(run: RunResult, verdicts: Sequence[Verdict]) -> Table | None:
+    """Tabulate rms and 3-sigma accelerations of the base and of every body and point; None where there are none."""
     values = {(row.subject, row.criterion): row.value for row in verdicts}
     if not values:
         return None
     most = max((row for row in verdicts if row.criterion.kind == RMS), key=lambda row: row.value)
     kinds = (("rms", RMS), ("3-sigma", SIGMA))
     criteria = [(f"{text} {axis}", Criterion(kind, axis=axis)) for text, kind in kinds for axis in "xyz"]
+    of_base = [float(rms) if rms > STILL else None for rms in run.base_rms]
+    sigmas = [rms and SIGMAS * rms for rms in of_base]
     return Table(
         id="random",
         title="Random vibration: rms and 3-sigma accelerations",
         columns=[Column(align="left"), *(Column(text, "g", ".3f") for text, _ in criteria)],
         rows=[
-            [name, *(values.get((name, criterion)) for _, criterion in criteria)]
-            for name in dict.fromkeys(row.subject for row in verdicts)
+            [f"{run.response.scene.base} (base)", *of_base, *sigmas],
+            *(
+                [name, *(values.get((name, criterion)) for _, criterion in criteria)]
+                for name in dict.fromkeys(row.subject for row in verdicts)
+            ),
         ],
-        note="Of the stationary part, from where the response has settled in it. The largest rms, "
+        note="Of the stationary part, from where the response has settled in it. The largest rms of the payload, "
         f"{most.subject} {most.criterion.axis}: {most.note}.",
     )
 

@@ -8,11 +8,13 @@ from typing import Any
 import numpy as np
 
 from wirerope_mj.assessment.criteria import Criterion
+from wirerope_mj.assessment.criteria.random import SIGMAS
 from wirerope_mj.assessment.criteria.verdict import RMS
 from wirerope_mj.content.blocks import Block
 from wirerope_mj.content.judged_run import JudgedRun
 from wirerope_mj.content.numbers import listed, several
 from wirerope_mj.content.panels import BASE, LEFT, OTHERS, RIGHT, WIDTH, Chart, Curve, Note, Panel, short
+from wirerope_mj.content.run_spectra import BASE as THE_BASE
 from wirerope_mj.content.run_spectra import held_text
 from wirerope_mj.content.selection import COLOURS, Selection, kind_of
 from wirerope_mj.foundation.arrays import Array, ArrayLike
@@ -24,7 +26,7 @@ from wirerope_mj.motions.spectra import PowerSpectralDensity, ShockResponseSpect
 _DECADES, POWER_DECADES = 2.5, 4.0  # below the largest that are drawn: less is nothing to design for
 _ABOVE = 1.15  # of the largest, where the axis ends
 _NEAR_DECADE = 0.05  # of a frequency, within which an axis goes on to a power of ten
-_STILL = 1e-6  # [m/s^2]: an rms that is rounding
+STILL = 1e-6  # [m/s^2]: an rms that is rounding
 
 
 def spectra_blocks(run: JudgedRun) -> Iterator[Block]:
@@ -119,14 +121,16 @@ def _rms(run: JudgedRun) -> Table:
 
 
 def _rms_rows(run: JudgedRun, name: str) -> Iterator[tuple[Cell, ...]]:
-    """Yield the root mean square along every axis: of a body that which is judged, of the base that of its density."""
+    """Yield the root mean square along every axis, of a body that which is judged."""
     verdicts = () if isinstance(run.random, Absent) else run.random
-    judged = {row.criterion: row.value for row in verdicts if row.subject == name and row.criterion.kind == RMS}
+    known = {row.criterion: row.value for row in verdicts if row.subject == name and row.criterion.kind == RMS}
+    if name == THE_BASE:
+        known = {Criterion(RMS, axis=axis): float(rms) for axis, rms in zip("xyz", run.base_rms, strict=True)}
     for axis in "xyz":
         density = run.spectra.densities.get(axis, {}).get(name)
-        rms = judged.get(Criterion(RMS, axis=axis), float(density.rms) if density else 0.0)
-        if rms > _STILL:
-            yield name, axis, rms, 3.0 * rms, float(density.rms_error) if density else None
+        rms = known.get(Criterion(RMS, axis=axis), float(density.rms) if density else 0.0)
+        if rms > STILL:
+            yield name, axis, rms, SIGMAS * rms, float(density.rms_error) if density else None
 
 
 def _panels(

@@ -11,6 +11,7 @@ from wirerope_mj.foundation.arrays import Entries
 from wirerope_mj.foundation.directions import Direction, directions_in, unit_vector
 from wirerope_mj.foundation.errors import ConvergenceError, ModelWarning
 from wirerope_mj.foundation.plain_text import short
+from wirerope_mj.foundation.units import STANDARD_GRAVITY
 from wirerope_mj.motions.double_pulses import DoubleHalfSine
 from wirerope_mj.motions.harmonic import Sine, Sweep
 from wirerope_mj.motions.motion import BaseMotion
@@ -32,6 +33,7 @@ Make = Callable[[Phrase, Direction, int, Any], BaseMotion]
 _PULSE = {"acceleration": 1, "time": 1}
 _RISE = 0.1  # rise and fall of a trapezoid over its length unless it says them, as the shock standards draw it
 _LONGEST_SHOCK = 1.0  # [s] beyond which the unit of a pulse is questioned
+_LOUDEST = 50.0 * STANDARD_GRAVITY  # rms beyond which the unit of a density is questioned [m/s^2]
 _LASTING = START | {"seed": "", "rise": "time", "fall": "time"}
 _SHAFT: Entries = {
     "needs": {"unbalance": 1}, "words": START | {"order": "", "for": "time"}, "begins": site_first,
@@ -245,7 +247,7 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
         RecordError: a file that it names cannot be read.
 
     Warns:
-        ModelWarning: a shock pulse lasts more than a second.
+        ModelWarning: a shock pulse lasts more than a second, or the rms of a random vibration is beyond 50 g.
     """
     spoken = SPOKEN_MOTIONS[kind]
     try:
@@ -258,14 +260,20 @@ def motion_from_phrase(kind: str, text: str, *, folder: Path | None = None) -> B
         raise ValueError(f'{kind} "{short(text)}": {error} It is written like "{spoken.example}".') from None
     except ConvergenceError as error:
         raise ConvergenceError(f'{kind} "{short(text)}": {error}') from None
-    first = made[0]
-    if isinstance(first, (Pulse, DoubleHalfSine)) and first.duration > _LONGEST_SHOCK:
-        length = f"{first.duration:.4g}"
-        meant = f"was {length} ms meant?" if "time" in phrase.quantities else "is one of its units another?"
-        warnings.warn(
-            f'{kind} "{short(text)}": it lasts {length} s, and shocks are over sooner: {meant}', ModelWarning, stacklevel=2
-        )
+    if doubt := _doubt(made[0], phrase):
+        warnings.warn(f'{kind} "{short(text)}": {doubt}', ModelWarning, stacklevel=2)
     return sum(made[1:], start=made[0])
+
+
+def _doubt(motion: BaseMotion, phrase: Phrase) -> str:
+    """Ask whether a unit is another, where a shock is very long or a vibration very strong; "" else."""
+    if isinstance(motion, (Pulse, DoubleHalfSine)) and motion.duration > _LONGEST_SHOCK:
+        length = f"{motion.duration:.4g}"
+        meant = f"was {length} ms meant?" if "time" in phrase.quantities else "is one of its units another?"
+        return f"it lasts {length} s, and shocks are over sooner: {meant}"
+    if isinstance(motion, RandomVibration) and motion.rms > _LOUDEST:
+        return f"its rms is {motion.rms / STANDARD_GRAVITY:.4g} g: is the unit of its density another?"
+    return ""
 
 
 # Kinds as people write them, with spaces, hyphens or neither; the first that a sentence holds counts.

@@ -18,8 +18,8 @@ from wirerope_mj.motions.spectra.ramp import check_samples, octave_grid
 from wirerope_mj.motions.spectra.srs import SAMPLES_PER_PERIOD, ramp_steps
 from wirerope_mj.motions.spectra.vibration import equivalent_psd
 
-# Exponent at the most: with a larger one amplitudes of micrometres do a damage that is no number any more.
-STEEPEST = 50.0
+# Exponents of fatigue curves: with a larger one amplitudes of micrometres do a damage that is no number any more.
+FLATTEST, STEEPEST = 1.0, 50.0
 
 
 @dataclass(frozen=True, kw_only=True, eq=False, repr=False)
@@ -46,10 +46,9 @@ class Cycles(Brief):
             ValueError: one of them is not positive, or the exponent is that of no fatigue curve.
         """
         b, c = positive("exponent", exponent), positive("constant", constant)
-        if b > STEEPEST:
-            raise ValueError(
-                f"`exponent` of a fatigue curve must be at most {STEEPEST:g}, got {b:g}: those of metals are 3 to 15."
-            )
+        if not FLATTEST <= b <= STEEPEST:
+            expected = f"from {FLATTEST:g} to {STEEPEST:g}"
+            raise ValueError(f"`exponent` of a fatigue curve must be {expected}, got {b:g}: those of metals are 3 to 15.")
         return float(np.sum(self.counts * (0.5 * self.ranges) ** b) / c)
 
 

@@ -176,7 +176,10 @@ def check_variants(
                 for check in checks:
                     check(row)
             except (ValueError, WireRopeError) as error:
-                raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}") from None
+                numbers = [one.name for one in columns if one.type == pa.float64()]
+                below = [one for one in numbers if row[one] <= 0.0 < np.mean(inputs[one])]
+                cut = f" `low=` cuts the distribution of {below[0]} off." if below else ""
+                raise ModelError(f"variant {row['variant']} of study {name!r} cannot be: {error}{cut}") from None
         maker.forget()
     # What one layout has no room for, none has: the first, and the first in which each position is another one.
     moved = (np.argmax(column.moved(system, np.asarray(inputs[column.name]))) for column in columns)
