@@ -13,6 +13,7 @@ from wirerope_mj.engine.statics.loading import HISTORIES, Loading
 from wirerope_mj.engine.system import Changes
 from wirerope_mj.engine.system.varied import changed
 from wirerope_mj.foundation.resources import shipped_models
+from wirerope_mj.studies.inputs.failure import acts, without_force
 
 SAME = 1e-9
 """Relative to the largest deflection or force: both end within 1e-11 of gravity, and follow lines to 1e-10 of a state."""
@@ -122,6 +123,19 @@ def test_what_has_another_structure_is_not_written():
         assert numbers.of(Changes(isolators={"m0": other})) is None
     assert numbers.of(Changes(masses={"deck": 2.0})) is None
     assert numbers.of(Changes(masses={"nothing": 2.0})) is None
+
+
+@pytest.mark.parametrize("name", [name for name in PARAMETERS if name not in ("stop", "tabulated")])
+def test_an_isolator_that_failed_has_the_structure_of_its_own_and_no_force(name):
+    system = floor_on(example(name))
+    failed = without_force(system.mounts["m0"].written)
+    assert acts(system.mounts["m0"].written)
+    assert not acts(failed)
+    assert without_force(failed) == failed
+    changes = Changes(isolators={"m0": failed})
+    assert Numbers(system, equations(system)).of(changes).tobytes() == equations(changed(system, changes)).num.tobytes()
+    path = np.array([0.0, 0.03, -0.04, 0.02])
+    assert np.abs(failed.axial.trace(path, time=np.arange(4.0)).force).max() < 1e-10  # of some 1e3 N
 
 
 @pytest.mark.parametrize("name", ["bouc-wen", "asymmetric-bouc-wen", "bouc-wen-baber-noori"])

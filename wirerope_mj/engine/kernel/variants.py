@@ -20,7 +20,7 @@ from wirerope_mj.foundation.arrays import Array
 from wirerope_mj.foundation.lanes import WIDTH
 from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.laws.baber_noori import BABER_NOORI
-from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS
+from wirerope_mj.mounts.laws.kernels import BOUC_WEN_LAWS, MASING
 from wirerope_mj.mounts.laws.law import Law
 from wirerope_mj.mounts.laws.parallel import Parallel
 from wirerope_mj.mounts.laws.scragged import SCRAGGED_BOUC_WEN
@@ -77,8 +77,10 @@ class Numbers:
         """
         numbers = self.equations.num.copy()
         for mount, isolator in changes.isolators.items():
-            if mount not in self._points or not self.write_isolator(numbers, mount, isolator.conditioned):
+            written = self.of_isolator(mount, isolator.conditioned) if mount in self._points else None
+            if written is None:
                 return None
+            numbers[written[0]] = written[1]
         self.write_springs(numbers, changes.tunings)
         return numbers if self.write_geometry(numbers, changes) else None
 
@@ -103,27 +105,22 @@ class Numbers:
         first = self._couplings[mount]
         numbers[first : first + parameters.size] = parameters
 
-    def write_isolator(self, numbers: Array, mount: str, isolator: Isolator) -> bool:
-        """Write what a mount's isolator, as it acts, has for numbers; returns whether it has the structure of its own."""
+    def of_isolator(self, mount: str, isolator: Isolator) -> tuple[Integers, Array] | None:
+        """Return the numbers of a mount's isolator, as it acts, and where they stand; None if it is of another structure."""
         old = self._system.mounts[mount].isolator
-        if isolator.coupling != old.coupling or (isolator.loop is None) != (old.loop is None):
-            return False
-        turns, turned = turning(isolator), turning(old)
-        if any(turns) != any(turned):
-            return False
-        for axis, (law, own) in enumerate(zip(isolator.axes.values(), old.axes.values(), strict=True)):
-            if not same_structure(law, own):
-                return False
-            if law is not None:
-                self.write_law(numbers, mount, axis, law.kernel_parameters())
-        coupled = isolator.coupled
+        turns, coupled = turning(isolator), isolator.coupled
+        grids = [one.loop and np.shape(one.loop.coefficients) for one in (isolator, old)]
+        if isolator.coupling != old.coupling or grids[0] != grids[1] or any(turns) != any(turning(old)):
+            return None
+        if not all(map(same_structure, isolator.axes.values(), old.axes.values())):
+            return None
+        laws = zip(self._laws[mount], isolator.axes.values(), strict=True)
+        parts = [(first, law.kernel_parameters()) for first, law in laws if law is not None]
         if coupled is not None:
-            if isolator.loop != old.loop:
-                return False
-            self.write_coupling(numbers, mount, coupled.rate_parameters())  # a loop's energy stands behind them
-        first = self._points[mount] + 6
-        numbers[first : first + 3], numbers[first + 3 : first + 7] = turns, rated_travel(isolator)
-        return True
+            parts.append((self._couplings[mount], coupled.mount_parameters()))
+        parts.append((self._points[mount] + 6, np.array([*turns, *rated_travel(isolator)])))
+        places = [np.arange(first, first + values.size) for first, values in parts]
+        return np.concatenate(places), np.concatenate([values for _, values in parts])
 
     def write_geometry(self, numbers: Array, changes: Changes) -> bool:
         """Write what masses, centres of mass and positions of mounts change; returns whether all else stays as it is."""
@@ -189,7 +186,8 @@ def same_structure(law: Law | None, other: Law | None) -> bool:
         return law is other
     if isinstance(law, Parallel) and isinstance(other, Parallel):
         return len(law.laws) == len(other.laws) and all(map(same_structure, law.laws, other.laws))
-    return type(law) is type(other) and (law.kernel in _PLAIN or law == other)
+    alike = law.kernel in _PLAIN or (law.kernel == MASING and law.n_states == other.n_states)
+    return type(law) is type(other) and (alike or law == other)
 
 
 @dataclass(frozen=True, kw_only=True)
