@@ -176,8 +176,8 @@ def _values(work: Work, n: int, outcomes: Mapping[int, Outcome], done: Together)
     for index, outcome in outcomes.items():
         if isinstance(outcome, Measured):
             ends[index] = outcome.late
-            for name, value in outcome.values.items():
-                values[name][index] = value
+            for name, column in values.items():  # what is there of a stop that is absent has measures that no stop has
+                column[index] = outcome.values[name]
     return values, ends
 
 
