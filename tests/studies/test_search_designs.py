@@ -186,7 +186,7 @@ def test_the_result_is_made_again_from_its_folder(found):
 
 @pytest.mark.quick
 def test_a_place_that_is_not_fitted_is_as_if_the_model_had_no_mount_there(tmp_path):
-    """What stands for no mount has 1e-6 N/m beside some 1e4 N/m: the peaks agree to far better than the 1e-6 that is asked."""
+    """What stands for no mount has 1e-12 N/m beside some 1e4 N/m: rounding is left, and where the search for rest ends."""
     vary = {"mount/m2,m4/fitted": wr.Choice(False), "motion/level": wr.Uniform(0.9, 1.1)}
     left_out = beam_study(vary=vary, variants=4, sampling="sobol").run(tmp_path / "a", workers=1).table
     text = beam_text({name: x for name, x in PLACES.items() if name not in ("m2", "m4")})
@@ -194,7 +194,7 @@ def test_a_place_that_is_not_fitted_is_as_if_the_model_had_no_mount_there(tmp_pa
     rows = left_out.select(["variant", "motion/level"]).to_pylist()
     absent = compute(study.work, Chunk(number=0, rows=rows)).table
     for name in ("acceleration", "travel", "travel/m1", "force/m5", "displacement/end"):
-        np.testing.assert_allclose(np.asarray(left_out[name]), np.asarray(absent[name]), rtol=1e-6)
+        np.testing.assert_allclose(np.asarray(left_out[name]), np.asarray(absent[name]), rtol=1e-9)
     assert left_out["mounts"].to_pylist() == [3.0] * 4
     assert absent["mounts"].to_pylist() == [3.0] * 4
     assert np.isnan(np.asarray(left_out["travel/m2"])).all()  # nothing is there that could travel too far

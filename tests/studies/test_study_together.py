@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 from one_scale import one_scale
+from small_search import beam_study
 
 import wirerope_mj as wr
 from wirerope_mj.engine.simulation.stability import slowest_period
@@ -104,12 +105,56 @@ def test_company_does_not_matter():
         require_equal(table(study, [rows[i] for i in some]), every.take(some))
 
 
-def test_mounts_that_failed_are_left_to_systems_of_their_own():
-    study = study_of({"mount/m*/failed": wr.Choice(["", "m01", "m02"])}, variants=8)
+@pytest.mark.parametrize(
+    "vary",
+    [
+        {
+            "mount/m*/failed": wr.Choice("", "m01", "m02"),
+            "mount/m*/axial/stiffness": wr.Normal(1.0, 0.1, relative=True, each=True),
+        },
+        {
+            "mount/m*,h*/fitted": wr.Choice(False, True, each=True),
+            "mount/m01,m02/position_shift/x": wr.Normal(0.0, 0.01),
+            "mount/m*/stiffness": wr.Normal(1.0, 0.1),
+        },
+    ],
+    ids=["failed", "absent"],
+)
+def test_mounts_that_failed_or_are_absent_stand_side_by_side_too(vary):
+    study = study_of(vary, variants=5)
     rows = study.table().to_pylist()
-    failed = [row["mount/m*/failed"] for row in rows]
-    assert together(study.work, rows).indices.tolist() == [i for i, mount in enumerate(failed) if not mount]
-    require_equal(table(study, rows), table(study, rows, side_by_side=False))
+    assert together(study.work, rows).indices.size == 5
+    found = table(study, rows)
+    assert len(set(found["mounts"].to_pylist())) > 1
+    require_equal(found, table(study, rows, side_by_side=False))
+
+
+def test_a_stop_may_be_absent_which_needs_a_system_of_its_own():
+    study = study_of({"mount/s01/fitted": wr.Choice(False, True)}, sampling="grid", variants=2)
+    rows = study.table().to_pylist()
+    assert [rows[i]["mount/s01/fitted"] for i in together(study.work, rows).indices] == [True]
+    found = table(study, rows)
+    assert found["status"].to_pylist() == ["done"] * 2
+    assert found["mounts"].to_pylist() == [24.0] * 2
+
+
+def test_variants_are_judged_by_the_ratings_of_their_own_isolators(tmp_path):
+    law, ratings = wr.BoucWen(alpha=8e3, beta=400.0, gamma=100.0, n=1.0, k=3e3), {"a": 0.02, "b": 0.04}
+    for name, travel in ratings.items():
+        limits = wr.Limits(travel=wr.Travel(compression=travel, tension=travel), static_load=1e4 * travel)
+        wr.Isolator(name=name, axial=law, limits=limits).save(tmp_path / f"{name}.toml")
+    files = [str(tmp_path / f"{name}.toml") for name in ratings]
+    study = beam_study(
+        isolators={"a": wr.load_isolator(files[0])}, vary={"mount/m3/isolator": wr.Choice(*files)}, sampling="grid",
+        variants=2, duration=0.05,
+    )  # fmt: skip
+    rows = study.table().to_pylist()
+    assert together(study.work, rows).indices.size == 2
+    found = table(study, rows)
+    for name in ("travel/m3", "static_load/m3"):
+        one, other = found[name].to_pylist()
+        assert one == 2.0 * other > 0.0
+    require_equal(found, table(study, rows, side_by_side=False))
 
 
 @pytest.mark.slow

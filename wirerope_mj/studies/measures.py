@@ -19,6 +19,7 @@ from wirerope_mj.engine.system import System
 from wirerope_mj.foundation.arrays import Array, Booleans
 from wirerope_mj.foundation.payload_limits import SIDES
 from wirerope_mj.foundation.state import State
+from wirerope_mj.mounts.isolator import Isolator
 from wirerope_mj.mounts.isolator.travel import RATINGS, largest_utilisation, travel_reached
 from wirerope_mj.studies.inputs.failure import acts
 
@@ -122,33 +123,34 @@ class Extremes:
         )  # fmt: skip
 
 
-def measures_together(system: System, extremes: Extremes, forces: Array | None) -> dict[str, Array]:
-    """Return the measures of variants by name, (n,) each, of a system with their limits, ratings and fitted mounts.
+def measures_together(
+    system: System, extremes: Extremes, forces: Array | None, isolators: Sequence[Mapping[str, Isolator]] = ()
+) -> dict[str, Array]:
+    """Return the measures of variants by name, (n,) each, of a system with their limits.
 
-    `forces` are those of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there.
+    `forces` are those of their mounts at rest [N], (n, n_mounts, 3); None if they do not start there. `isolators` are those
+    of each variant's mounts that have others than the system's.
     """
     n = len(extremes.value)
     channels = _channels(system)
     bodies = [extremes.value[:, channel] for channel in channels["body"].values()]
-    isolators = [mount.isolator for mount in system.mounts.values()]
-    judged = [number for number, isolator in enumerate(isolators) if not isolator.is_stop]
-    names = [name for name, isolator in zip(system.mounts, isolators, strict=True) if not isolator.is_stop]
+    names = [name for name, mount in system.mounts.items() if not mount.isolator.is_stop]
+    judged = [number for number, name in enumerate(system.mounts) if name in names]
+    rated, loads, act = _ratings(system, names, isolators or [{}] * n)
     deflections = [channels["deflection"][name] for name in names]
     reached = travel_reached(extremes.lowest[:, deflections], extremes.highest[:, deflections])
-    stated = [isolators[number].limits.travel.stated for number in judged]
-    rated = np.array([[one.get(rating, NAN) for rating in RATINGS] for one in stated]).reshape(-1, len(RATINGS))
     ways = np.stack(list(reached.values()), axis=-1)
     used = largest_utilisation(ways, rated)
     combined = np.full_like(used, NAN)
     if system.combined_travel and judged:
         farthest, of_judged = np.moveaxis(extremes.travels[:, judged], -1, 0)
         combined = combined_utilisation(farthest, of_judged, ways, rated)
-    loads = _static_loads([isolators[number].limits.static_load for number in judged], forces, judged, n)
+    used_loads = _static_loads(loads, None if forces is None else forces[:, judged] * act[..., np.newaxis])
     result = {
         "acceleration": _largest(np.array(bodies).reshape(-1, n).T), "travel": _largest(used),
-        "combined_travel": _largest(combined), "static_load": _largest(loads),
+        "combined_travel": _largest(combined), "static_load": _largest(used_loads),
         "fragility": _fragility(system, extremes, (channels["body"], channels["point"])),
-        "mounts": np.full(n, float(sum(acts(isolators[number]) for number in judged))), "struck": extremes.struck,
+        "mounts": act.sum(axis=1), "struck": extremes.struck,
     }  # fmt: skip
     for name, channel in (*channels["body"].items(), *channels["point"].items()):  # of two of one name the larger
         result[f"acceleration/{name}"] = np.maximum(extremes.value[:, channel], result.get(f"acceleration/{name}", 0.0))
@@ -160,7 +162,7 @@ def measures_together(system: System, extremes: Extremes, forces: Array | None) 
     result["clearance"] = _largest(np.array(_clearances_used(system, sides)).reshape(-1, n).T)
     for number, name in enumerate(names):
         result |= {f"deflection/{name}/{rating}": values[:, number] for rating, values in reached.items()}
-        result |= {f"travel/{name}": used[:, number], f"static_load/{name}": loads[:, number]}
+        result |= {f"travel/{name}": used[:, number], f"static_load/{name}": used_loads[:, number]}
     return result
 
 
@@ -186,13 +188,36 @@ def _largest(values: Array) -> Array:
     return np.asarray(np.fmax.reduce(values, axis=1))
 
 
-def _static_loads(limits: list[float | None], forces: Array | None, judged: list[int], n: int) -> Array:
-    """Return compression over rated static load, (n, n_judged), as for one; NaN where it is not judged."""
-    loads = np.full((n, len(judged)), NAN)
-    if forces is None or not judged:
-        return loads
-    roll, shear, axial = np.moveaxis(forces[:, judged], -1, 0)
-    rated = np.array([NAN if limit is None else limit for limit in limits])
+def _ratings(system: System, names: Sequence[str], isolators: Sequence[Mapping[str, Isolator]]) -> tuple[Array, Array, Array]:
+    """Return what mounts of variants are rated for, travels (n, n_names, 4) and static loads (n, n_names), NaN without any.
+
+    Then whether they act, 1.0 or 0.0, (n, n_names).
+    """
+    rows, numbers = dict[int, list[float]](), {name: number for number, name in enumerate(names)}
+
+    def row(one: Isolator) -> list[float]:
+        if id(one) not in rows:
+            travel, load = one.limits.travel.stated, one.limits.static_load
+            rows[id(one)] = [*(travel.get(rating, NAN) for rating in RATINGS), NAN if load is None else load, acts(one)]
+        return rows[id(one)]
+
+    own = np.array([row(system.mounts[name].isolator) for name in names]).reshape(-1, len(RATINGS) + 2)
+    table = np.tile(own, (len(isolators), 1, 1))
+    for of_variant, others in zip(table, isolators, strict=True):
+        for name, one in others.items():
+            if name in numbers:
+                of_variant[numbers[name]] = row(one)
+    return table[..., :-2], table[..., -2], table[..., -1]
+
+
+def _static_loads(rated: Array, forces: Array | None) -> Array:
+    """Return compression over rated static load [N], as for one, (n, n_mounts); NaN where it is not judged.
+
+    `forces` are those at rest [N], (n, n_mounts, 3), 0 of mounts that have failed; None if variants do not start there.
+    """
+    if forces is None:
+        return np.full_like(rated, NAN)
+    roll, shear, axial = np.moveaxis(forces, -1, 0)
     stands = (np.hypot(roll, shear) <= np.abs(axial)) & (axial <= 0.0)
     return np.where(stands, np.maximum(-axial, 0.0) / rated, NAN)
 

@@ -25,7 +25,7 @@ from wirerope_mj.foundation.arrays import Array, Booleans, Entries, Integers
 from wirerope_mj.foundation.errors import AccuracyWarning, WireRopeError
 from wirerope_mj.foundation.state import State
 from wirerope_mj.motions import BaseMotion
-from wirerope_mj.mounts.isolator import AXES
+from wirerope_mj.mounts.isolator import AXES, Isolator
 from wirerope_mj.mounts.laws import Parallel
 from wirerope_mj.mounts.laws.law import FACTORS, ROUNDING, Law
 from wirerope_mj.mounts.laws.plane import Form, form_of, rates_in_plane
@@ -73,7 +73,7 @@ def together_again(work: Work, done: Together, rows: Sequence[int]) -> Together:
 def _measured(work: Work, ready: "_Ready") -> Together:
     """Step variants to the end, and return what is measured of those that hold."""
     _, extremes, good = _stepped(work, ready)
-    columns = measures_together(work.system, extremes, ready.forces)
+    columns = measures_together(work.system, extremes, ready.forces, ready.isolators)
     return Together(
         indices=ready.indices[good], columns={name: one[good] for name, one in columns.items()}, late=extremes.late[good],
         slowest=ready.slowest[good], ready=ready,
@@ -105,6 +105,7 @@ class _Ready:
 
     indices: Integers  # which of the rows they are, (n,)
     motions: list[BaseMotion]  # of their bases
+    isolators: Sequence[Mapping[str, Isolator]]  # of the mounts that have others than the system's
     numbers: Array  # of their equations, (n, n_num)
     states: Array  # (n, n_state)
     forces: Array | None  # of the mounts at rest [N], (n, n_mounts, 3), if they start there
@@ -114,8 +115,9 @@ class _Ready:
         """Return some of them."""
         forces = None if self.forces is None else self.forces[some]
         return _Ready(
-            indices=self.indices[some], motions=[self.motions[k] for k in some], numbers=self.numbers[some],
-            states=self.states[some], forces=forces, slowest=self.slowest[some],
+            indices=self.indices[some], motions=[self.motions[k] for k in some],
+            isolators=[self.isolators[k] for k in some], numbers=self.numbers[some], states=self.states[some],
+            forces=forces, slowest=self.slowest[some],
         )  # fmt: skip
 
 
@@ -134,8 +136,8 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
         return None
     slowest = variant_rates(system).slowest_periods(variants.numbers, variants.rates)
     ready = _Ready(
-        indices=np.array(variants.indices), motions=variants.motions, numbers=variants.numbers, states=states, forces=forces,
-        slowest=np.where(variants.moved, np.nan, slowest),
+        indices=np.array(variants.indices), motions=variants.motions, isolators=variants.isolators,
+        numbers=variants.numbers, states=states, forces=forces, slowest=np.where(variants.moved, np.nan, slowest),
     )  # fmt: skip
     return ready.taken(chosen.tolist())
 
@@ -164,6 +166,7 @@ class _Variants:
 
     indices: list[int]  # which of the rows they are
     motions: list[BaseMotion]  # of their bases
+    isolators: Sequence[Mapping[str, Isolator]]  # of the mounts that have others than the system's
     numbers: Array  # of their equations, (n, n_num)
     rates: Array  # of their laws, as `rates_of` has them, (n, 5, 3 n_mounts)
     moved: list[bool]  # whether mounts stand elsewhere, (n,)
@@ -183,46 +186,41 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
     own_rates = variant_rates(system).own
     laws: _Laws = {}
     checked: set[int] = set()  # of motions, by their identity: `make` keeps them
-    indices, motions, numbers, rates, moved = [], [], [], [], []
+    written: _Written = {}
+    indices, motions, isolators, numbers, rates, moved = [], [], [], [], [], []
     for index, row in enumerate(rows):
         try:
             draft, motion = make.draft(row), make.motion(row)
-            if draft.failed or draft.absent:
-                continue
             if id(motion) not in checked:
                 if unsupported_motion(system, motion):
                     continue
                 check_direction(system, motion)
                 checked.add(id(motion))
             own = equations(system).num.copy(), own_rates.copy()
-            if valid and _plain(draft):
+            if plain := valid and _plain(draft):
                 _write_laws(draft, *own, laws)
-                changes = make.moves(draft, {})
-            else:
-                changes = make.changes(row)
-                for mount, isolator in changes.isolators.items():
-                    conditioned = isolator.conditioned
-                    endless = all(law is None or np.isinf(law.travel_ends).all() for law in conditioned.axes.values())
-                    if not _numbers(system).write_isolator(own[0], mount, conditioned) or not endless:
-                        break
-                    first = 3 * list(system.mounts).index(mount)
-                    own[1][:, first : first + 3] = np.array([rates_of(law) for law in conditioned.axes.values()]).T
-                else:
-                    changes = make.moves(draft, {})
-                if changes.isolators:
-                    continue
+            others = make.isolators(draft, draft.gone if plain else [*draft.isolators, *draft.parameters, *draft.gone])
+            if not all(_write_isolator(system, mount, one, *own, written) for mount, one in others.items()):
+                continue
+            changes = make.moves(draft, {})
             if not _numbers(system).write_geometry(own[0], changes):
                 continue
         except (ValueError, WireRopeError):
             continue  # says so where it is made alone
         indices.append(index)
         motions.append(motion)
+        isolators.append(others)
         numbers.append(own[0])
         rates.append(own[1])
         moved.append(any(map(any, changes.positions.values())))
-    return _Variants(indices=indices, motions=motions, numbers=np.array(numbers), rates=np.array(rates), moved=moved)
+    return _Variants(
+        indices=indices, motions=motions, isolators=isolators, numbers=np.array(numbers), rates=np.array(rates), moved=moved
+    )
 
 
+# By mount and identity of an isolator, which `Maker` keeps: its numbers and where they stand, the rates of its laws and
+# the columns in which they stand; None if it has another structure than the system's.
+_Written = dict[tuple[str, int], tuple[Integers, Array, slice, Array] | None]
 # By law and parameters: its kernel's parameters, its rates, and the forms of its scales if it is coupled.
 _Forms = list[Form]
 _Laws = dict[object, tuple[Array, tuple[float, ...], _Forms]]
@@ -237,11 +235,26 @@ def _plain(draft: Draft) -> bool:
     )
 
 
+def _write_isolator(system: System, mount: str, isolator: Isolator, numbers: Array, rates: Array, written: _Written) -> bool:
+    """Write an isolator to the numbers of the equations and to the laws' rates; returns whether it has their structure."""
+    key = (mount, id(isolator))
+    if key not in written:
+        acting, first = isolator.conditioned, 3 * list(system.mounts).index(mount)
+        own = _numbers(system).of_isolator(mount, acting) if acting.holds_everywhere else None
+        of_laws = np.array([rates_of(law) for law in acting.axes.values()]).T
+        written[key] = None if own is None else (*own, slice(first, first + 3), of_laws)
+    if (known := written[key]) is None:
+        return False
+    places, values, columns, of_laws = known
+    numbers[places], rates[:, columns] = values, of_laws
+    return True
+
+
 def _write_laws(draft: Draft, numbers: Array, rates: Array, laws: _Laws) -> None:
     """Write other parameters of laws, known to be valid, to the numbers of the equations and to the laws' rates."""
-    system, writer = draft.system, _numbers(draft.system)
+    system, writer, gone = draft.system, _numbers(draft.system), draft.gone
     for number, (mount, written) in enumerate(system.mounts.items()):
-        if mount not in draft.parameters:
+        if mount not in draft.parameters or mount in gone:
             continue
         own: dict[str, Entries] = {}
         for (axis, name), value in draft.parameters[mount].items():

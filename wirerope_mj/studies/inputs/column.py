@@ -42,6 +42,11 @@ class Draft:
     turns: dict[str, list[float]] = field(default_factory=dict)  # rotation vectors about the world's axes [°], by mount
     tunings: dict[str, float] = field(default_factory=dict)  # factors on natural frequencies, by joint
 
+    @property
+    def gone(self) -> list[str]:
+        """The mounts that failed or are absent."""
+        return sorted(self.failed | self.absent)
+
 
 @dataclass(frozen=True, kw_only=True)
 class Entry:

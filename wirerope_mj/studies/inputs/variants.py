@@ -1,7 +1,7 @@
 """The variants of a study: each system and motion from its row of inputs, and whether they can be, column by column."""
 
 import warnings
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -71,8 +71,11 @@ class Maker:
     def changes(self, row: Row) -> Changes:
         """Return the changes that make a variant's system of the base system."""
         draft = self.draft(row)
-        edited = dict.fromkeys([*draft.isolators, *draft.parameters, *sorted(draft.failed | draft.absent)])
-        return self.moves(draft, {mount: self._isolator(mount, draft) for mount in edited})
+        return self.moves(draft, self.isolators(draft, [*draft.isolators, *draft.parameters, *draft.gone]))
+
+    def isolators(self, draft: Draft, mounts: Iterable[str]) -> dict[str, Isolator]:
+        """Return the isolators of some mounts of a variant."""
+        return {mount: self._isolator(mount, draft) for mount in mounts}
 
     def draft(self, row: Row) -> Draft:
         """Return what the columns say of a variant's system."""
@@ -110,8 +113,8 @@ class Maker:
 
     def _isolator(self, mount: str, draft: Draft) -> Isolator:
         base = draft.isolators.get(mount) or self._system.mounts[mount].written
-        parameters = draft.parameters.get(mount, {})
         absent, failed = mount in draft.absent, mount in draft.failed
+        parameters = {} if absent or failed else draft.parameters.get(mount, {})
         key = (id(base), absent, failed, tuple(sorted(parameters.items())))
         if key not in self._isolators:
             try:
