@@ -131,7 +131,7 @@ def _slowest_of(eigenvalues: ComplexArray) -> Array:
 
 
 class VariantRates:
-    """Rates of the own motion of variants whose mounts stand where those of a system do, and bounds of the fastest.
+    """Rates of the own motion of variants of a system, whose mounts may be shifted, and bounds of the fastest.
 
     With inertia M, stiffness K and damping C, symmetric and not negative, every eigenvalue is at most
     c / 2 + sqrt(c^2 / 4 + k), c and k the largest ones of M^-1 C and M^-1 K; these are at most the roots of the sums of the
@@ -147,9 +147,12 @@ class VariantRates:
         moving, turn_rates = np.zeros((2, 3, model.nv))
         with system.assembly.scratch.data(model) as data:
             mujoco.mj_fwdPosition(model, data)
-            rates = zip(system.mounts.values(), mount_rates(system, data), strict=True)
-            to_deflections = np.concatenate([(mount.axes.T @ moves)[:, self._free] for mount, (moves, _) in rates])
-            self._squares = to_deflections[:, :, np.newaxis] * to_deflections[:, np.newaxis]
+            rates = np.array([*mount_rates(system, data)]).reshape(-1, 2, 3, model.nv)[..., self._free]
+            axes = np.array([mount.axes.T for mount in system.mounts.values()]).reshape(-1, 3, 3)
+            self._deflections = axes @ rates[:, 0]  # (n_mounts, 3, n_free)
+            # what each shift of a mount along the world's axes adds to them, (n_mounts, 3, n_free, 3)
+            swept = np.cross(rates[:, 1].swapaxes(1, 2)[:, :, np.newaxis], np.eye(3))
+            self._by_shift = np.einsum("mac,mjkc->majk", axes, swept)
             links = own.rows(at.LINKS, at.LINK_COLUMNS, own.lay[at.N_LINKS])
             self._links = []
             bodies = np.flatnonzero((model.body_weldid == np.arange(model.nbody)) & (model.body_dofnum > 0))
@@ -173,32 +176,34 @@ class VariantRates:
             total += turn_rates.T @ about @ turn_rates
         return total
 
-    def certainly_stable(self, timestep: float, numbers: Array, rates: Array) -> Booleans:
+    def certainly_stable(self, timestep: float, numbers: Array, rates: Array, shifts: Array) -> Booleans:
         """Return for which variants a step [s] is certainly stable, (n,); of the others `stable_step` says it.
 
         `numbers` are those of the variants' equations, (n, n_num); `rates` of their laws, as `rates_of` has them, (n, 5, 3
-        n_mounts).
+        n_mounts); `shifts` those of their mounts along the world's axes [m], (n, n_mounts, 3).
         """
         if self._turns or not self._free.size:
             return np.zeros(len(numbers), dtype=np.bool_)
         inertia, (stiffness, damping, decay) = self.inertia(numbers), rates.swapaxes(0, 1)[:3]
-        k, c = (_largest(inertia, matrix) for matrix in self._matrices(numbers, stiffness, damping))
+        k, c = (_largest(inertia, matrix) for matrix in self._matrices(numbers, stiffness, damping, shifts))
         fastest = np.maximum(0.5 * c + np.sqrt(0.25 * c * c + k), decay.max(axis=1, initial=0.0))
         passive = (stiffness >= 0.0).all(axis=1) & (damping >= 0.0).all(axis=1)
         return np.asarray(passive & (fastest * timestep < (1.0 - ROUNDING) * RK4_LIMIT))
 
-    def slowest_periods(self, numbers: Array, rates: Array) -> Array:
+    def slowest_periods(self, numbers: Array, rates: Array, shifts: Array) -> Array:
         """Return `slowest_period` of variants [s], (n,), of what `certainly_stable` takes; NaN where mounts resist turning."""
         if self._turns or not self._free.size:
             return np.full(len(numbers), np.nan)
-        stiffness, damping = self._matrices(numbers, rates[:, 3], rates[:, 4])
+        stiffness, damping = self._matrices(numbers, rates[:, 3], rates[:, 4], shifts)
         return _slowest_of(_eigenvalues_of_matrices(self.inertia(numbers), stiffness, damping))
 
-    def _matrices(self, numbers: Array, stiffness: Array, damping: Array) -> tuple[Array, Array]:
+    def _matrices(self, numbers: Array, stiffness: Array, damping: Array, shifts: Array) -> tuple[Array, Array]:
         """Return stiffness and damping of the free coordinates, (n, n_free, n_free) each, of those of the laws."""
+        moves = self._deflections + np.einsum("majk,nmk->nmaj", self._by_shift, shifts)
+        moves = moves.reshape(len(numbers), -1, self._free.size)
         joints = (numbers[:, self._springs + at.STIFFNESS], numbers[:, self._springs + at.DAMPING])
         one, other = (
-            np.tensordot(values, self._squares, axes=1) + own[:, :, np.newaxis] * np.eye(own.shape[1])
+            moves.swapaxes(1, 2) @ (values[:, :, np.newaxis] * moves) + own[:, :, np.newaxis] * np.eye(own.shape[1])
             for values, own in zip((stiffness, damping), joints, strict=True)
         )
         return one, other

@@ -134,10 +134,10 @@ def _ready(work: Work, rows: Sequence[Entries]) -> _Ready | None:
     chosen = np.flatnonzero(good)
     if not chosen.size:
         return None
-    slowest = variant_rates(system).slowest_periods(variants.numbers, variants.rates)
+    slowest = variant_rates(system).slowest_periods(variants.numbers, variants.rates, variants.shifts)
     ready = _Ready(
         indices=np.array(variants.indices), motions=variants.motions, isolators=variants.isolators,
-        numbers=variants.numbers, states=states, forces=forces, slowest=np.where(variants.moved, np.nan, slowest),
+        numbers=variants.numbers, states=states, forces=forces, slowest=slowest,
     )  # fmt: skip
     return ready.taken(chosen.tolist())
 
@@ -169,7 +169,7 @@ class _Variants:
     isolators: Sequence[Mapping[str, Isolator]]  # of the mounts that have others than the system's
     numbers: Array  # of their equations, (n, n_num)
     rates: Array  # of their laws, as `rates_of` has them, (n, 5, 3 n_mounts)
-    moved: list[bool]  # whether mounts stand elsewhere, (n,)
+    shifts: Array  # of their mounts along the world's axes [m], (n, n_mounts, 3)
 
 
 @once_per_system
@@ -187,7 +187,7 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
     laws: _Laws = {}
     checked: set[int] = set()  # of motions, by their identity: `make` keeps them
     written: _Written = {}
-    indices, motions, isolators, numbers, rates, moved = [], [], [], [], [], []
+    indices, motions, isolators, numbers, rates, shifts = [], [], [], [], [], []
     for index, row in enumerate(rows):
         try:
             draft, motion = make.draft(row), make.motion(row)
@@ -212,9 +212,14 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
         isolators.append(others)
         numbers.append(own[0])
         rates.append(own[1])
-        moved.append(any(map(any, changes.positions.values())))
+        shifts.append([changes.positions.get(mount, (0.0, 0.0, 0.0)) for mount in system.mounts])
     return _Variants(
-        indices=indices, motions=motions, isolators=isolators, numbers=np.array(numbers), rates=np.array(rates), moved=moved
+        indices=indices,
+        motions=motions,
+        isolators=isolators,
+        numbers=np.array(numbers),
+        rates=np.array(rates),
+        shifts=np.array(shifts),
     )
 
 
@@ -333,8 +338,7 @@ def _unloaded(system: System) -> State:
 
 def _steps_hold(work: Work, variants: _Variants, rows: Sequence[Entries]) -> Booleans:
     """Return for which variants the step is stable."""
-    holds = variant_rates(work.system).certainly_stable(work.timestep, variants.numbers, variants.rates)
-    holds &= ~np.array(variants.moved)
+    holds = variant_rates(work.system).certainly_stable(work.timestep, variants.numbers, variants.rates, variants.shifts)
     make = Maker(work.system, work.motions, work.columns)
     for number in np.flatnonzero(~holds):
         holds[number] = work.timestep <= stable_step(make.system(rows[variants.indices[number]]))
