@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from house import deck, mjcf
 from one_scale import one_scale
 from small_search import beam_study
 
@@ -31,7 +32,7 @@ STUDIES = {
 
 def study_of(vary, **more):
     settings = {"motion": SHOCK, "duration": 0.03, "timestep": 1e-3, "variants": 11, "sampling": "random", "seed": 4}
-    return wr.Study(model="floating_floor", vary=vary, **{**settings, **more})
+    return wr.Study(vary=vary, **{"model": "floating_floor", **settings, **more})
 
 
 def table(study, rows, *, side_by_side=True):
@@ -70,8 +71,9 @@ def test_variants_have_the_bits_that_a_batch_of_their_systems_has(name):
         },
         {"mount/m*/axial/stiffness": wr.Normal(1.0, 0.1, relative=True, each=True)},
         {"mount/m*/axial/friction": wr.Normal(1.0, 0.1), "mount/m*/roll/yield": wr.Normal(1.0, 0.1)},
+        {"mount/m*/isolator": wr.Choice("enidine_wr16_400", "enidine_wr12_400", "CB1400-30")},
     ],
-    ids=["all scales", "one scale", "stiffness", "friction and yield"],
+    ids=["all scales", "one scale", "stiffness", "friction and yield", "parts of other heights and energies"],
 )
 def test_laws_of_several_scales_stand_side_by_side_too(vary):
     study = study_of(vary, variants=3)
@@ -155,6 +157,21 @@ def test_variants_are_judged_by_the_ratings_of_their_own_isolators(tmp_path):
         one, other = found[name].to_pylist()
         assert one == 2.0 * other > 0.0
     require_equal(found, table(study, rows, side_by_side=False))
+
+
+def test_springs_of_joints_vary_side_by_side_too():
+    world = deck({"b": 'pos="0 0 0"'}) + (
+        '<body name="box"><joint type="slide" axis="0 0 1"/><inertial pos="0 0 0" mass="10" diaginertia="1 1 1"/>'
+        '<site name="p"/><body name="rack"><joint name="foot" type="slide" axis="0 0 1" stiffness="4000" damping="10"/>'
+        '<inertial pos="0 0 0" mass="2" diaginertia="1 1 1"/></body></body>'
+    )
+    study = study_of(
+        {"joint/foot/frequency": wr.Uniform(5.0, 20.0)}, model=mjcf(world, [("m", "p", "b", "i")], gravity=9.80665),
+        isolators={"i": wr.Isolator(name="i", axial=wr.KelvinVoigt(k=2e4, c=50.0))}, initial="unloaded", variants=3,
+    )  # fmt: skip
+    rows = study.table().to_pylist()
+    assert together(study.work, rows).indices.size == 3
+    require_equal(table(study, rows), table(study, rows, side_by_side=False))
 
 
 @pytest.mark.slow

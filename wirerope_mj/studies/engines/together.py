@@ -203,6 +203,7 @@ def _variants(work: Work, rows: Sequence[Entries]) -> _Variants:
             if not all(_write_isolator(system, mount, one, *own, written) for mount, one in others.items()):
                 continue
             changes = make.moves(draft, {})
+            _numbers(system).write_springs(own[0], changes.tunings)
             if not _numbers(system).write_geometry(own[0], changes):
                 continue
         except (ValueError, WireRopeError):
