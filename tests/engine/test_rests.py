@@ -1,5 +1,7 @@
 """Equilibria in lanes against the search with MuJoCo's accelerations, and against the company that a variant has."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from laws_for_tests import PARAMETERS, example
@@ -123,6 +125,19 @@ def test_what_has_another_structure_is_not_written():
         assert numbers.of(Changes(isolators={"m0": other})) is None
     assert numbers.of(Changes(masses={"deck": 2.0})) is None
     assert numbers.of(Changes(masses={"nothing": 2.0})) is None
+
+
+def test_another_energy_of_a_loop_is_written_and_other_numbers_of_coefficients_or_elements_are_not():
+    floor, sliders = wr.load_system("floating_floor"), floor_on(example("masing"))
+    rope, law = floor.mounts["m01"].written, example("masing")
+    stiffer, shorter = rope.loop.scaled(2.0), replace(rope.loop, coefficients=rope.loop.coefficients[:2])
+    changes = Changes(isolators={"m01": replace(rope, loop=stiffer)})
+    numbers = Numbers(floor, equations(floor))
+    assert numbers.of(changes).tobytes() == equations(changed(floor, changes)).num.tobytes()
+    assert numbers.of(Changes(isolators={"m01": replace(rope, loop=shorter)})) is None
+    fewer = replace(law, stiffness=law.stiffness[:1], slip_force=law.slip_force[:1])
+    other = replace(sliders.mounts["m0"].written, axial=fewer)
+    assert Numbers(sliders, equations(sliders)).of(Changes(isolators={"m0": other})) is None
 
 
 @pytest.mark.parametrize("name", [name for name in PARAMETERS if name not in ("stop", "tabulated")])
